@@ -132,5 +132,35 @@ TEST(RestingBodies, AStackOfWhichTheHandMovesTheTop_IsAwakeAsAWhole) {
   EXPECT_NEAR(push_n, -bench.asked[2], tolerance(0.05) * push_n);
 }
 
+/// The engine looks only at bodies around the hand. One that is put there and one that the hand
+/// travels to bear it alike: at rest they push with what the hand is asked to press with.
+TEST(RestingBodies, FarFromTheHand_BearItWhereTheyArePutAndWhereItComes) {
+  const Models m = load(shippedFiles());
+  const double lowest_m = -reach(m.hand, aside(), -Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d size_m(0.6, 0.6, 0.02);
+  const auto slabBelow = [&](double gap_m) {
+    return Eigen::Vector3d(0.0, 0.0, lowest_m - gap_m - 0.01);
+  };
+  const double far_m = 0.25;
+  for (const bool put_there : {true, false}) {
+    SCOPED_TRACE(put_there ? "put there" : "travelled to");
+    Bench bench(defaultEngine(), weightless({fixedBox(slabBelow(far_m), size_m)}));
+    ASSERT_TRUE(bench.world->placeHand(aside()));
+    ASSERT_NO_FATAL_FAILURE(run(bench, 50));
+    ASSERT_EQ(bench.touching.count, 0);
+    const double gap_m = put_there ? 1e-3 : far_m;
+    if (put_there) put(bench, 0, slabBelow(gap_m), Eigen::Vector3d::Zero());
+    AxisPosition q = aside();
+    for (int k = 0; k < 1000; ++k) {
+      q[2] = aside()[2] - std::min(5e-4 * k, gap_m + 2e-3);
+      ASSERT_NO_FATAL_FAILURE(bench.step(q, AxisVelocity(6)));
+    }
+    double push_n = 0.0;
+    for (int i = 0; i < bench.touching.count; ++i) push_n += bench.touching.points[i].force_n.z;
+    EXPECT_GT(push_n, 1.0);
+    EXPECT_NEAR(push_n, -bench.asked[2], tolerance(0.02) * push_n);
+  }
+}
+
 }  // namespace
 }  // namespace wholehand::test

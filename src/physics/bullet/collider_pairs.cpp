@@ -13,6 +13,8 @@
 namespace wholehand::bullet {
 namespace {
 
+constexpr double kAround_m = 0.03;  // 30 ms of a fast hand
+
 bool meetsHand(BulletBody::Meets meets, bool palm) {
   return meets == BulletBody::Meets::kAll || (meets == BulletBody::Meets::kDigits) == !palm;
 }
@@ -57,6 +59,7 @@ ColliderPairs::ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand
       threshold_m_(threshold_m),
       resting_(resting),
       owner_(ownersOf(bodies)),
+      is_around_(owner_.size()),
       sweep_(owner_, mostPairs(owner_.size())),
       parts_(owner_.size()) {
   for (const BulletBody& body : bodies) {
@@ -76,6 +79,7 @@ ColliderPairs::ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand
   const std::size_t most = mostPairs(targets_.size());
   for (std::vector<BodyPair>* list : {&body_pairs_, &before_}) list->reserve(most);
   near_.reserve(most);
+  around_colliders_.reserve(targets_.size());
 }
 
 ColliderPairs::~ColliderPairs() {
@@ -92,6 +96,7 @@ bool ColliderPairs::awake(int collider) const noexcept {
 void ColliderPairs::moved(int body) noexcept {
   for (int c = of_body_[body].first; c < of_body_[body].second; ++c) {
     boxes_[c] = targets_[c].collider->box;
+    if (!is_around_[c] && overlap(around_, boxes_[c])) around_listed_ = false;
   }
 }
 
@@ -112,10 +117,24 @@ void ColliderPairs::refreshBoxes() noexcept {
   for (const int body : resting_.awakeBodies()) moved(body);
 }
 
+/// Lists the colliders that the hand may meet before it leaves around_, and those with kept pairs.
+void ColliderPairs::listAround() noexcept {
+  if (around_listed_ && contains(around_, hand_.box())) return;
+  around_listed_ = true;
+  around_.low_m = hand_.box().low_m.array() - kAround_m;
+  around_.high_m = hand_.box().high_m.array() + kAround_m;
+  around_colliders_.clear();
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    is_around_[i] = targets_[i].kept > 0 || overlap(around_, boxes_[i]);
+    if (is_around_[i]) around_colliders_.push_back(static_cast<int>(i));
+  }
+}
+
 void ColliderPairs::find() noexcept {
   refreshBoxes();
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    if (targets_[i].kept > 0 || overlap(hand_.box(), boxes_[i])) findOfHand(targets_[i]);
+  listAround();
+  for (const int c : around_colliders_) {
+    if (targets_[c].kept > 0 || overlap(hand_.box(), boxes_[c])) findOfHand(targets_[c]);
   }
   findOfBodies();
 }

@@ -11,8 +11,10 @@
 
 namespace wholehand::bullet {
 
-/// Finds the contact points of all colliders. Each step sweeps bounding boxes along x, and compares
-/// pairs whose boxes overlap; of two bodies at least one must be awake. A resting body wakes when
+/// Finds the contact points of all colliders. Each step compares the hand with the colliders in a
+/// list of those around it, which is renewed when the hand leaves the enlarged box of its last
+/// list. For pairs of bodies it sweeps bounding boxes along x, and compares pairs whose boxes
+/// overlap; of two bodies at least one must be awake. A resting body wakes when
 /// the hand or an awake body comes near. contactDistance() handles a capsule of the hand against a
 /// box, sphere, cylinder or capsule, and a sphere against a box, cylinder or capsule; Bullet's
 /// narrow phase handles convex meshes and all other pairs of bodies. In both cases Bullet keeps the
@@ -70,6 +72,7 @@ class ColliderPairs {
   };
 
   void refreshBoxes() noexcept;
+  void listAround() noexcept;
   void findOfHand(Target& target) noexcept;
   void disturbNear() noexcept;
   void listOverlaps() noexcept;
@@ -92,6 +95,10 @@ class ColliderPairs {
   std::vector<WorldBox> boxes_;               ///< of every collider
   const std::vector<int> owner_;              ///< body of every collider
   std::vector<bool> meets_bodies_;            ///< of every collider
+  WorldBox around_;                           ///< the hand's box at the last list, enlarged
+  bool around_listed_ = false;                ///< the list below holds for the current boxes
+  std::vector<int> around_colliders_;         ///< those within around_, ascending
+  std::vector<bool> is_around_;               ///< of every collider
   BoxSweep sweep_;                            ///< overlaps of this step
   std::vector<BoxSweep::Part> parts_;         ///< of every collider, at a version of resting_
   unsigned parts_version_ = ~0U;

@@ -19,4 +19,10 @@ struct WorldBox {
          a.low_m.z() <= b.high_m.z() && b.low_m.z() <= a.high_m.z();
 }
 
+/// Whether `inner` lies within `outer`; false for NaN. Real-time safe.
+[[nodiscard]] inline bool contains(const WorldBox& outer, const WorldBox& inner) noexcept {
+  return (outer.low_m.array() <= inner.low_m.array()).all() &&
+         (inner.high_m.array() <= outer.high_m.array()).all();
+}
+
 }  // namespace wholehand::bullet
