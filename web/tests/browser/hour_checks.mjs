@@ -90,6 +90,6 @@ export async function hourOfPlayIsFlat(plain, drawing, program, output) {
   expect(ratio <= TICK_RATIO, `p99.9 of the tick in the last ${LAST_MIN} minutes: ${ratio.toFixed(2)} × the first`);
   for (const [name, page] of Object.entries(pages)) expect(page.faults.length === 0, `${name}: ${page.faults.join('\n')}`);
   for (const page of Object.values(pages)) await page.context().close();
-  const held = last.at(-1);
+  const held = samples.at(-1);
   return `${MINUTES} minutes: program ${held.program.rss_mb.toFixed(0)} MB, ${held.program.threads} threads, ${held.program.descriptors} descriptors; heap of the game ${held.game.heap_mb.toFixed(1)} MB; p99.9 of the tick ${ratio.toFixed(2)} × the first ten minutes`;
 }
