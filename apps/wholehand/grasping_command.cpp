@@ -19,7 +19,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kSlipAsked_m = 0.5e-3;
+constexpr double kSlipAsked_m = 1e-4;
 constexpr double kLeastSlip_mm = 1e-4, kMostSlip_mm = 100.0;  // of the chart
 
 ModelFiles shippedModels() {
@@ -203,14 +203,14 @@ int graspingCommand(const ExperimentOptions& options) {
     each.push_back(trialJson(r));
   }
   json["jittered"] = {
-      {"trials", jittered.results.size()}, {"dropped", dropped},   {"slip_over_half_mm", slipped},
+      {"trials", jittered.results.size()}, {"dropped", dropped},   {"slip_over_tenth_mm", slipped},
       {"force_noise_max_n", noise},        {"seed", options.seed}, {"each", each}};
   if (auto done = writeText(json_path, jsonText(json)); !done) return refuse(done.errors());
   const ChartPage charts = slipPage(tuned.results, jittered.results);
   if (auto done = writeCharts(charts, chart_path); !done) return refuse(done.errors());
   std::printf("\n");
   if (!jittered.results.empty()) {
-    std::printf("jittered: %zu trial%s, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
+    std::printf("jittered: %zu trial%s, %d dropped, %d slipped over 0.1 mm, noise at most %.4f N\n",
                 jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
   }
   std::printf("%s\n%s\nrecordings and scenes in %s\n", printable(json_path).c_str(),

@@ -22,7 +22,7 @@ class Grasping(AppTest):
                 self.assertIs(type(trial[key]), float, key)
             self.assertLessEqual(trial["coupling_error_rad"], 1e-5)  # asked of the grasps
             self.assertLessEqual(trial["slip_m"], 0.5e-3)
-        for key, most in (("trials", 2), ("dropped", 2), ("slip_over_half_mm", 2)):
+        for key, most in (("trials", 2), ("dropped", 2), ("slip_over_tenth_mm", 2)):
             self.assertIs(type(results["jittered"][key]), int, key)
             self.assertLessEqual(results["jittered"][key], most)
         self.assertEqual(results["jittered"]["trials"], 2)

@@ -37,7 +37,7 @@ TEST_P(Rates, CylinderGraspedInGravity_IsHeldAndFeltAsItActs) {
   // What grasp_trial_test.cpp asks for at 1 kHz.
   EXPECT_FALSE(r.dropped);
   EXPECT_FALSE(r.faulted);
-  EXPECT_LE(r.slip_m, tolerance(2.5e-4));
+  EXPECT_LE(r.slip_m, tolerance(1e-4));
   EXPECT_LE(r.force_noise_n, tolerance(0.005));
   EXPECT_LE(r.contact_residual, tolerance(0.01));
   EXPECT_LE(r.felt_error, tolerance(0.01));

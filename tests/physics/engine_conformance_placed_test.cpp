@@ -138,8 +138,9 @@ TEST_P(WedgedHand, BetweenWallsThatAreTooNear_IsPressedByTheDepthAlone) {
   EXPECT_EQ(pressed, 500);
   figure("force of a contact between walls 40 um too near, " + GetParam(), largest_n, "N");
   EXPECT_LE(largest_n, tolerance(100.0));  // a few times what a device can give
-  // `bullet` states its stiffness: 2.5 N/µm, beyond 10 µm where contacts rest.
-  if (GetParam() == "bullet") EXPECT_NEAR(largest_n, 25.0, tolerance(1.0));
+  // `bullet` states its stiffness: 2.5 N/µm, beyond 10 µm where contacts rest. Friction of slanted
+  // contacts carries some of it.
+  if (GetParam() == "bullet") EXPECT_NEAR(largest_n, 25.0, tolerance(2.0));
 }
 
 TEST_P(SlidingWall, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {

@@ -21,7 +21,7 @@ export const de: ChartTexts = {
     'exercise.fingers': 'Finger, N an den Spitzen', 'exercise.thumb': 'Daumen, N an der Spitze (Drehung in 0,1 Nm)', 'exercise.arm': 'Arm, N', 'exercise.phi': 'Adaptive Dämpfung φ',
     'exercise.alpha': 'Übergang α der Haptik der Übung', 'exercise.flow': 'Fluss, ml/s', 'exercise.glass': 'Im Glas, ml', 'exercise.wall': 'Wand', 'exercise.asked': 'verlangt: {ml}',
     'grasping.title': 'Greifen, 20 cm tragen, 10 s halten', 'grasping.chart': 'Rutschen beim Halten: Anteil der Versuche, die nicht weiter rutschen',
-    'grasping.asked': 'verlangt: 0,5 mm', 'grasping.tuned': 'abgestimmt', 'grasping.jittered': 'gestört',
+    'grasping.asked': 'verlangt: 0,1 mm', 'grasping.tuned': 'abgestimmt', 'grasping.jittered': 'gestört',
     'timing.title': 'Zeit je Takt, {ticks} Takte', 'timing.chart': 'Takte nach ihrer Zeit auf der Wanduhr', 'timing.mark': '{name}: {us} µs', 'timing.deadline': 'Frist: 1 ms',
     'timing.table': 'Zeiten, µs', 'timing.what': 'Was', 'timing.most': 'grösste', 'timing.cpu': 'Takt, Prozessor', 'timing.wall': 'Takt, Wanduhr',
     'engines.title': 'Physik-Engines in denselben Szenen',

@@ -21,7 +21,7 @@ export const en = {
     'exercise.fingers': 'Fingers, N at the tips', 'exercise.thumb': 'Thumb, N at the tip (turn in 0.1 Nm)', 'exercise.arm': 'Arm, N', 'exercise.phi': 'Adaptive damping φ',
     'exercise.alpha': 'Transition α of the exercise’s haptics', 'exercise.flow': 'Flow, ml/s', 'exercise.glass': 'In the glass, ml', 'exercise.wall': 'wall', 'exercise.asked': 'asked: {ml}',
     'grasping.title': 'Grasp, carry 20 cm, hold for 10 s', 'grasping.chart': 'Slip during the hold: share of the trials that slip no further',
-    'grasping.asked': 'asked: 0.5 mm', 'grasping.tuned': 'tuned', 'grasping.jittered': 'jittered',
+    'grasping.asked': 'asked: 0.1 mm', 'grasping.tuned': 'tuned', 'grasping.jittered': 'jittered',
     'timing.title': 'Time per tick, {ticks} ticks', 'timing.chart': 'Ticks by their time on the wall clock', 'timing.mark': '{name}: {us} µs', 'timing.deadline': 'deadline: 1 ms',
     'timing.table': 'Times, µs', 'timing.what': 'What', 'timing.most': 'largest', 'timing.cpu': 'tick, processor', 'timing.wall': 'tick, wall clock',
     'engines.title': 'Physics engines in the same scenes',

@@ -21,7 +21,7 @@ export const fr: ChartTexts = {
     'exercise.fingers': 'Doigts, N aux extrémités', 'exercise.thumb': 'Pouce, N à l’extrémité (rotation en 0,1 Nm)', 'exercise.arm': 'Bras, N', 'exercise.phi': 'Amortissement adaptatif φ',
     'exercise.alpha': 'Transition α de l’haptique de l’exercice', 'exercise.flow': 'Débit, ml/s', 'exercise.glass': 'Dans le verre, ml', 'exercise.wall': 'paroi', 'exercise.asked': 'demandé : {ml}',
     'grasping.title': 'Saisir, porter sur 20 cm, tenir 10 s', 'grasping.chart': 'Glissement pendant la tenue : part des essais qui ne glissent pas davantage',
-    'grasping.asked': 'demandé : 0,5 mm', 'grasping.tuned': 'réglés', 'grasping.jittered': 'perturbés',
+    'grasping.asked': 'demandé : 0,1 mm', 'grasping.tuned': 'réglés', 'grasping.jittered': 'perturbés',
     'timing.title': 'Durée par cycle, {ticks} cycles', 'timing.chart': 'Cycles selon leur durée à l’horloge', 'timing.mark': '{name} : {us} µs', 'timing.deadline': 'délai : 1 ms',
     'timing.table': 'Durées, µs', 'timing.what': 'Quoi', 'timing.most': 'la plus longue', 'timing.cpu': 'cycle, processeur', 'timing.wall': 'cycle, horloge',
     'engines.title': 'Moteurs physiques dans les mêmes scènes',
