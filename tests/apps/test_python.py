@@ -353,6 +353,17 @@ class Recordings(AppTest):
         self.assertAlmostEqual(float(data["time_s"][-1]), 1e-3 * (len(numbers) - 1))
 
 
+    def test_every_way_to_the_ticks_gives_unpacked_numbers(self):
+        with wholehand.open(self.record(duration=0.2)) as run:
+            numbers = run["ticks/qd_s"][:]
+            self.assertTrue((run.to_pandas("qd_s")["qd_s"].to_numpy() == numbers).all())
+            for ticks in (run.ticks, run["ticks"], run["/ticks/"]):
+                self.assertTrue((numpy.asarray(ticks["qd_s"]) == numbers).all())
+                self.assertIn("qd_s", ticks)
+                self.assertEqual(len(list(ticks)), len(ticks))
+                self.assertRaises(KeyError, lambda ticks=ticks: ticks["speed"])
+
+
 class Examples(AppTest):
     def said(self, name, *arguments):
         done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples" / name, *map(str, arguments)],

@@ -8,6 +8,8 @@ From schema version 5 on, most datasets of /ticks are packed: they hold how far 
 the rest of its row and the rows before it let expect (docs/recording.md, "Packed datasets"). A `Recording`
 is used as the h5py file it wraps, and gives packed datasets unpacked.
 """
+from collections.abc import Mapping
+
 import h5py
 import numpy
 
@@ -41,12 +43,29 @@ class Column:
         return numpy.array(self.values, dtype=dtype)
 
 
+class Ticks(Mapping):
+    """The group /ticks: datasets by their names, unpacked."""
+
+    def __init__(self, recording):
+        self._recording = recording
+
+    def __getitem__(self, name):
+        return self._recording[f"ticks/{name}"]
+
+    def __iter__(self):
+        return iter(self._recording.file["ticks"])
+
+    def __len__(self):
+        return len(self._recording.file["ticks"])
+
+
 class Recording:
     """A recording, opened for reading; one that is still written or was cut off, too."""
 
     def __init__(self, path):
         self.file = h5py.File(path, "r", libver="latest", swmr=True)
-        self.ticks = self.file["ticks"]
+        self._raw = self.file["ticks"]
+        self.ticks = Ticks(self)
         self.meta = self.file["meta"].attrs
         version = self.meta["schema_version"]
         if version > LAST_SCHEMA:  # its packed numbers would come out wrong
@@ -54,7 +73,7 @@ class Recording:
             raise ValueError(f"{path}: schema_version = {version}: was written by a newer Wholehand; this package reads "
                              f"versions up to {LAST_SCHEMA}: update it")
         self._blocks = {}  # name -> chunks x rows of a chunk x numbers of a row
-        self._rows = min(len(self.ticks[name]) for name in self.ticks)
+        self._rows = min(len(self._raw[name]) for name in self._raw)
 
     def __enter__(self):
         return self
@@ -66,6 +85,8 @@ class Recording:
         return name in self.file
 
     def __getitem__(self, name):
+        if name.strip("/") == "ticks":
+            return self.ticks
         dataset = self.file[name]
         group, _, column = name.strip("/").rpartition("/")
         if group != "ticks" or not self._is_packed(column):
@@ -86,7 +107,7 @@ class Recording:
 
     def _is_packed(self, column):
         packed = self.meta["schema_version"] >= FIRST_PACKED_SCHEMA
-        return packed and column in ORDER and self.ticks[column].dtype.base == numpy.uint64
+        return packed and column in ORDER and self._raw[column].dtype.base == numpy.uint64
 
     def _block(self, column):
         if column not in self._blocks:
@@ -94,7 +115,7 @@ class Recording:
         return self._blocks[column]
 
     def _plain(self, column):
-        dataset = self.ticks[column]
+        dataset = self._raw[column]
         rows = dataset.chunks[0]
         chunks = -(-self._rows // rows)
         values = numpy.zeros((chunks * rows, *row_shape(dataset)), dataset.dtype.base)
