@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -40,6 +41,7 @@ std::vector<double> positionsOver(const std::string& where) {
       orThrow(FrameDevice::open(orThrow(openCarrier(firmware.locator())), 77, &waitAMillisecond));
   (void)orThrow(device->control(WH_ENABLE, 0.0, &waitAMillisecond));
   std::vector<double> positions;
+  std::int64_t pumped_ns = monotonicNow_ns(), longest_ns = 0;  // between two reads of the line
   for (int k = 1; k <= 100; ++k) {
     const double effort = std::sin(0.3 * k) * 5.0;
     EXPECT_EQ(device->write(commandOf({effort, -effort, 0.5 * effort})), WH_OK);
@@ -47,9 +49,12 @@ std::vector<double> positionsOver(const std::string& where) {
     const std::int64_t until_ns = monotonicNow_ns() + 10'000'000'000;
     // The sample that says this command's effort is the one after it.
     while (sample.effort[0] != static_cast<double>(static_cast<float>(effort))) {
-      device->pump(monotonicNow_ns());
+      const std::int64_t now_ns = monotonicNow_ns();
+      longest_ns = std::max(longest_ns, now_ns - pumped_ns);
+      pumped_ns = now_ns;
+      device->pump(now_ns);
       EXPECT_GE(device->read(sample), 0);
-      if (monotonicNow_ns() > until_ns) {
+      if (now_ns > until_ns) {
         ADD_FAILURE() << where << " lost command " << k;
         return positions;
       }
@@ -57,8 +62,12 @@ std::vector<double> positionsOver(const std::string& where) {
     }
     positions.insert(positions.end(), sample.position, sample.position + 3);
   }
+  // A line holds a few kilobytes, some 50 ms of samples. Where a busy machine kept this test from
+  // reading for as long, samples were lost, and the positions alone tell.
   const FrameCounters counted = device->counters();
-  EXPECT_EQ(counted.broken + counted.crc_errors + counted.foreign + counted.stale, 0U) << where;
+  if (longest_ns < 30'000'000) {
+    EXPECT_EQ(counted.broken + counted.crc_errors + counted.foreign + counted.stale, 0U) << where;
+  }
   return positions;
 }
 
