@@ -1,4 +1,5 @@
 #include "admit_command.hpp"
+#include "assembly/program_version.hpp"
 #include "bar_experiments.hpp"
 #include "certify_command.hpp"
 #include "core/printable.hpp"
@@ -9,7 +10,6 @@
 #include "engine_option.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
-#include "git_version.hpp"
 #include "number_option.hpp"
 #include "replay_command.hpp"
 #include "report_command.hpp"
@@ -241,7 +241,7 @@ int runProgram(int argc, char** argv) {
   CLI::App app{
       "Whole-hand haptic rendering on an off-the-shelf physics engine.\n"
       "Research software, not a certified medical device."};
-  app.set_version_flag("--version", std::string("wholehand ") + WHOLEHAND_VERSION);
+  app.set_version_flag("--version", std::string("wholehand ") + programVersion());
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default(false);
   int code = kExitDone;

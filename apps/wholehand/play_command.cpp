@@ -1,10 +1,10 @@
 #include "play_command.hpp"
 
+#include "assembly/program_version.hpp"
 #include "assembly/resting_player.hpp"
 #include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
-#include "git_version.hpp"
 #include "json_text.hpp"
 #include "pages.hpp"
 #include "real_device.hpp"
@@ -47,7 +47,7 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
   config.recordings_folder = kRecordings;
   config.profiles_folder = kProfiles;
   config.record = options.record;
-  config.program_version = WHOLEHAND_VERSION;
+  config.program_version = programVersion();
   config.make_player = makeMotionPlayer;
   config.make_report = [&reports](const std::string& recording, const std::string& folder) {
     return reports.make(recording, folder);

@@ -1,8 +1,8 @@
 #include "replay_command.hpp"
 
+#include "assembly/program_version.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
-#include "git_version.hpp"
 #include "replay/answering.hpp"
 #include "replay_web_command.hpp"
 #include "report_command.hpp"
@@ -26,8 +26,8 @@ namespace {
 
 // A difference between program versions is not an error.
 std::string versions(const RecordingMeta& meta) {
-  if (meta.git_version == WHOLEHAND_VERSION) return {};
-  return " (recorded by " + meta.git_version + ", this is " + WHOLEHAND_VERSION + ")";
+  if (meta.git_version == programVersion()) return {};
+  return " (recorded by " + meta.git_version + ", this is " + programVersion() + ")";
 }
 
 int tell(const Expected<Resimulation>& result, const RecordingMeta& meta, const std::string& path) {

@@ -1,12 +1,12 @@
 #include "sweep_command.hpp"
 
+#include "assembly/program_version.hpp"
 #include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiments/sweep/sweep.hpp"
-#include "git_version.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 #include "telemetry/sweep_file.hpp"
@@ -321,7 +321,7 @@ int sweepCommand(const SweepOptions& options) {
   }
   SweepPlan plan;
   plan.out = options.out;
-  plan.git_version = WHOLEHAND_VERSION;
+  plan.git_version = programVersion();
   plan.share = *share;
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   plan.processes = options.processes > 0 ? options.processes : (plan.share ? 1 : cores);

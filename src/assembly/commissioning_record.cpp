@@ -1,8 +1,8 @@
 #include "assembly/commissioning_record.hpp"
 
 #include "assembly/kept_black_box.hpp"
+#include "assembly/program_version.hpp"
 #include "assembly/text_file.hpp"
-#include "git_version.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ RecordingMeta describe(const DeviceModel& model, const CommissioningRecord::Plan
   RecordingMeta meta;
   meta.created_utc =
       fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-  meta.git_version = WHOLEHAND_VERSION;
+  meta.git_version = programVersion();
   meta.period_s = plan.period_s;
   meta.simulated_device = false;
   meta.models_changed = true;  // nothing was rendered, so it cannot be re-simulated

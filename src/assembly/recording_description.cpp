@@ -1,10 +1,10 @@
 #include "assembly/recording_description.hpp"
 
+#include "assembly/program_version.hpp"
 #include "assembly/rehearsal_fingerprint.hpp"
 #include "assembly/sampled_inertia.hpp"
 #include "assembly/text_file.hpp"
 #include "core/printable.hpp"
-#include "git_version.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -50,7 +50,7 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   RecordingMeta meta;
   meta.created_utc =
       fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-  meta.git_version = WHOLEHAND_VERSION;
+  meta.git_version = programVersion();
   meta.seed = seed;
   meta.period_s = rig.options.period_s;
   meta.engine = rig.options.engine;
