@@ -119,7 +119,7 @@ TEST_P(WedgedHand, BetweenWallsThatAreTooNear_IsPressedByTheDepthAlone) {
   const double apart_m = 5e-3, depth_m = 2e-5, speed_m_s = 0.05;
   Bench bench(GetParam(), weightless({wall(y, left_m + apart_m), wall(-y, right_m + apart_m)}));
   ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
-  double largest_n = 0.0;
+  double largest_n = 0.0, off_n = 0.0;
   int pressed = 0;
   for (int k = 0; k < 1500; ++k) {
     const double travel_m = std::min(speed_m_s * k * kPeriod_s, apart_m + depth_m);
@@ -132,15 +132,21 @@ TEST_P(WedgedHand, BetweenWallsThatAreTooNear_IsPressedByTheDepthAlone) {
     if (k < 1000) continue;
     pressed += bench.touching.count > 1 ? 1 : 0;
     for (int i = 0; i < bench.touching.count; ++i) {
-      largest_n = std::max(largest_n, std::abs(bench.touching.points[i].force_n.y));
+      const Contact& c = bench.touching.points[i];
+      largest_n = std::max(largest_n, std::abs(c.force_n.y));
+      const double depth_n = 2.5e6 * std::max(0.0, -c.distance_m - 1e-5);
+      off_n = std::max(off_n, std::abs(std::abs(c.force_n.y) - depth_n));
     }
   }
   EXPECT_EQ(pressed, 500);
   figure("force of a contact between walls 40 um too near, " + GetParam(), largest_n, "N");
   EXPECT_LE(largest_n, tolerance(100.0));  // a few times what a device can give
-  // `bullet` states its stiffness: 2.5 N/µm, beyond 10 µm where contacts rest. Friction of slanted
-  // contacts carries some of it.
-  if (GetParam() == "bullet") EXPECT_NEAR(largest_n, 25.0, tolerance(2.0));
+  // `bullet` states its stiffness: 2.5 N/µm, beyond 10 µm where contacts rest. Each contact is held
+  // to its own depth; half of 40 µm, 25 N, but for what the hand gives way.
+  if (GetParam() == "bullet") {
+    EXPECT_NEAR(largest_n, 25.0, tolerance(1.25));
+    EXPECT_LE(off_n, tolerance(1.0));
+  }
 }
 
 TEST_P(SlidingWall, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
