@@ -352,7 +352,6 @@ class Recordings(AppTest):
         self.assertEqual(data["sent"].attrs["units"][0], "N")
         self.assertAlmostEqual(float(data["time_s"][-1]), 1e-3 * (len(numbers) - 1))
 
-
     def test_every_way_to_the_ticks_gives_unpacked_numbers(self):
         with wholehand.open(self.record(duration=0.2)) as run:
             numbers = run["ticks/qd_s"][:]

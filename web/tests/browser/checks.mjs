@@ -24,7 +24,13 @@ export async function openGame(browser, programUrl, query = {}, options = {}) {
 }
 
 /** A browser that gets no processor for 200 ms has lost the controls: on a machine that others use, a person presses "Go on". */
-export const GOES_ON = () => { setInterval(() => document.querySelector('[data-testid=take-again]')?.click(), 500); };
+export const GOES_ON = () => {
+  window.wentOn = 0;  // how often
+  setInterval(() => {
+    const button = document.querySelector('[data-testid=take-again]');
+    if (button) { window.wentOn += 1; button.click(); }
+  }, 500);
+};
 
 /** Arming rehearses: until it is done, nothing that the person does moves anything. */
 async function playing(page) {
