@@ -202,17 +202,28 @@ needs_pages() {
   ((!scene || port))
 }
 
+cannot_write="Cannot write to $root/build. Clone as the user who builds, or: chown -R \"\$USER\" \"$root\""
+disk_is_full="the disk of $root/build is full. Make room and start again: what is done is kept."
 make_log() {
-  { mkdir -p "$(dirname "$1")" && : >"$1"; } 2>/dev/null || fail \
-    "Cannot write to $root/build. Clone as the user who builds, or: chown -R \"\$USER\" \"$root\""
+  { mkdir -p "$(dirname "$1")" && : >"$1"; } 2>/dev/null && return
+  if out_of_space; then fail "Cannot write to $root/build: $disk_is_full"; fi
+  fail "$cannot_write"
+}
+
+# out_of_space [log]: a step that failed had no room, by its log or, where not even that was written, by
+# what is left of the disk.
+out_of_space() {
+  local free_kb
+  if [[ -n ${1:-} ]] && grep -qi 'no space left on device' "$1"; then return; fi
+  free_kb=$(df --output=avail -k "$root/build" 2>/dev/null | tail -n 1)
+  ((${free_kb:-1000000} < 4096))
 }
 
 # one_at_a_time: two that build into the same folder would disturb each other.
 one_at_a_time() {
   local lock="$root/build/check.lock"
   mkdir -p "$root/build" 2>/dev/null || true
-  { exec 9>>"$lock"; } 2>/dev/null || fail \
-    "Cannot write to $root/build. Clone as the user who builds, or: chown -R \"\$USER\" \"$root\""
+  { exec 9>>"$lock"; } 2>/dev/null || fail "$cannot_write"
   flock -n 9 || fail \
     "Another ./check or ./start builds in $root (process $(cat "$lock")). Wait for it, or end it: kill $(cat "$lock")"
   echo $$ >"$lock"
@@ -245,6 +256,7 @@ configure() {
   fi
   if ! (cd "$root" && cmake "${fresh[@]}" --preset "$preset" "$@") >"$log" 2>&1; then
     tail -n 30 "$log" >&2
+    if out_of_space "$log"; then fail "Configuring $preset failed: $disk_is_full Full log: $log"; fi
     fail "Configuring $preset failed. Full log: $log"
   fi
 }
@@ -290,9 +302,7 @@ build() {
   jobs=$(build_jobs)
   if ! ninja -C "$root/build/$preset" -j "$jobs" "$@" 2>&1 | tee "$log" |
     show_progress "Building $preset" "$jobs"; then
-    if grep -qi 'no space left on device' "$log"; then
-      fail "Building $preset failed: the disk of $root/build is full. Make room and start again: what is done is kept. Full log: $log"
-    fi
+    if out_of_space "$log"; then fail "Building $preset failed: $disk_is_full Full log: $log"; fi
     grep -vE '^(\[|ninja: )' "$log" | grep -E -A12 -m3 '^FAILED|error|Error' >&2 ||
       tail -n 30 "$log" >&2
     fail "Building $preset failed. Full log: $log"
