@@ -42,11 +42,12 @@ whole=$(objects "$tree")
 # Killed half way, three times, at other points.
 rm -rf "$tree/build"
 in_tree "$tree" configure release -DWHOLEHAND_BUILD_TESTS=OFF >/dev/null
-for seconds in 0.7 1.9 3.1; do
-  setsid bash -c 'source "$0/scripts/lib.sh"; build release "$1"' "$tree" "$target" >/dev/null 2>&1 &
+for seconds in 0.5 1.2 2.1; do
+  # shellcheck disable=SC2016
+  setsid bash -c 'root=$0; cd "$root"; source scripts/lib.sh; build release "$1"' "$tree" "$target" >"$folder/killed.log" 2>&1 &
   killed=$!
   sleep "$seconds"
-  kill -KILL -- "-$killed" 2>/dev/null || true
+  kill -KILL -- "-$killed" || wrong "the build had ended before it was killed" "$(cat "$folder/killed.log")"
   wait "$killed" 2>/dev/null || true
 done
 build_it "$tree"
