@@ -65,20 +65,25 @@ function(wholehand_compile_together target)
 endfunction()
 
 # wholehand_test(<name> SOURCES a.cpp ... USES core ... [LABEL unit] [TIMEOUT seconds] [SHARDS count]
-#                [THREADED] [COMPUTES])
+#                [THREADED] [COMPUTES] [COMPUTES_IN_RELEASE])
 #
 # SHARDS: its tests wait more than they compute; so many of them run at once.
-# COMPUTES: its own sources do long arithmetic; sanitizers see them optimised.
-# THREADED: ./check runs it under ThreadSanitizer too. LABEL realtime: nothing runs beside it. LABEL
-# figure: it measures at length what other tests drive through the same code; no sanitizer sees it.
+# COMPUTES: its own sources do long arithmetic, and are optimised. COMPUTES_IN_RELEASE: they are in a
+# release build, and a sanitizer's run of them is drawn shorter. So are labels that measure.
+# THREADED: ./check runs it under ThreadSanitizer too. LABEL realtime: it measures in real time, nothing
+# runs beside it. LABEL paced: it runs in real time and mostly sleeps; compilers of the lowest priority
+# may run beside it. LABEL figure: it measures at length what other tests drive through the same code; no
+# sanitizer sees it.
 function(wholehand_test name)
-  cmake_parse_arguments(arg "THREADED;COMPUTES" "LABEL;TIMEOUT;SHARDS" "SOURCES;USES;VENDOR" ${ARGN})
+  cmake_parse_arguments(arg "THREADED;COMPUTES;COMPUTES_IN_RELEASE" "LABEL;TIMEOUT;SHARDS" "SOURCES;USES;VENDOR" ${ARGN})
   add_executable(test_${name} ${arg_SOURCES})
   target_link_libraries(test_${name} PRIVATE wholehand_options GTest::gtest GTest::gtest_main
                                              ${arg_VENDOR})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   if(arg_COMPUTES)
     wholehand_computes(test_${name})
+  elseif(CMAKE_BUILD_TYPE STREQUAL Release AND NOT arg_COMPUTES_IN_RELEASE AND NOT arg_LABEL MATCHES "realtime|figure")
+    wholehand_unoptimised(test_${name})
   endif()
   foreach(used IN LISTS arg_USES)
     string(REPLACE "/" "_" used ${used})

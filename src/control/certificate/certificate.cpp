@@ -247,13 +247,13 @@ Certificate certify(const CertificateInput& input) {
     out.axes.push_back(certifyAxis(axisCase(input, i)));
     k_pm[i] = out.axes.back().axis_case.gains.k_pm;
   }
-  const CoupledCase together = coupledCase(input);
-  const std::vector<AxisMatrix> sampled(together.inertias.begin() + 1, together.inertias.end());
+  const CoupledCase coupled = coupledCase(input);
+  const std::vector<AxisMatrix> sampled(coupled.inertias.begin() + 1, coupled.inertias.end());
   const double step_s = input.stepPeriod();
   const WorstPosture worst = worstPosture(sampled, k_pm, step_s);
   out.avatar = {worst.radius, -step_s / std::log(worst.radius), worst.posture, sampled.size(),
                 largestStableFactor(sampled, k_pm, step_s, kLargestFactor)};
-  const RequiredShare need = requiredShare(together);
+  const RequiredShare need = requiredShare(coupled);
   out.coupled = {need.share > 0.0 ? 1.0 / need.share : kInfinite, need.frequency_hz, need.posture};
   out.certified = out.avatar.passes() && out.coupled.margin >= 1.0;
   double least = out.avatar.margin;

@@ -141,11 +141,11 @@ void raiseArmature(CertificateInput& input, const Certificate& judged) {
       if (wanted > inertia) input.rendering.axes[i].armature = roundedUp(wanted - c.inertia);
     }
     if (more == 0.0) return;
-    const CoupledCase together = coupledCase(input);
-    if (!(worstPosture(together.inertias, stiffnessOf(input), input.stepPeriod()).radius < 1.0)) {
+    const CoupledCase coupled = coupledCase(input);
+    if (!(worstPosture(coupled.inertias, stiffnessOf(input), input.stepPeriod()).radius < 1.0)) {
       continue;
     }
-    if (requiredShare(together).share <= 1.0) return;
+    if (requiredShare(coupled).share <= 1.0) return;
     if (!calm) {
       calm = input;
       most = 3.0 * more;

@@ -149,14 +149,14 @@ bool axesHold(const CertificateInput& input) {
 }
 
 bool handHolds(const CertificateInput& input) {
-  const CoupledCase together = coupledCase(input);
+  const CoupledCase coupled = coupledCase(input);
   AxisStiffness k_pm(input.device.axisCount());
   for (int i = 0; i < k_pm.size(); ++i) {
     k_pm[i] = input.rendering.axes[i].k_pm;
   }
-  const double radius = worstPosture(together.inertias, k_pm, input.stepPeriod()).radius;
+  const double radius = worstPosture(coupled.inertias, k_pm, input.stepPeriod()).radius;
   return radius <= std::exp(-input.stepPeriod() / AvatarCertificate::kSlowest_s) &&
-         requiredShare(together).share <= 1.0;
+         requiredShare(coupled).share <= 1.0;
 }
 
 }  // namespace
