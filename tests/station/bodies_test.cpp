@@ -1,6 +1,7 @@
 // Orders of a game to its bodies, in a station that renders. In real time.
 #include "core/body_order.hpp"
 #include "station/station_bench.hpp"
+#include "support/resting_device.hpp"
 
 #include <fstream>
 #include <functional>
@@ -24,19 +25,6 @@ SpawnOrder ballAside(int slot, int generation = 1) {
   spawn.pose.position_m = {0.5, 0.3, 0.2};
   return spawn;
 }
-
-/// A real device that rests at the origin.
-class Handle final : public HapticDevice {
- public:
-  [[nodiscard]] Expected<Done> open() override { return Done{}; }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
-  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
-    reading.q_m = AxisPosition(6);
-    return Fault::kNone;
-  }
-  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override {}
-};
 
 class GameInAStation : public Bar {
  protected:
@@ -67,7 +55,7 @@ class GameInAStation : public Bar {
     config.rehearsal = {};
     config.rehearsal.extra_ns = extra_ns;
     config.make_device = [](const DeviceModel&) -> Expected<std::unique_ptr<HapticDevice>> {
-      return std::unique_ptr<HapticDevice>(std::make_unique<Handle>());
+      return std::unique_ptr<HapticDevice>(std::make_unique<RestingDevice>(AxisPosition(6)));
     };
     load(config);
     run(false);

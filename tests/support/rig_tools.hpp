@@ -6,6 +6,7 @@
 #include "dynamics/synergy.hpp"
 #include "model/hand/hand_file.hpp"
 #include "support/figure.hpp"
+#include "support/resting_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -106,7 +107,7 @@ inline SceneBody wall(const Eigen::Vector3d& along, double face_m) {
 }
 
 /// An ideal device that is where a script says at each read (0 when armed), whatever is sent.
-class ScriptedDevice final : public HapticDevice {
+class ScriptedDevice final : public RestingDevice {
  public:
   using Script = std::function<AxisPosition(int read)>;
   explicit ScriptedDevice(Script script) : script_(std::move(script)) {}
@@ -114,7 +115,6 @@ class ScriptedDevice final : public HapticDevice {
     read_ = 0;
     return Done{};
   }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   /// Nobody's hand stands as still as a script.
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
@@ -122,8 +122,6 @@ class ScriptedDevice final : public HapticDevice {
     read_ += elapsed_periods;
     return Fault::kNone;
   }
-  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override {}
 
  private:
   Script script_;
