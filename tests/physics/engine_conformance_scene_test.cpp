@@ -11,13 +11,9 @@
 namespace wholehand::test {
 namespace {
 
-class Determinism : public EngineTest {};
 WHOLEHAND_ENGINES(Determinism);
-class BadScene : public EngineTest {};
 WHOLEHAND_ENGINES(BadScene);
-class ManyWalls : public EngineTest {};
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(ManyWalls);
-class PlaceHand : public EngineTest {};
 WHOLEHAND_ENGINES(PlaceHand);
 
 TEST_P(PlaceHand, WhereABodyIs_NamesBodyAndPart) {

@@ -5,6 +5,7 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "model/hand/hand_file.hpp"
+#include "support/ball_shape.hpp"
 #include "support/figure.hpp"
 #include "support/resting_device.hpp"
 
@@ -72,10 +73,7 @@ inline SceneBody ball(const Eigen::Vector3d& center_m, double radius_m, double m
   body.mass_kg = mass_kg;
   body.inertia_kg_m2 = 0.4 * mass_kg * radius_m * radius_m * Eigen::Matrix3d::Identity();
   body.pose.translation_m = center_m;
-  Shape shape;
-  shape.type = ShapeType::kSphere;
-  shape.radius_m = radius_m;
-  body.shapes.push_back(shape);
+  body.shapes.push_back(ballShape(radius_m));
   return body;
 }
 
