@@ -177,7 +177,8 @@ TEST(TwoFaults, ClampedBesideAFaultOfNoAxis_NameNone) {
         sabotage.world = {i < 8 ? World::kStepFails : World::kNonFiniteState, tick, 0};
       }
       Bench bench(workbench(), sabotage, random, config);
-      ASSERT_TRUE(stopsAllowingTheLeast(bench)) << "nearly every effort is clamped then";
+      // Nearly every effort is clamped then.
+      ASSERT_TRUE(stopsAllowingTheLeast(bench));
       EXPECT_EQ(bench.record.fault_axis, -1) << "run " << i << (writing ? ", writing" : ", world");
       clamped += any(bench.record.faults & (Fault::kEffortLimit | Fault::kEffortSlew)) ? 1 : 0;
     }

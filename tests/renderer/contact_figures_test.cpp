@@ -78,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(AllSides, FixedContact,
 
 // ---- largest stable stiffness
 
-/// It may move a person.
+/// A test rig of 0.5 kg and 1 N·s/m; it may move a person.
 class StiffnessRig final : public PushedAxis {
  public:
   using PushedAxis::PushedAxis;
