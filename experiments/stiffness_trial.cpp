@@ -8,7 +8,6 @@
 #include "runtime/interrupt_scope.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>
