@@ -5,6 +5,7 @@
 // The figures of the whole system, with its percentiles, are those of `wholehand experiment
 // timing`; these tell a change of one part from another, on the same machine.
 #include "assembly/text_file.hpp"
+#include "bench/rig_files.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "experiments/grasp_script.hpp"
 #include "realtime/spsc_queue.hpp"
@@ -21,12 +22,6 @@
 
 namespace wholehand {
 namespace {
-
-template <class T>
-T orThrow(Expected<T> expected) {
-  if (!expected) throw std::runtime_error(format(expected.errors()));
-  return std::move(expected).value();
-}
 
 /// Scratch space that goes when the program ends.
 class Folder {
@@ -53,17 +48,6 @@ const Folder& folder() {
   return folder;
 }
 
-ModelFiles shippedFiles() {
-  const std::string config = WHOLEHAND_SOURCE_DIR "/config/";
-  return {config + "scenes/empty.toml",
-          config + "hands/adult-median-right.toml",
-          config + "devices/lambda-pride.toml",
-          config + "rendering/lambda-pride.toml",
-          config + "patients/relaxed-adult.toml",
-          "",
-          ""};
-}
-
 /// A cylinder grasped, lifted and held; from there on the patient holds still.
 struct Holding {
   std::unique_ptr<Rig> rig;
@@ -75,7 +59,7 @@ struct Holding {
     for (const GraspTrial& tuned : tunedTrials()) {
       if (tuned.shape == "cylinder" && tuned.gravity) trial = tuned;
     }
-    ModelFiles files = shippedFiles();
+    ModelFiles files = filesOf("empty.toml");
     const Models without = orThrow(loadModels(files));
     files.scene = folder().file("grasp.toml");
     orThrow(writeText(files.scene, graspScene(trial, without)));

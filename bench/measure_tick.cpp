@@ -7,6 +7,7 @@
 // print one digest computed the same to the last bit. scripts/tick_cost.py runs it under Callgrind.
 #include "assembly/rig.hpp"
 #include "assembly/text_file.hpp"
+#include "bench/rig_files.hpp"
 #include "experiments/complexity_scenes.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grasp_script.hpp"
@@ -39,28 +40,11 @@ namespace wholehand {
 
 namespace {
 
-template <class T>
-T orThrow(Expected<T> expected) {
-  if (!expected) throw std::runtime_error(format(expected.errors()));
-  return std::move(expected).value();
-}
-
 /// A rig, and how many of its ticks pass before those that are measured.
 struct Prepared {
   std::unique_ptr<Rig> rig;
   int ticks_before = 0;
 };
-
-ModelFiles filesOf(const std::string& scene) {
-  const std::string config = WHOLEHAND_SOURCE_DIR "/config/";
-  return {config + "scenes/" + scene,
-          config + "hands/adult-median-right.toml",
-          config + "devices/lambda-pride.toml",
-          config + "rendering/lambda-pride.toml",
-          config + "patients/relaxed-adult.toml",
-          "",
-          ""};
-}
 
 ModelFiles barFiles() {
   ModelFiles files = filesOf("cocktail-bar.toml");

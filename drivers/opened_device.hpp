@@ -43,6 +43,10 @@ struct OpenedDevice {
 /// file.
 template <class Opened, typename Opened::Open open>
 struct PluginFunctions {
+  [[nodiscard]] static constexpr wh_plugin table(std::uint32_t flags, const char* name) {
+    return {sizeof(wh_plugin), WH_MAJOR, WH_MINOR,    flags,         name,         &openDevice,
+            &describe,         &control, &readSample, &writeCommand, &closeDevice, &identify};
+  }
   static int openDevice(const wh_host* host, const char* locator, const char* settings,
                         Opened** out) {
     return Opened{{*host, nullptr}}.guard([&] {

@@ -4,10 +4,10 @@
 #include "assembly/sampled_inertia.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
+#include "experiments/pushed_axis.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -15,52 +15,13 @@
 namespace wholehand {
 namespace {
 
-constexpr double kMass_kg = 0.5, kDamping_n_s_m = 1.0, kPush_n = 3.0, kKnock_n = 0.5;
-constexpr double kSettled_s = 1.5, kKnock_s = 2.0, kKnockEnds_s = 2.02, kEnd_s = 4.0;
+constexpr double kEnd_s = 4.0;
 /// The knock's motion in the first window is compared with that in the last.
 constexpr double kEarly_s = 2.1, kEarlyEnds_s = 2.6, kLate_s = 3.5;
 /// The search, in shares of the bound.
 constexpr double kLow = 0.8, kHigh = 1.4;
 constexpr int kHalvings = 6;
 constexpr double kGap_m = 0.004;
-
-/// One axis by its exact solution, pushed and knocked; 20 N·s/m more until it rests.
-class PushedAxis final : public HapticDevice {
- public:
-  PushedAxis(AxisPosition start, int axis, double period_s)
-      : q_(start), axis_(axis), period_s_(period_s) {}
-  [[nodiscard]] Expected<Done> open() override { return Done{}; }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
-  [[nodiscard]] bool simulated() const noexcept override { return true; }
-  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
-    if (reads_++ > 0) advance();
-    reading.q_m = q_;
-    return Fault::kNone;
-  }
-  [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override {
-    written_n_ = effort[axis_];
-    return Fault::kNone;
-  }
-  void close() noexcept override {}
-  [[nodiscard]] double velocity() const noexcept { return v_; }
-
- private:
-  void advance() noexcept {
-    const double t = (reads_ - 2) * period_s_;
-    const double b = kDamping_n_s_m + (t < kSettled_s ? 20.0 : 0.0);
-    const double knock = t >= kKnock_s && t < kKnockEnds_s ? kKnock_n : 0.0;
-    const double force = acting_n_ - kPush_n - knock;
-    acting_n_ = written_n_;  // a tick of delay
-    const double decay = std::exp(-b / kMass_kg * period_s_), drift = force / b;
-    q_[axis_] += drift * period_s_ + (v_ - drift) * kMass_kg / b * (1.0 - decay);
-    v_ = drift + (v_ - drift) * decay;
-  }
-
-  AxisPosition q_;
-  int axis_;
-  double period_s_, v_ = 0.0, acting_n_ = 0.0, written_n_ = 0.0;
-  int reads_ = 0;
-};
 
 /// How far the hand reaches along −y [m].
 double reachBackwards(const HandModel& hand, const AxisPosition& q_s) {
@@ -110,8 +71,8 @@ Expected<Bench> makeBench(const ModelFiles& files) {
   }
   device.output_delay_ticks = 1;
   DeviceAxis& axis = device.axes[static_cast<std::size_t>(bench.axis)];
-  axis.mass = kMass_kg;
-  axis.damping = kDamping_n_s_m;
+  axis.mass = PushedAxis::kMass_kg;
+  axis.damping = PushedAxis::kDamping_n_s_m;
   axis.effort_limit = 1e6;  // limits off
   axis.effort_slew_limit = 1e9;
   AxisRendering& gains = bench.models.rendering.axes[static_cast<std::size_t>(bench.axis)];

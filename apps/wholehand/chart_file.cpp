@@ -23,4 +23,18 @@ Expected<Done> writeCharts(const ChartPage& charts, const std::string& path) {
   return writePage(*page_template, chartPageJson(charts), path);
 }
 
+Expected<ResultFiles> prepareResults(const std::string& folder, const std::string& json,
+                                     const std::string& name) {
+  ResultFiles files{json.empty() ? folder + "/" + name + ".json" : json,
+                    folder + "/" + name + ".html"};
+  if (auto ready = prepareCharts(files.charts, {files.json}); !ready) return ready.errors();
+  return files;
+}
+
+Expected<Done> writeResults(const std::string& json, const ChartPage& charts,
+                            const ResultFiles& files) {
+  if (auto done = writeText(files.json, json); !done) return done;
+  return writeCharts(charts, files.charts);
+}
+
 }  // namespace wholehand

@@ -16,4 +16,15 @@ namespace wholehand {
 /// Writes the page as a self-contained HTML file.
 [[nodiscard]] Expected<Done> writeCharts(const ChartPage& charts, const std::string& path);
 
+/// Where an experiment writes its results and their charts.
+struct ResultFiles {
+  std::string json, charts;
+};
+/// prepareCharts() of `folder`/`name`.json, or `json` where it is named, and `folder`/`name`.html.
+[[nodiscard]] Expected<ResultFiles> prepareResults(const std::string& folder,
+                                                   const std::string& json,
+                                                   const std::string& name);
+[[nodiscard]] Expected<Done> writeResults(const std::string& json, const ChartPage& charts,
+                                          const ResultFiles& files);
+
 }  // namespace wholehand

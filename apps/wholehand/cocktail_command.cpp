@@ -212,10 +212,7 @@ int cocktailCommand(const CocktailOptions& options) {
   bool faulted = false;
   for (const int level : *levels) {
     const Played played = play(options, *files, level);
-    if (InterruptScope::interrupted()) {
-      std::printf("\nInterrupted: no results were written\n");
-      return kExitInterrupted;
-    }
+    if (InterruptScope::interrupted()) return sayInterrupted();
     if (!played.refused.empty()) {
       std::fprintf(stderr, "wholehand: %s\n", played.refused.c_str());
       return kExitBadInput;

@@ -1,4 +1,3 @@
-#include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
@@ -12,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <string>
 
@@ -138,23 +139,15 @@ ChartPage complexityPage(const ComplexityResult& result, const ComplexityPlan& p
 }
 
 const char* headOf(ComplexityKind kind) {
-  switch (kind) {
-    case ComplexityKind::kPile:
-      return "balls in a pile, the hand in it";
-    case ComplexityKind::kStacks:
-      return "boxes in stacks of four, the hand on them";
-    case ComplexityKind::kApart:
-      return "boxes resting apart, below the hand";
-    case ComplexityKind::kFar:
-      return "boxes resting out of the hand's reach";
-    case ComplexityKind::kVertices:
-      return "corners of a mesh that the hand presses upon";
-    case ComplexityKind::kContacts:
-      return "fixed balls that the hand lies on";
-    case ComplexityKind::kCount:
-      break;
-  }
-  return "";
+  constexpr std::array<const char*, kComplexityKinds> kHeads = {
+      "balls in a pile, the hand in it",
+      "boxes in stacks of four, the hand on them",
+      "boxes resting apart, below the hand",
+      "boxes resting out of the hand's reach",
+      "corners of a mesh that the hand presses upon",
+      "fixed balls that the hand lies on"};
+  static_assert(kHeads.back() != nullptr, "a head for each kind");
+  return kHeads.at(static_cast<std::size_t>(kind));
 }
 
 void print(const ComplexityCurve& curve) {
@@ -200,21 +193,15 @@ ComplexityPlan planOf(const ExperimentOptions& options) {
 
 int complexityCommand(const ExperimentOptions& options) {
   const InterruptScope interrupts;
-  const std::string json_path =
-      options.json.empty() ? options.folder + "/complexity.json" : options.json;
-  const std::string chart_path = options.folder + "/complexity.html";
-  if (auto ready = prepareCharts(chart_path, {json_path}); !ready) return refuse(ready.errors());
+  const auto files = prepareResults(options.folder, options.json, "complexity");
+  if (!files) return refuse(files.errors());
   const ComplexityPlan plan = planOf(options);
   auto result = measureComplexity(plan);
   if (!result) return refuse(result.errors());
-  if (result->interrupted) {
-    std::printf("\nInterrupted: no results were written\n");
-    return kExitInterrupted;
-  }
-  if (auto done = writeText(json_path, jsonText(complexityJson(*result, plan))); !done) {
-    return refuse(done.errors());
-  }
-  if (auto done = writeCharts(complexityPage(*result, plan), chart_path); !done) {
+  if (result->interrupted) return sayInterrupted();
+  if (auto done = writeResults(jsonText(complexityJson(*result, plan)),
+                               complexityPage(*result, plan), *files);
+      !done) {
     return refuse(done.errors());
   }
   std::printf(
@@ -222,7 +209,7 @@ int complexityCommand(const ExperimentOptions& options) {
       "Admitted: p99.9 takes at most half of the period.\n",
       plan.passes);
   for (const ComplexityCurve& curve : result->curves) print(curve);
-  std::printf("\n%s\n%s\n", printable(json_path).c_str(), printable(chart_path).c_str());
+  std::printf("\n%s\n%s\n", printable(files->json).c_str(), printable(files->charts).c_str());
   return exitCodeOf(false, false);
 }
 

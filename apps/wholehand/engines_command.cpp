@@ -1,4 +1,3 @@
-#include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
@@ -210,10 +209,8 @@ EnginePlan planOf(const ExperimentOptions& options) {
 
 int enginesCommand(const ExperimentOptions& options) {
   const InterruptScope interrupts;
-  const std::string json_path =
-      options.json.empty() ? options.folder + "/engines.json" : options.json;
-  const std::string chart_path = options.folder + "/engines.html";
-  if (auto ready = prepareCharts(chart_path, {json_path}); !ready) return refuse(ready.errors());
+  const auto files = prepareResults(options.folder, options.json, "engines");
+  if (!files) return refuse(files.errors());
   std::vector<EngineComparison> rates;
   for (const double rate_hz : options.rates_hz) {
     EnginePlan plan = planOf(options);
@@ -221,20 +218,14 @@ int enginesCommand(const ExperimentOptions& options) {
     std::printf("%.0f Hz\n", rate_hz);
     auto all = compareEngines(plan);
     if (!all) return refuse(all.errors());
-    if (all->interrupted) {
-      std::printf("\nInterrupted: no results were written\n");
-      return kExitInterrupted;
-    }
+    if (all->interrupted) return sayInterrupted();
     rates.push_back(std::move(*all));
   }
-  if (auto done = writeText(json_path, jsonText(allJson(rates))); !done) {
-    return refuse(done.errors());
-  }
-  if (auto done = writeCharts(comparisonPage(rates), chart_path); !done) {
+  if (auto done = writeResults(jsonText(allJson(rates)), comparisonPage(rates), *files); !done) {
     return refuse(done.errors());
   }
   for (const EngineComparison& at : rates) print(at);
-  std::printf("%s\n%s\n", printable(json_path).c_str(), printable(chart_path).c_str());
+  std::printf("%s\n%s\n", printable(files->json).c_str(), printable(files->charts).c_str());
   return exitCodeOf(false, false);
 }
 

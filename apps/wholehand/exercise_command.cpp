@@ -1,4 +1,3 @@
-#include "assembly/text_file.hpp"
 #include "bar_experiments.hpp"
 #include "chart_file.hpp"
 #include "core/printable.hpp"
@@ -89,14 +88,10 @@ int exerciseCommand(const ExerciseOptions& options) {
   const InterruptScope interrupts;
   auto result = runExercise(plan);
   if (!result) return refuse(result.errors());
-  if (result->interrupted) {
-    std::printf("\nInterrupted: no results were written\n");
-    return kExitInterrupted;
-  }
-  if (auto done = writeText(json_path, jsonText(resultJson(*result, options))); !done) {
-    return refuse(done.errors());
-  }
-  if (auto done = writeCharts(exerciseFigure(*result), chart_path); !done) {
+  if (result->interrupted) return sayInterrupted();
+  if (auto done = writeResults(jsonText(resultJson(*result, options)), exerciseFigure(*result),
+                               {json_path, chart_path});
+      !done) {
     return refuse(done.errors());
   }
   print(*result);

@@ -16,4 +16,9 @@ int refuse(const Diagnostics& errors) {
   return kExitBadInput;
 }
 
+int sayInterrupted() {
+  std::printf("\nInterrupted: no results were written\n");
+  return kExitInterrupted;
+}
+
 }  // namespace wholehand

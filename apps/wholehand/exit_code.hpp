@@ -23,4 +23,7 @@ enum ExitCode : int {
 /// Prints every error to standard error, one per line, and returns kExitBadInput.
 int refuse(const Diagnostics& errors);
 
+/// Says that Ctrl-C left no results, and returns kExitInterrupted.
+int sayInterrupted();
+
 }  // namespace wholehand

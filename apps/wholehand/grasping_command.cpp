@@ -1,5 +1,4 @@
 #include "assembly/run.hpp"
-#include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"
@@ -159,26 +158,19 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
   return sweep;
 }
 
-int interrupted() {
-  std::printf("\nInterrupted: no results were written\n");
-  return kExitInterrupted;
-}
-
 }  // namespace
 
 int graspingCommand(const ExperimentOptions& options) {
   const InterruptScope interrupts;  // also between trials
   const std::vector<GraspTrial> trials = onlyThose(tunedTrials(), options.only);
   if (trials.empty()) return refuse({unknownTrial(options.only)});
-  const std::string json_path =
-      options.json.empty() ? options.folder + "/grasping.json" : options.json;
-  const std::string chart_path = options.folder + "/grasping.html";
-  if (auto ready = prepareCharts(chart_path, {json_path}); !ready) return refuse(ready.errors());
+  const auto files = prepareResults(options.folder, options.json, "grasping");
+  if (!files) return refuse(files.errors());
   std::printf("Grasp, carry 20 cm, hold 10 s; postures tuned, without and with gravity\n");
   printHeader();
   const Sweep tuned = runAll(trials, options, true);
   if (!tuned.errors.empty()) return refuse(tuned.errors);
-  if (tuned.interrupted) return interrupted();
+  if (tuned.interrupted) return sayInterrupted();
   if (options.jittered > 0) {
     std::printf("\n%d trial%s with jittered positions and commands, seed %llu\n    ",
                 options.jittered, plural(options.jittered),
@@ -187,7 +179,7 @@ int graspingCommand(const ExperimentOptions& options) {
   }
   const Sweep jittered = runAll(chosenJitter(options), options, false);
   if (!jittered.errors.empty()) return refuse(jittered.errors);
-  if (jittered.interrupted) return interrupted();
+  if (jittered.interrupted) return sayInterrupted();
 
   nlohmann::ordered_json json;
   json["engine"] = options.engine;
@@ -205,16 +197,17 @@ int graspingCommand(const ExperimentOptions& options) {
   json["jittered"] = {
       {"trials", jittered.results.size()}, {"dropped", dropped},   {"slip_over_tenth_mm", slipped},
       {"force_noise_max_n", noise},        {"seed", options.seed}, {"each", each}};
-  if (auto done = writeText(json_path, jsonText(json)); !done) return refuse(done.errors());
   const ChartPage charts = slipPage(tuned.results, jittered.results);
-  if (auto done = writeCharts(charts, chart_path); !done) return refuse(done.errors());
+  if (auto done = writeResults(jsonText(json), charts, *files); !done) {
+    return refuse(done.errors());
+  }
   std::printf("\n");
   if (!jittered.results.empty()) {
     std::printf("jittered: %zu trial%s, %d dropped, %d slipped over 0.1 mm, noise at most %.4f N\n",
                 jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
   }
-  std::printf("%s\n%s\nrecordings and scenes in %s\n", printable(json_path).c_str(),
-              printable(chart_path).c_str(), printable(options.folder).c_str());
+  std::printf("%s\n%s\nrecordings and scenes in %s\n", printable(files->json).c_str(),
+              printable(files->charts).c_str(), printable(options.folder).c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();
   if (faulted > 0) std::printf("FAULT    trials stopped by a fault: %td\n", faulted);
   return exitCodeOf(faulted > 0, false);

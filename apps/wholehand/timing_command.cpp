@@ -1,4 +1,3 @@
-#include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"
@@ -138,10 +137,8 @@ ModelFiles filesFor(const ExperimentOptions& options) {
 }  // namespace
 
 int timingCommand(const ExperimentOptions& options) {
-  const std::string json_path =
-      options.json.empty() ? options.folder + "/timing.json" : options.json;
-  const std::string chart_path = options.folder + "/timing.html";
-  if (auto ready = prepareCharts(chart_path, {json_path}); !ready) return refuse(ready.errors());
+  const auto files = prepareResults(options.folder, options.json, "timing");
+  if (!files) return refuse(files.errors());
   TimingPlan plan;
   plan.files = filesFor(options);
   plan.engine = options.engine;
@@ -157,13 +154,12 @@ int timingCommand(const ExperimentOptions& options) {
   auto result = runTiming(plan);
   status.finish();
   if (!result) return refuse(result.errors());
-  if (auto done = writeText(json_path, jsonText(timingJson(*result))); !done) {
+  if (auto done = writeResults(jsonText(timingJson(*result)), timePage(*result), *files); !done) {
     return refuse(done.errors());
   }
-  if (auto done = writeCharts(timePage(*result), chart_path); !done) return refuse(done.errors());
   print(*result);
-  std::printf("%s\n%s\n%s/timing.h5\n", printable(json_path).c_str(), printable(chart_path).c_str(),
-              printable(options.folder).c_str());
+  std::printf("%s\n%s\n%s/timing.h5\n", printable(files->json).c_str(),
+              printable(files->charts).c_str(), printable(options.folder).c_str());
   return exitCodeOf(result->outcome.faulted, result->outcome.interrupted);
 }
 

@@ -2,6 +2,7 @@
 #include "device/plugin/plugin_driver.hpp"
 #include "drivers/composite/composite.hpp"
 #include "drivers/identity_text.hpp"
+#include "drivers/sized_sample.hpp"
 
 #include <algorithm>
 #include <array>
@@ -88,13 +89,8 @@ int control(wh_device* device, std::uint32_t verb, double argument) {
 }
 
 int readSample(wh_device* device, wh_sample* sample) {
-  wh_sample newest{};
-  const std::uint32_t size = sample->size;
-  const int result = device->whole->read(newest);
-  if (result < 0) return result;
-  std::memcpy(sample, &newest, std::min<std::size_t>(size, sizeof(newest)));
-  sample->size = size;
-  return result;
+  return wholehand::readSized(*sample,
+                              [device](wh_sample& newest) { return device->whole->read(newest); });
 }
 
 int writeCommand(wh_device* device, const wh_command* command) {

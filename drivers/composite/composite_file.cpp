@@ -16,14 +16,7 @@ CompositePart readPart(TomlTable& table) {
   return part;
 }
 
-}  // namespace
-
-Expected<CompositeConfig> loadCompositeFile(const std::string& path) {
-  TomlFile file(path, "composite");
-  if (!file.readable()) return file.finish();
-  TomlTable& root = file.root();
-  CompositeConfig config;
-  config.path = path;
+void readComposite(TomlTable& root, CompositeConfig& config) {
   config.longest_skew_s = root.number("longest_skew_s", above(0.0, 1.0, "s"));
   std::vector<TomlTable> parts = root.tables("parts", 2);
   if (parts.size() > 2) parts[2].fail("", "is a third part", "two devices make a whole");
@@ -38,8 +31,12 @@ Expected<CompositeConfig> loadCompositeFile(const std::string& path) {
     }
     if (i < config.parts.size()) config.parts.at(i) = part;
   }
-  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
-  return config;
+}
+
+}  // namespace
+
+Expected<CompositeConfig> loadCompositeFile(const std::string& path) {
+  return readTomlFile<CompositeConfig>(path, "composite", readComposite);
 }
 
 }  // namespace wholehand

@@ -22,14 +22,7 @@ GripperSettings readGripper(TomlTable& table) {
   return gripper;
 }
 
-}  // namespace
-
-Expected<ForceSettings> loadForceSettings(const std::string& path) {
-  TomlFile file(path, "force-dimension");
-  if (!file.readable()) return file.finish();
-  TomlTable& root = file.root();
-  ForceSettings settings;
-  settings.path = path;
+void readSettings(TomlTable& root, ForceSettings& settings) {
   settings.delay_s = root.number("delay_s", between(0.0, 0.1, "s"));
   settings.watchdog_s = root.number("watchdog_s", above(0.0, 0.1, "s"));
   settings.yaw_rad = root.number("yaw_rad", between(-3.2, 3.2, "rad"));
@@ -37,8 +30,12 @@ Expected<ForceSettings> loadForceSettings(const std::string& path) {
   settings.half_travel_m = root.number("half_travel_m", above(0.0, 1.0, "m"));
   settings.step_m = root.number("step_m", above(0.0, 0.01, "m"));
   if (auto table = root.optionalTable("gripper")) settings.gripper = readGripper(*table);
-  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
-  return settings;
+}
+
+}  // namespace
+
+Expected<ForceSettings> loadForceSettings(const std::string& path) {
+  return readTomlFile<ForceSettings>(path, "force-dimension", readSettings);
 }
 
 }  // namespace wholehand::force_dimension

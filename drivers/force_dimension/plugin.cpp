@@ -31,17 +31,6 @@ using Functions = PluginFunctions<wh_device, openDevice>;
 
 const wh_plugin* wh_plugin_v1(void) {
   // Not WH_NEVER_WAITS: the SDK waits for its bus and its time guard, and runs threads of its own.
-  static const wh_plugin kPlugin = {sizeof(wh_plugin),
-                                    WH_MAJOR,
-                                    WH_MINOR,
-                                    0,
-                                    "Force Dimension",
-                                    Functions::openDevice,
-                                    Functions::describe,
-                                    Functions::control,
-                                    Functions::readSample,
-                                    Functions::writeCommand,
-                                    Functions::closeDevice,
-                                    Functions::identify};
+  static constexpr wh_plugin kPlugin = Functions::table(0, "Force Dimension");
   return &kPlugin;
 }

@@ -1,6 +1,7 @@
 // The driver `frame`: a FrameDevice behind the boundary of device.h, with a thread for its bus.
 #include "drivers/frame/frame_device.hpp"
 #include "drivers/identity_text.hpp"
+#include "drivers/sized_sample.hpp"
 #include "realtime/monotonic_clock.hpp"
 
 #include <algorithm>
@@ -129,13 +130,8 @@ int control(wh_device* device, std::uint32_t verb, double argument) {
 }
 
 int readSample(wh_device* device, wh_sample* sample) {
-  wh_sample newest;
-  const std::uint32_t size = sample->size;
-  const int result = device->device->read(newest);
-  if (result < 0) return result;
-  std::memcpy(sample, &newest, std::min<std::size_t>(size, sizeof(newest)));
-  sample->size = size;
-  return result;
+  return wholehand::readSized(*sample,
+                              [device](wh_sample& newest) { return device->device->read(newest); });
 }
 
 int writeCommand(wh_device* device, const wh_command* command) {

@@ -1,5 +1,6 @@
 #include "diagnostic_channel.hpp"
 
+#include "bus_wait.hpp"
 #include "registers.hpp"
 
 #include <algorithm>
@@ -34,19 +35,12 @@ class Channel {
     frame.id = commandId(drive_);
     FrameWriter(frame).diagnosticPoll(kMostPerPoll);
     if (bus_.send(frame) != BusResult::kDone) return std::nullopt;
-    const std::int64_t until_ns = clock_.now_ns() + kPoll_ns;
-    while (clock_.now_ns() < until_ns) {
-      CanFrame answer;
-      const BusResult result = bus_.receive(answer);
-      if (result == BusResult::kFailed) return std::nullopt;
-      if (result == BusResult::kNothing) {
-        clock_.rest();
-        continue;
-      }
-      const auto text = diagnosticAnswer(std::span(answer.data).first(answer.size));
-      if (answer.id == answerId(drive_) && text) return std::string(*text);
-    }
-    return std::nullopt;
+    return receiveUntil(
+        bus_, clock_, kPoll_ns, [this](const CanFrame& answer) -> std::optional<std::string> {
+          const auto text = diagnosticAnswer(std::span(answer.data).first(answer.size));
+          if (answer.id != answerId(drive_) || !text) return std::nullopt;
+          return std::string(*text);
+        });
   }
 
  private:

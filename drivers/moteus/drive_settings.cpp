@@ -1,5 +1,6 @@
 #include "drive_settings.hpp"
 
+#include "bus_wait.hpp"
 #include "diagnostic_channel.hpp"
 #include "registers.hpp"
 
@@ -88,19 +89,11 @@ std::optional<DriveIdentity> identifyDrive(CanBus& bus, BusClock& clock, int dri
   writer.read(RegisterType::kInt32, kFirmwareVersion, 1);
   writer.read(RegisterType::kInt32, kSerialNumber, 3);
   if (bus.send(question) != BusResult::kDone) return std::nullopt;
-  const std::int64_t until_ns = clock.now_ns() + kAnswer_ns;
-  while (clock.now_ns() < until_ns) {
-    CanFrame frame;
-    const BusResult result = bus.receive(frame);
-    if (result == BusResult::kFailed) return std::nullopt;
-    if (result == BusResult::kNothing) {
-      clock.rest();
-      continue;
-    }
+  const auto identity = [drive](const CanFrame& frame) -> std::optional<DriveIdentity> {
     Answer answer;
     if (frame.id != answerId(drive) ||
         !readAnswer(std::span(frame.data).first(frame.size), answer)) {
-      continue;
+      return std::nullopt;
     }
     const auto word = [&answer](std::uint32_t reg) -> std::optional<std::uint32_t> {
       const std::optional<double> value = answer.of(reg);
@@ -112,8 +105,9 @@ std::optional<DriveIdentity> identifyDrive(CanBus& bus, BusClock& clock, int dri
     if (firmware && first && second && third) {
       return DriveIdentity{{*first, *second, *third}, *firmware};
     }
-  }
-  return std::nullopt;
+    return std::nullopt;
+  };
+  return receiveUntil(bus, clock, kAnswer_ns, identity);
 }
 
 }  // namespace wholehand::moteus

@@ -55,44 +55,34 @@ bool MoteusRound::send(CanFrame& frame, std::size_t motor) noexcept {
   return bus_.send(frame) == BusResult::kDone;
 }
 
-bool MoteusRound::sendTorques(const PerMotor& torque_nm, double watchdog_s) noexcept {
+template <class Write>
+bool MoteusRound::sendToAll(Write write) noexcept {
   begin();
   bool sent = true;
   for (std::size_t i = 0; i < motors_.size(); ++i) {
-    const double most_nm = motors_[i].max_torque_nm;
     CanFrame frame;
     FrameWriter out(frame);
-    writeMode(out, kModePosition);  // first of all: the other registers belong to it
-    writeTorque(out, std::clamp(torque_nm[i], -most_nm, most_nm), most_nm, watchdog_s);
+    write(out, i);
     writeQuery(out);
     sent = send(frame, i) && sent;
   }
   return sent;
+}
+
+bool MoteusRound::sendTorques(const PerMotor& torque_nm, double watchdog_s) noexcept {
+  return sendToAll([&](FrameWriter& out, std::size_t i) {
+    const double most_nm = motors_[i].max_torque_nm;
+    writeMode(out, kModePosition);  // first of all: the other registers belong to it
+    writeTorque(out, std::clamp(torque_nm[i], -most_nm, most_nm), most_nm, watchdog_s);
+  });
 }
 
 bool MoteusRound::sendStops() noexcept {
-  begin();
-  bool sent = true;
-  for (std::size_t i = 0; i < motors_.size(); ++i) {
-    CanFrame frame;
-    FrameWriter out(frame);
-    writeMode(out, kModeStopped);
-    writeQuery(out);
-    sent = send(frame, i) && sent;
-  }
-  return sent;
+  return sendToAll([](FrameWriter& out, std::size_t) { writeMode(out, kModeStopped); });
 }
 
 bool MoteusRound::sendQueries() noexcept {
-  begin();
-  bool sent = true;
-  for (std::size_t i = 0; i < motors_.size(); ++i) {
-    CanFrame frame;
-    FrameWriter out(frame);
-    writeQuery(out);
-    sent = send(frame, i) && sent;
-  }
-  return sent;
+  return sendToAll([](FrameWriter&, std::size_t) {});
 }
 
 bool MoteusRound::receive() noexcept {

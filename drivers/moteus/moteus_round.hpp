@@ -56,6 +56,9 @@ class MoteusRound {
 
  private:
   void begin() noexcept;
+  /// To each motor what `write(writer, motor)` writes, and the question for its state.
+  template <class Write>
+  [[nodiscard]] bool sendToAll(Write write) noexcept;
   [[nodiscard]] bool send(CanFrame& frame, std::size_t motor) noexcept;
   void take(const CanFrame& frame) noexcept;
 

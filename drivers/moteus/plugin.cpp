@@ -34,17 +34,6 @@ using Functions = PluginFunctions<wh_device, openDevice>;
 }  // namespace
 
 const wh_plugin* wh_plugin_v1(void) {
-  static const wh_plugin kPlugin = {sizeof(wh_plugin),
-                                    WH_MAJOR,
-                                    WH_MINOR,
-                                    WH_NEVER_WAITS,
-                                    "moteus drives",
-                                    Functions::openDevice,
-                                    Functions::describe,
-                                    Functions::control,
-                                    Functions::readSample,
-                                    Functions::writeCommand,
-                                    Functions::closeDevice,
-                                    Functions::identify};
+  static constexpr wh_plugin kPlugin = Functions::table(WH_NEVER_WAITS, "moteus drives");
   return &kPlugin;
 }

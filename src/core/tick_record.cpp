@@ -1,35 +1,19 @@
 #include "core/tick_record.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstring>
 
 namespace wholehand {
 
 const char* stageName(Stage s) noexcept {
-  switch (s) {
-    case Stage::kDeviceRead:
-      return "device_read";
-    case Stage::kObserve:
-      return "observe";
-    case Stage::kDynamics:
-      return "dynamics";
-    case Stage::kControl:
-      return "control";
-    case Stage::kExercise:
-      return "exercise";
-    case Stage::kSafety:
-      return "safety";
-    case Stage::kDeviceWrite:
-      return "device_write";
-    case Stage::kPhysicsStep:
-      return "physics_step";
-    case Stage::kContacts:
-      return "contacts";
-    case Stage::kCount:
-      break;
-  }
-  return "unknown";
+  static constexpr std::array<const char*, kStages> kNames = {
+      "device_read", "observe",      "dynamics",     "control", "exercise",
+      "safety",      "device_write", "physics_step", "contacts"};
+  static_assert(kNames.back() != nullptr, "a name for each stage");
+  const auto i = static_cast<std::size_t>(s);
+  return i < kNames.size() ? kNames[i] : "unknown";
 }
 
 void copyUsed(const TickRecord& from, TickRecord& to) noexcept {

@@ -66,4 +66,13 @@ class Exercise {
   [[nodiscard]] virtual std::unique_ptr<Player> makePlayer(std::uint64_t seed) const = 0;
 };
 
+/// Clears what a tick fills in: no effort, no wall, no values, nothing to be placed.
+WHOLEHAND_RT inline void clear(ExerciseRecord& out, BodyPlacements& placements, int axes) noexcept {
+  out = ExerciseRecord{};
+  placements.count = 0;
+  out.effort = AxisEffort(axes);
+  out.wall_active = AxisFlag(axes);
+  out.wall = AxisPosition(axes);
+}
+
 }  // namespace wholehand

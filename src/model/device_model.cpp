@@ -173,29 +173,7 @@ WatchLimits readWatch(TomlTable table) {
   return watch;
 }
 
-}  // namespace
-
-int DeviceModel::axisIndex(const std::string& axis_name) const {
-  for (int i = 0; i < axisCount(); ++i) {
-    if (axes[i].name == axis_name) return i;
-  }
-  return -1;
-}
-
-AxisEffort DeviceModel::neutral() const {
-  AxisEffort effort(axisCount());
-  for (int i = 0; i < axisCount(); ++i) {
-    effort[i] = axes[i].neutral_effort;
-  }
-  return effort;
-}
-
-Expected<DeviceModel> loadDeviceFile(const std::string& path) {
-  TomlFile file(path, "device");
-  if (!file.readable()) return file.finish();
-  TomlTable& root = file.root();
-  DeviceModel device;
-  device.path = path;
+void readDevice(TomlTable& root, DeviceModel& device) {
   device.name = root.text("name");
   device.output_delay_ticks = static_cast<int>(root.integer("output_delay_ticks", 0, 8));
   device.power_limit_w = root.number("power_limit_w", above(0.0, 1e5, "W"), device.power_limit_w);
@@ -215,8 +193,27 @@ Expected<DeviceModel> loadDeviceFile(const std::string& path) {
   if (device.axisCount() > kMaxAxes) {
     root.fail("axes", "are too many", "a device has at most " + std::to_string(kMaxAxes));
   }
-  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
-  return device;
+}
+
+}  // namespace
+
+int DeviceModel::axisIndex(const std::string& axis_name) const {
+  for (int i = 0; i < axisCount(); ++i) {
+    if (axes[i].name == axis_name) return i;
+  }
+  return -1;
+}
+
+AxisEffort DeviceModel::neutral() const {
+  AxisEffort effort(axisCount());
+  for (int i = 0; i < axisCount(); ++i) {
+    effort[i] = axes[i].neutral_effort;
+  }
+  return effort;
+}
+
+Expected<DeviceModel> loadDeviceFile(const std::string& path) {
+  return readTomlFile<DeviceModel>(path, "device", readDevice);
 }
 
 }  // namespace wholehand

@@ -114,14 +114,7 @@ void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
   }
 }
 
-}  // namespace
-
-Expected<RenderingConfig> loadRenderingFile(const std::string& path, const DeviceModel& device) {
-  TomlFile file(path, "rendering");
-  if (!file.readable()) return file.finish();
-  TomlTable& root = file.root();
-  RenderingConfig config;
-  config.path = path;
+void readRendering(TomlTable& root, const DeviceModel& device, RenderingConfig& config) {
   config.name = root.text("name");
   config.paper = root.flag("paper", false);
   config.physics_divisor =
@@ -131,8 +124,14 @@ Expected<RenderingConfig> loadRenderingFile(const std::string& path, const Devic
   common.velocity_filter_hz = root.number("velocity_filter_hz", kFilter, common.velocity_filter_hz);
   common.decay_s = root.number("decay_s", kDecay, common.decay_s);
   readAxes(root, device, common, config);
-  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
-  return config;
+}
+
+}  // namespace
+
+Expected<RenderingConfig> loadRenderingFile(const std::string& path, const DeviceModel& device) {
+  return readTomlFile<RenderingConfig>(
+      path, "rendering",
+      [&](TomlTable& root, RenderingConfig& config) { readRendering(root, device, config); });
 }
 
 }  // namespace wholehand

@@ -65,6 +65,25 @@ bool writeTexts(hid_t object, const char* name, const Handle& space,
   return writeRaw(object, name, type.get(), type.get(), space, data.data());
 }
 
+struct TypePair {
+  hid_t file, memory;
+};
+TypePair typesOf(NumberType type) noexcept {
+  switch (type) {
+    case NumberType::kFloat64:
+      return {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE};
+    case NumberType::kUint64:
+      return {H5T_STD_U64LE, H5T_NATIVE_UINT64};
+    case NumberType::kInt64:
+      return {H5T_STD_I64LE, H5T_NATIVE_INT64};
+    case NumberType::kUint32:
+      return {H5T_STD_U32LE, H5T_NATIVE_UINT32};
+    case NumberType::kInt32:
+      return {H5T_STD_I32LE, H5T_NATIVE_INT32};
+  }
+  return {H5I_INVALID_HID, H5I_INVALID_HID};
+}
+
 }  // namespace
 
 void beginHdf5() noexcept {
@@ -74,35 +93,11 @@ void beginHdf5() noexcept {
 }
 
 hid_t fileType(NumberType type) noexcept {
-  switch (type) {
-    case NumberType::kFloat64:
-      return H5T_IEEE_F64LE;
-    case NumberType::kUint64:
-      return H5T_STD_U64LE;
-    case NumberType::kInt64:
-      return H5T_STD_I64LE;
-    case NumberType::kUint32:
-      return H5T_STD_U32LE;
-    case NumberType::kInt32:
-      return H5T_STD_I32LE;
-  }
-  return H5I_INVALID_HID;
+  return typesOf(type).file;
 }
 
 hid_t memoryType(NumberType type) noexcept {
-  switch (type) {
-    case NumberType::kFloat64:
-      return H5T_NATIVE_DOUBLE;
-    case NumberType::kUint64:
-      return H5T_NATIVE_UINT64;
-    case NumberType::kInt64:
-      return H5T_NATIVE_INT64;
-    case NumberType::kUint32:
-      return H5T_NATIVE_UINT32;
-    case NumberType::kInt32:
-      return H5T_NATIVE_INT32;
-  }
-  return H5I_INVALID_HID;
+  return typesOf(type).memory;
 }
 
 std::size_t byteSize(NumberType type) noexcept {

@@ -25,22 +25,23 @@ bool readFiles(hid_t file, RecordingMeta& meta) {
   return true;
 }
 
+/// Whether `each(name, value)` held for every number of the law.
+template <class Law, class Each>
+bool eachOf(Law& law, Each each) {
+  return each("k_pm", law.k_pm) && each("k_dm", law.k_dm) && each("gamma", law.gamma) &&
+         each("filter_tau_s", law.filter_tau_s) && each("theta0", law.theta0) &&
+         each("synergy", law.synergy) && each("encoder_step", law.encoder_step) &&
+         each("output_delay_ticks", law.output_delay_ticks);
+}
+
 bool writeLaw(hid_t id, const RecordedLaw& law) {
-  return writeAttribute(id, "k_pm", law.k_pm) && writeAttribute(id, "k_dm", law.k_dm) &&
-         writeAttribute(id, "gamma", law.gamma) &&
-         writeAttribute(id, "filter_tau_s", law.filter_tau_s) &&
-         writeAttribute(id, "theta0", law.theta0) && writeAttribute(id, "synergy", law.synergy) &&
-         writeAttribute(id, "encoder_step", law.encoder_step) &&
-         writeAttribute(id, "output_delay_ticks", law.output_delay_ticks);
+  return eachOf(
+      law, [id](const char* name, const auto& value) { return writeAttribute(id, name, value); });
 }
 
 bool readLaw(hid_t id, RecordedLaw& law) {
-  return readAttribute(id, "k_pm", law.k_pm) && readAttribute(id, "k_dm", law.k_dm) &&
-         readAttribute(id, "gamma", law.gamma) &&
-         readAttribute(id, "filter_tau_s", law.filter_tau_s) &&
-         readAttribute(id, "theta0", law.theta0) && readAttribute(id, "synergy", law.synergy) &&
-         readAttribute(id, "encoder_step", law.encoder_step) &&
-         readAttribute(id, "output_delay_ticks", law.output_delay_ticks);
+  return eachOf(law,
+                [id](const char* name, auto& value) { return readAttribute(id, name, value); });
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // The whole hand flung into a fixed wall at 0.6 m/s, and nobody holds it. Which part of the hand
 // hits, and whether it gives way, is the throw's.
 #include "adversarial/slam.hpp"
+#include "support/test_names.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -90,11 +91,7 @@ TEST_P(WholeHandSlam, EveryWayAtSixTenths_TheReboundIsLoweredByThirtyPercentOrTh
 }
 INSTANTIATE_TEST_SUITE_P(Devices, WholeHandSlam,
                          testing::Values("lambda-pride", "wrist-9axis", "desktop-3axis"),
-                         [](const auto& tested) {
-                           std::string name = tested.param;
-                           std::erase_if(name, [](char c) { return c == '-'; });
-                           return name;
-                         });
+                         [](const auto& tested) { return withoutHyphens(tested.param); });
 
 TEST(WholeHandSlam, StraightFingersFirst_EveryHandReboundsThirtyPercentSlower) {
   double least = 1.0;

@@ -92,6 +92,13 @@ class AppTest(unittest.TestCase):
         """Until the loop's thread has slept before some hundred ticks; its CPU would count locking memory."""
         self.wait_until(run, lambda: loop_sleeps(run.pid) >= 100)
 
+    def expect_ended_by(self, run, number, code=INTERRUPTED):
+        """Sends the signal: what the program says until it has ended with that exit code."""
+        run.send_signal(number)
+        said, complained = run.communicate(timeout=100)
+        self.assertEqual(run.returncode, code, said + complained)
+        return said
+
     def expect(self, result, code, *texts):
         self.assertEqual(result.code, code, result)
         for text in texts:
@@ -171,6 +178,19 @@ def loop_sleeps(pid):
         if text.startswith("Name:\twholehand-loop"):
             return int(text.split("\nvoluntary_ctxt_switches:")[1].split()[0])
     return 0
+
+
+def lose_ticks(path, begin, end):
+    """Makes these ticks of a recording ones that never reached the disk: how many rows it has."""
+    import h5py
+    import numpy
+    with h5py.File(path, "r+", libver="latest") as f:
+        f["ticks/tick"][begin:end] = numpy.uint64(2**64 - 1)  # docs/recording.md
+        f["ticks/contact_count"][begin:end] = 0
+        rows = f["contacts/row"][:]
+        rows[(rows >= begin) & (rows < end)] = 0
+        f["contacts/row"][:] = rows
+        return len(f["ticks/tick"])
 
 
 def read_recording(path):

@@ -11,6 +11,7 @@
 #include "patient/steered_player.hpp"
 #include "realtime/thread_setup.hpp"
 #include "runtime/session.hpp"
+#include "support/player_commands.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -35,20 +36,6 @@ Aims readAims(const std::string& path, int axes) {
   return aims;
 }
 
-Command steerPerson() {
-  Command steer;
-  steer.type = CommandType::kSteer;
-  steer.index = static_cast<int>(Steering::kPerson);
-  return steer;
-}
-
-Command aimAt(const AxisPosition& q) {
-  Command command;
-  command.type = CommandType::kAim;
-  command.aim = q;
-  return command;
-}
-
 void write(std::ofstream& out, const TickRecord& record) {
   const auto put = [&](const auto& values) {
     out.write(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
@@ -63,13 +50,13 @@ void runSession(Rig& rig, const Aims& aims, std::uint64_t ticks, std::ofstream& 
   config.listener = rig.listener.get();
   config.duration_ticks = ticks * aims.size() + 1;
   Session session(*rig.renderer, config);
-  (void)session.tryCommand(steerPerson());
-  (void)session.tryCommand(aimAt(aims[0]));
+  (void)session.tryCommand(test::steer(Steering::kPerson));
+  (void)session.tryCommand(test::aim(aims[0]));
   session.runSimulated([&](const TickRecord& record) {
     const std::uint64_t row = (record.tick + 1) / ticks;
     if ((record.tick + 1) % ticks != 0 || row > aims.size()) return;
     write(out, record);
-    if (row < aims.size()) (void)session.tryCommand(aimAt(aims[row]));
+    if (row < aims.size()) (void)session.tryCommand(test::aim(aims[row]));
   });
 }
 
@@ -86,8 +73,8 @@ void runLoop(Rig& rig, const Aims& aims, std::uint64_t ticks, std::ofstream& out
   for (const AxisPosition& aim : aims) {
     const DenormalsFlushed scope;
     record.command_count = 0;
-    if (next == 0) record.commands[record.command_count++] = steerPerson();
-    record.commands[record.command_count++] = aimAt(aim);
+    if (next == 0) record.commands[record.command_count++] = test::steer(Steering::kPerson);
+    record.commands[record.command_count++] = test::aim(aim);
     for (std::uint64_t i = 0; i < ticks; ++i) {
       record.tick = next++;
       record.time_s = static_cast<double>(record.tick) * rig.options.period_s;

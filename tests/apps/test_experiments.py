@@ -47,9 +47,7 @@ class Grasping(AppTest):
         run = self.start_app("experiment", "grasping", "--out", "out")
         self.wait_until_it_catches(run, signal.SIGINT)
         time.sleep(1.0)
-        run.send_signal(signal.SIGINT)
-        said, complained = run.communicate(timeout=100)
-        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+        said = self.expect_ended_by(run, signal.SIGINT)
         self.assertIn("Interrupted", said)
         self.assertFalse((self.folder / "out/grasping.json").exists())
 
@@ -99,9 +97,7 @@ class Timing(AppTest):
         run = self.start_app("experiment", "timing", "--out", "out")
         self.wait_until_it_catches(run, signal.SIGINT)
         time.sleep(1.0)
-        run.send_signal(signal.SIGINT)
-        said, complained = run.communicate(timeout=100)
-        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+        self.expect_ended_by(run, signal.SIGINT)
 
 
 class Complexity(AppTest):

@@ -155,25 +155,19 @@ class HowItEnds(AppTest):
         run = self.start_app(*FREE_RUN, "--duration", "2.5", "--json", "run.json",
                              preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
         self.wait_until_it_renders(run)
-        run.send_signal(signal.SIGHUP)
-        said, complained = run.communicate(timeout=100)
-        self.assertEqual(run.returncode, DONE, said + complained)
+        self.expect_ended_by(run, signal.SIGHUP, DONE)
         self.assertFalse(json.loads((self.folder / "run.json").read_text())["interrupted"])
 
     def test_ctrl_z_stops_instead_of_freezing_the_loop(self):
         run = self.start_app(*FREE_RUN, "--duration", "600", "--json", "run.json")
         self.wait_until_it_renders(run)
-        run.send_signal(signal.SIGTSTP)
-        said, complained = run.communicate(timeout=100)
-        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+        self.expect_ended_by(run, signal.SIGTSTP)
 
     def test_ctrl_c_during_a_simulated_clock(self):
         run = self.start_app(*FREE_RUN, "--duration", "3600", "--simulated-clock", "--json", "run.json")
         self.wait_until_it_catches(run, signal.SIGINT)
         time.sleep(0.5)
-        run.send_signal(signal.SIGINT)
-        said, complained = run.communicate(timeout=100)
-        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+        self.expect_ended_by(run, signal.SIGINT)
 
     def test_run_in_real_time_takes_its_time(self):
         began = time.monotonic()

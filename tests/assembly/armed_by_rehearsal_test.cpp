@@ -1,5 +1,6 @@
 // A device that may move a person is armed by a rehearsal of that very rig, and by nothing else.
 #include "assembly/rehearsal.hpp"
+#include "support/resting_device.hpp"
 #include "support/rig_tools.hpp"
 
 #include <type_traits>
@@ -12,20 +13,13 @@ static_assert(!std::is_default_constructible_v<RehearsalPassed>);
 static_assert(!std::is_constructible_v<RehearsalPassed, std::string>);
 
 /// Rests at the origin. It may move a person: it does not say that it is simulated.
-class Handle final : public HapticDevice {
+class Handle final : public RestingDevice {
  public:
-  explicit Handle(int& opened) : opened_(opened) {}
+  explicit Handle(int& opened) : RestingDevice(AxisPosition(3)), opened_(opened) {}
   [[nodiscard]] Expected<Done> open() override {
     ++opened_;
     return Done{};
   }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
-  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
-    reading.q_m = AxisPosition(3);
-    return Fault::kNone;
-  }
-  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override {}
 
  private:
   int& opened_;

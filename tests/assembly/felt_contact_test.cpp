@@ -5,6 +5,7 @@
 #include "control/impedance.hpp"
 #include "support/rig_tools.hpp"
 #include "support/shipped.hpp"
+#include "support/test_names.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
@@ -148,10 +149,8 @@ TEST_P(FeltStop, OfTheRealEngine_FeelsAsPredictedForARigidStop) {
 INSTANTIATE_TEST_SUITE_P(EveryAxis, FeltStop, testing::ValuesIn(everySide()),
                          [](const auto& tested) {
                            const Side& side = tested.param;
-                           std::string name =
-                               side.device + "_" + side.axis + (side.sign > 0 ? "_Plus" : "_Minus");
-                           std::erase(name, '-');
-                           return name;
+                           return withoutHyphens(side.device + "_" + side.axis +
+                                                 (side.sign > 0 ? "_Plus" : "_Minus"));
                          });
 
 }  // namespace

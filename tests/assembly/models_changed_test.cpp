@@ -1,27 +1,13 @@
 // A recording carries the files. What a program changed in memory is not in them: it says so, and
 // is not run again as if it were.
-#include "assembly/run.hpp"
 #include "model/temp_folder.hpp"
 #include "resimulation/resimulation.hpp"
-#include "support/rig_tools.hpp"
+#include "support/recorded_run.hpp"
 
 #include <limits>
 
 namespace wholehand::test {
 namespace {
-
-/// A tenth of a second of a resting hand among four bodies.
-std::string recorded(Models models, const TempFolder& folder) {
-  const auto rig = orThrow(buildRig(
-      std::move(models), Intention::throughWaypoints({{0.0, AxisPosition(6)}}), RigOptions{}));
-  EXPECT_TRUE(rig->renderer->arm());
-  RunPlan plan;
-  plan.simulated_clock = true;
-  plan.duration_ticks = 100;
-  plan.record = folder.path("run.h5");
-  EXPECT_TRUE(runAndRecord(*rig, plan));
-  return plan.record;
-}
 
 Models shippedModels() {
   return load(shippedFiles("lambda-pride", "four-shapes"));
@@ -29,7 +15,7 @@ Models shippedModels() {
 
 TEST(ModelsChanged, AsTheFilesSay_IsRunAgain) {
   const TempFolder folder;
-  const std::string path = recorded(shippedModels(), folder);
+  const std::string path = recordRest(shippedModels(), folder.path("run.h5"));
   const auto reader = orThrow(RecordingReader::open(path));
   EXPECT_FALSE(reader->meta().models_changed);
   const auto again = resimulate(*reader, path);
@@ -54,7 +40,7 @@ TEST(ModelsChanged, InMemory_IsSaidAndNotRunAgain) {
     const TempFolder folder;
     Models models = shippedModels();
     change(models);
-    const std::string path = recorded(std::move(models), folder);
+    const std::string path = recordRest(std::move(models), folder.path("run.h5"));
     const auto reader = orThrow(RecordingReader::open(path));
     EXPECT_TRUE(reader->meta().models_changed);
     const auto again = resimulate(*reader, path);

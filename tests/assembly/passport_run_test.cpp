@@ -1,10 +1,9 @@
 // A run with a passport: what renders counts on what is proven, and so does its re-simulation.
-#include "assembly/run.hpp"
 #include "commissioning/passport.hpp"
 #include "model/temp_folder.hpp"
 #include "resimulation/recorded_files.hpp"
 #include "resimulation/resimulation.hpp"
-#include "support/rig_tools.hpp"
+#include "support/recorded_run.hpp"
 
 #include <cmath>
 
@@ -73,17 +72,12 @@ TEST(MeasuredDevice, RecordingCarriesThePassportAndRunsAgainToTheBit) {
   const TempFolder folder;
   const Passport passport = passportOf(load(shippedFiles("lambda-pride", "four-shapes")).device);
   const auto rig = measuredRig(passport);
-  ASSERT_TRUE(rig->renderer->arm());
-  RunPlan plan;
-  plan.simulated_clock = true;
-  plan.duration_ticks = 500;
-  plan.record = folder.path("run.h5");
-  ASSERT_TRUE(runAndRecord(*rig, plan));
-  const auto reader = orThrow(RecordingReader::open(plan.record));
-  const auto corners = orThrow(recordedCorners(reader->meta(), rig->models.device, plan.record));
+  const std::string record = recordTicks(*rig, 500, folder.path("run.h5"));
+  const auto reader = orThrow(RecordingReader::open(record));
+  const auto corners = orThrow(recordedCorners(reader->meta(), rig->models.device, record));
   ASSERT_EQ(corners.size(), 2U);
   EXPECT_NEAR(corners[0].axes[0].damping, kProven * rig->models.device.axes[0].damping, 1e-8);
-  const auto again = resimulate(*reader, plan.record);
+  const auto again = resimulate(*reader, record);
   ASSERT_TRUE(again) << format(again.errors());
   EXPECT_GT(again->compared, 500U);
   EXPECT_EQ(again->difference.field, "");

@@ -126,12 +126,17 @@ TEST(BlackBox, StoppingFault_IsTheCauseWithItsAxisAndTick) {
               60.0);
 }
 
+auto filled(const BlackBoxPlan& plan, std::uint64_t ticks) {
+  auto box = armed(plan);
+  for (std::uint64_t i = 0; i < ticks; ++i) giveTick(*box, tickNumber(i));
+  return box;
+}
+
 TEST(BlackBox, MemoryForInputsFull_StillShowsButSaysSo) {
   const Folder folder;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
   plan.input_bytes = 20'000;
-  auto box = armed(plan);
-  for (std::uint64_t i = 0; i < 3000; ++i) giveTick(*box, tickNumber(i));
+  const auto box = filled(plan, 3000);
   EXPECT_FALSE(box->inputsWhole());
   ASSERT_TRUE(box->write().ok());
   const auto read = opened(plan.path);
@@ -146,8 +151,7 @@ TEST(BlackBox, MemoryForTicksTooSmall_KeepsTheLastOnes) {
   const Folder folder;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
   plan.most_tick_bytes = 500'000;
-  auto box = armed(plan);
-  for (std::uint64_t i = 0; i < 4000; ++i) giveTick(*box, tickNumber(i));
+  const auto box = filled(plan, 4000);
   ASSERT_TRUE(box->write().ok());
   const auto read = opened(plan.path);
   ASSERT_NE(read, nullptr);

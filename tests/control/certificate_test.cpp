@@ -3,6 +3,7 @@
 #include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
 #include "control/z_width.hpp"
+#include "reference_tables.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -62,15 +63,7 @@ bool swingsWider(const AxisCase& c, double k_pm, double phi_k_dm, int ticks) {
 }
 
 TEST(Certificate, RigidContactTable_IsMetAndSimulationAgreesFromBothSides) {
-  const std::tuple<double, double, int, double> rows[] = {
-      {0.1, 0.2, 0, 400},   {0.1, 0.2, 1, 133},  {0.1, 0.2, 2, 80},    {0.1, 1.0, 0, 2003},
-      {0.1, 1.0, 1, 669},   {0.1, 1.0, 2, 402},  {0.1, 5.0, 0, 10084}, {0.1, 5.0, 1, 3379},
-      {0.1, 5.0, 2, 2042},  {0.5, 0.2, 0, 400},  {0.5, 0.2, 1, 133},   {0.5, 0.2, 2, 80},
-      {0.5, 1.0, 0, 2001},  {0.5, 1.0, 1, 667},  {0.5, 1.0, 2, 400},   {0.5, 5.0, 0, 10017},
-      {0.5, 5.0, 1, 3343},  {0.5, 5.0, 2, 2009}, {1.0, 0.2, 0, 401},   {1.0, 0.2, 1, 134},
-      {1.0, 0.2, 2, 80},    {1.0, 1.0, 0, 2001}, {1.0, 1.0, 1, 667},   {1.0, 1.0, 2, 400},
-      {1.0, 5.0, 0, 10009}, {1.0, 5.0, 1, 3338}, {1.0, 5.0, 2, 2004}};
-  for (const auto& [mass, damping, delay, table] : rows) {
+  for (const auto& [mass, damping, delay, table] : kRigidContactTable) {
     const AxisCase c = axisOf(mass, damping, delay, 1000.0, 0.0, 30.0);
     const AxisCertificate a = certifyAxis(c);
     EXPECT_NEAR(a.rigid_limit, table, 0.02 * table) << mass << " " << damping << " " << delay;

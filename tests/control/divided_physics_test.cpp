@@ -1,15 +1,14 @@
 // Physics at a divisor of the rate: the matrix of the loop, and b_min, which is exact there, too.
-#include "certified_sets.hpp"
 #include "control/coupled_passivity.hpp"
 #include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
 #include "divided_termination.hpp"
+#include "random_loops.hpp"
 #include "support/figure.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace wholehand::test {
@@ -18,7 +17,7 @@ namespace {
 constexpr double kSide = 0.02;  // of the boundary, from both sides
 // A swing of more than 60 ticks grows so slowly there that rounding hides it.
 constexpr double kSlow_rad = 0.1, kSlowSide = 0.1;
-constexpr double kRounding = 1e-10;  // of a radius
+constexpr int kHalvings = 14;  // of the interval about a boundary
 
 AxisLoop randomLoop(Draw& draw) {
   AxisLoop l;
@@ -34,10 +33,7 @@ AxisLoop randomLoop(Draw& draw) {
   const double highest = std::min(4e4, 0.5 / (l.stepPeriod() * l.stepPeriod()));
   l.k_ps_per_s2 = draw.between(400.0, highest);
   l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, l.stepPeriod());
-  if (draw.chance(0.3)) {
-    l.wall_stiffness = draw.between(0.05, 0.5) * l.k_pm;
-    l.wall_damping = draw.chance(0.3) ? 0.0 : draw.unit();
-  }
+  drawWall(l, draw);
   return l;
 }
 
@@ -46,14 +42,7 @@ TEST(DividedPhysics, TerminatedAxis_IsTheLibrarysLoop) {
   Draw draw(81);
   for (int i = 0; i < 60; ++i) {
     AxisLoop l = randomLoop(draw);
-    l.person = {draw.between(0.1, 10.0), 0.0, draw.between(10.0, 5000.0)};
-    Termination t;
-    t.world = World::kEngine;
-    t.mass = l.mass + l.person.mass;
-    t.stiffness = l.person.stiffness;
-    t.held_mass = l.held_mass = draw.between(0.01, 10.0);
-    t.spring_per_s2 = l.spring_per_s2 = draw.between(10.0, 1e5);
-    t.rigid = i % 2 == 0;
+    const Termination t = drawPersonAndObject(l, draw, i % 2 == 0);
     const auto contact = t.rigid ? ContactCase::kRigid : ContactCase::kObject;
     const double expected = spectralRadius(TerminatedAxis(l, t).matrix());
     EXPECT_NEAR(expected, spectralRadius(closedLoopMatrix(l, contact)), 1e-8 * expected);
@@ -72,23 +61,6 @@ TEST(DividedPhysics, AgainstARigidStop_IsTheUndividedLoop) {
   }
 }
 
-bool swings(AxisLoop l, const Termination& t, double damping) {
-  l.damping = damping;
-  return spectralRadius(TerminatedAxis(l, t).matrix()) > 1.0 + kRounding;
-}
-
-/// Device damping below which the termination swings, by bisection of the radius. 0: it never does.
-double boundary(const AxisLoop& l, const Termination& t) {
-  double low = 0.5 * t.most, high = 1.1 * t.most;
-  if (!swings(l, t, low)) return 0.0;
-  if (swings(l, t, high)) return std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 14; ++i) {
-    const double middle = 0.5 * (low + high);
-    (swings(l, t, middle) ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
 TEST(DividedPhysics, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
   Draw draw(83);
   double least = HUGE_VAL, share = HUGE_VAL, most = 0.0, short_of = 0.0;
@@ -103,7 +75,7 @@ TEST(DividedPhysics, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
     short_of = std::max(short_of, t.most / required - 1.0);
     if (!isPassive(t)) continue;  // not built
     ++judged;
-    const double at = boundary(l, t) / required;
+    const double at = boundary(l, t, kHalvings) / required;
     least = std::min(least, at);
     most = std::max(most, at);
     share = std::min(share, t.needed / required);

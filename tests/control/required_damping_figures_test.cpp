@@ -1,11 +1,10 @@
 // b_min is exact: for every row of the reference's table, and for loops at random, a passive person
 // and a passive object are built that swing at 2 % less, and nobody swings above it.
-#include "certified_sets.hpp"
 #include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
+#include "random_loops.hpp"
 #include "support/figure.hpp"
 #include "support/tolerance.hpp"
-#include "worst_termination.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -15,8 +14,8 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kSide = 0.02;       // of the boundary, from both sides
-constexpr double kRounding = 1e-10;  // of a radius
+constexpr double kSide = 0.02;  // of the boundary, from both sides
+constexpr int kHalvings = 18;   // of the interval about a boundary
 
 AxisLoop loopOf(double k_ps, int delay, double filter_hz, double gamma) {
   AxisLoop l;
@@ -54,23 +53,6 @@ std::string nameOf(const AxisLoop& l) {
   return text.data();
 }
 
-bool swings(AxisLoop l, const Termination& t, double damping) {
-  l.damping = damping;
-  return spectralRadius(TerminatedAxis(l, t).matrix()) > 1.0 + kRounding;
-}
-
-/// Device damping below which the termination swings, by bisection of the radius. 0: it never does.
-double boundary(const AxisLoop& l, const Termination& t) {
-  double low = 0.5 * t.most, high = 1.1 * t.most;
-  if (!swings(l, t, low)) return 0.0;
-  if (swings(l, t, high)) return std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 18; ++i) {
-    const double middle = 0.5 * (low + high);
-    (swings(l, t, middle) ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
 struct Range {
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
   void take(double value) {
@@ -89,7 +71,7 @@ TEST(RequiredDampingFigures, EveryRowOfTheTable_SwingsTwoPercentBelowAndNotAbove
     EXPECT_NEAR(t.most, required, 1e-4 * required) << nameOf(l);
     EXPECT_TRUE(swings(l, t, (1.0 - kSide) * required)) << nameOf(l);
     EXPECT_FALSE(swings(l, t, (1.0 + kSide) * required)) << nameOf(l);
-    at.take(boundary(l, t) / required);
+    at.take(boundary(l, t, kHalvings) / required);
   }
   figure("damping at which the worst person and object begin to swing, of b_min, least", at.least,
          "");
@@ -107,10 +89,7 @@ AxisLoop randomLoop(Draw& draw) {
   l.period_s = 1e-3 / (1 << draw.upTo(3));
   l.k_ps_per_s2 = draw.between(400.0, 4e4);
   l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, l.period_s);
-  if (draw.chance(0.3)) {
-    l.wall_stiffness = draw.between(0.05, 0.5) * l.k_pm;
-    l.wall_damping = draw.chance(0.3) ? 0.0 : draw.unit();
-  }
+  drawWall(l, draw);
   return l;
 }
 
@@ -129,7 +108,7 @@ TEST(RequiredDampingFigures, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
     const Termination t = worstTermination(l, World::kLossless);
     ASSERT_TRUE(isPassive(t)) << "loop " << number;
     ++judged;
-    at.take(boundary(l, t) / required);
+    at.take(boundary(l, t, kHalvings) / required);
     EXPECT_GE(at.least, 1.0 - kSide) << "loop " << number;
     EXPECT_LE(at.most, 1.0 + 1e-5) << "loop " << number;
     short_of = std::max(short_of, t.most / required - 1.0);
@@ -151,7 +130,7 @@ TEST(RequiredDampingFigures, PersonWithOneResonance_NeedsOnlyItsShareOfTheImages
     const double half = 0.5 * t.angle_rad, weight = std::pow(std::sin(half) / half, 2.0);
     if (t.angle_rad < 0.1) continue;  // images weigh nothing
     const bool own_image = t.angle_rad > 3.14;
-    const double share = boundary(l, t) / t.needed;
+    const double share = boundary(l, t, kHalvings) / t.needed;
     EXPECT_NEAR(share, own_image ? 2.0 * weight : weight, 0.005) << nameOf(l);
     (own_image ? nyquist : below).take(share);
   }
@@ -171,7 +150,7 @@ TEST(RequiredDampingFigures, ObjectsOfTheEngine_NeedAlmostAsMuch) {
     EXPECT_LE(t.most, (1.0 + 1e-6) * required) << nameOf(l);
     EXPECT_TRUE(swings(l, t, (1.0 - kSide) * t.most)) << nameOf(l);
     EXPECT_FALSE(swings(l, t, (1.0 + kSide) * t.most)) << nameOf(l);
-    at.take(boundary(l, t) / t.most);
+    at.take(boundary(l, t, kHalvings) / t.most);
     share.take(t.most / required);
     figure("b_min for the engine's objects, of b_min, " + nameOf(l), t.most / required, "");
   }
@@ -221,14 +200,7 @@ TEST(RequiredDampingFigures, TerminatedAxis_IsTheLibrarysLoop) {
     AxisLoop l = randomLoop(draw);
     l.mass = draw.between(0.05, 3.0);
     l.damping = draw.between(0.1, 20.0);
-    l.person = {draw.between(0.1, 10.0), 0.0, draw.between(10.0, 5000.0)};
-    Termination t;
-    t.world = World::kEngine;
-    t.mass = l.mass + l.person.mass;
-    t.stiffness = l.person.stiffness;
-    t.held_mass = l.held_mass = draw.between(0.01, 10.0);
-    t.spring_per_s2 = l.spring_per_s2 = draw.between(10.0, 1e5);
-    t.rigid = i % 2 == 0;
+    const Termination t = drawPersonAndObject(l, draw, i % 2 == 0);
     const auto contact = t.rigid ? ContactCase::kRigid : ContactCase::kObject;
     EXPECT_NEAR(spectralRadius(TerminatedAxis(l, t).matrix()),
                 spectralRadius(closedLoopMatrix(l, contact)), 1e-9);

@@ -5,6 +5,7 @@
 #include "axis_simulation.hpp"
 #include "control/certificate/certificate.hpp"
 #include "control/passivity.hpp"
+#include "reference_tables.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -30,16 +31,8 @@ double simulatedStiffness(AxisLoop l, ContactCase contact, double guess, long ti
 }
 
 TEST(StabilityFigures, RigidContactTable_SimulatedBoundaryIsThePredictedOne) {
-  const std::tuple<double, double, int, double> rows[] = {
-      {0.1, 0.2, 0, 400},   {0.1, 0.2, 1, 133},  {0.1, 0.2, 2, 80},    {0.1, 1.0, 0, 2003},
-      {0.1, 1.0, 1, 669},   {0.1, 1.0, 2, 402},  {0.1, 5.0, 0, 10084}, {0.1, 5.0, 1, 3379},
-      {0.1, 5.0, 2, 2042},  {0.5, 0.2, 0, 400},  {0.5, 0.2, 1, 133},   {0.5, 0.2, 2, 80},
-      {0.5, 1.0, 0, 2001},  {0.5, 1.0, 1, 667},  {0.5, 1.0, 2, 400},   {0.5, 5.0, 0, 10017},
-      {0.5, 5.0, 1, 3343},  {0.5, 5.0, 2, 2009}, {1.0, 0.2, 0, 401},   {1.0, 0.2, 1, 134},
-      {1.0, 0.2, 2, 80},    {1.0, 1.0, 0, 2001}, {1.0, 1.0, 1, 667},   {1.0, 1.0, 2, 400},
-      {1.0, 5.0, 0, 10009}, {1.0, 5.0, 1, 3338}, {1.0, 5.0, 2, 2004}};
   double worst = 0.0;
-  for (const auto& [mass, damping, delay, table] : rows) {
+  for (const auto& [mass, damping, delay, table] : kRigidContactTable) {
     const AxisLoop l = loopOf(mass, damping, delay, table, 0.0, 30.0);
     const long ticks = std::lround(200e3 * mass / damping);
     const double simulated = simulatedStiffness(l, ContactCase::kRigid, table, ticks);

@@ -278,4 +278,22 @@ class TerminatedAxis {
   Eigen::MatrixXd held_;
 };
 
+inline bool swings(AxisLoop l, const Termination& t, double damping) {
+  constexpr double kRounding = 1e-10;  // of a radius
+  l.damping = damping;
+  return spectralRadius(TerminatedAxis(l, t).matrix()) > 1.0 + kRounding;
+}
+
+/// Device damping below which the termination swings, by bisection of the radius. 0: it never does.
+inline double boundary(const AxisLoop& l, const Termination& t, int halvings) {
+  double low = 0.5 * t.most, high = 1.1 * t.most;
+  if (!swings(l, t, low)) return 0.0;
+  if (swings(l, t, high)) return std::numeric_limits<double>::infinity();
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (swings(l, t, middle) ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 }  // namespace wholehand::test

@@ -1,6 +1,8 @@
 /* A driver for tests of the conformance suite: two rails that do all that device.h asks, but for the
  * one thing that the settings name. "moving" breaks nothing: it lets the rails move by themselves. */
 #define _POSIX_C_SOURCE 200809L
+#include "driver_clock.h"
+
 #include <wholehand/device.h>
 
 #include <math.h>
@@ -28,12 +30,6 @@ static wh_device* only; /* "shared" */
 
 static int is(const wh_device* device, const char* word) {
   return strcmp(device->broken, word) == 0;
-}
-
-static int64_t now_ns(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
 static void wait_ms(long ms) {

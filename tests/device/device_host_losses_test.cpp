@@ -8,6 +8,7 @@
 #include "device/plugin/plugin_device.hpp"
 #include "device/plugin/plugin_driver.hpp"
 #include "host_tools.hpp"
+#include "plain_driver.hpp"
 
 #include <gtest/gtest.h>
 
@@ -44,30 +45,13 @@ struct Given {
 };
 
 /// Three axes that keep every effort they are given, with its time.
-class KeepingDriver final : public DeviceDriver {
+class KeepingDriver final : public PlainDriver {
  public:
-  KeepingDriver() : given_(std::size_t{1} << 16U) {
-    for (const char* axis : {"x", "y", "z"}) {
-      wh_axis has{};
-      has.size = sizeof(has);
-      has.name[0] = axis[0];
-      has.effort_limit = 8.0;
-      has.lower = -0.1, has.upper = 0.1;
-      has.silence_s = 0.02;
-      axes_.push_back(has);
-    }
-  }
-  [[nodiscard]] std::string where() const override { return "the driver of the test"; }
-  [[nodiscard]] std::string name() const override { return "keeping"; }
-  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
-  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double) override {
-    enabled_ = verb == WH_ENABLE;
-    return Done{};
-  }
+  KeepingDriver() : PlainDriver({"x", "y", "z"}, plainAxis()), given_(std::size_t{1} << 16U) {}
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
     sample = {};
     sample.size = sizeof(sample);
-    sample.status = WH_HOMED | (enabled_ ? std::uint32_t{WH_ENABLED} : 0U);
+    sample.status = WH_HOMED | (enabled ? std::uint32_t{WH_ENABLED} : 0U);
     sample.sequence = ++samples_;
     sample.monotonic_ns = monotonicNow_ns();
     sample.valid = 7;
@@ -91,8 +75,6 @@ class KeepingDriver final : public DeviceDriver {
   }
 
  private:
-  std::vector<wh_axis> axes_;
-  bool enabled_ = false;
   std::uint64_t samples_ = 0;
   std::vector<Given> given_;
   std::atomic<std::size_t> count_{0};

@@ -3,6 +3,7 @@
 #include "hosted_tools.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/system_call_counter.hpp"
+#include "spoiled_places.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,14 +26,7 @@ TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   EXPECT_EQ(hosted->identity().serial, "S-1");
   EXPECT_EQ(hosted->identity().sdk, "7");
   const auto device = deviceOf(hosted);
-  ASSERT_TRUE(device->open());
-  ASSERT_TRUE(device->ready());
-  DeviceReading reading;
-  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
-  // The driver has z, roll, y, x at 1, 2, 3, 4 mm.
-  EXPECT_EQ(reading.q_m[0], 0.004);
-  EXPECT_EQ(reading.q_m[1], 0.003);
-  EXPECT_EQ(reading.q_m[2], 0.001);
+  ASSERT_NO_FATAL_FAILURE(expectPlacesOfSpoiled(*device));
   // The driver measures what it was given.
   bool given = false;
   for (int i = 0; i < 2000 && !given; ++i) {
@@ -45,6 +39,7 @@ TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   }
   EXPECT_TRUE(given);
   device->close();
+  DeviceReading reading;
   EXPECT_EQ(device->read(reading, 1), Fault::kDeviceRead) << "closed";
   for (int i = 0; i < 2000 && (host.sample().sample.status & WH_ENABLED) != 0; ++i) sleepMs(1);
   EXPECT_EQ(host.sample().sample.status & WH_ENABLED, 0U);
@@ -185,17 +180,22 @@ TEST(HostedDevice, HostThatIsToldToEnd_IsAtNeutralFirst) {
   EXPECT_EQ(sample.effort[3], 0.0);
 }
 
+/// Along x, for a second at most.
+void pushUntilMeasured(HostThread& host, HapticDevice& device, double effort_n) {
+  for (int i = 0; i < 1000 && host.sample().sample.effort[3] != effort_n; ++i) {
+    armAnewWhereLatched(host, device);
+    ASSERT_EQ(device.write(efforts(effort_n, 0.0, 0.0)), Fault::kNone);
+    sleepMs(1);
+  }
+}
+
 TEST(HostedDevice, ClosedWhileItPushes_IsAtNeutralBeforeItIsDisabled) {
   const std::string name = hostName("closes");
   HostThread host(name, spoiled(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
   ASSERT_TRUE(device->open());
   const AsUrgentAsALoop urgent;
-  for (int i = 0; i < 1000 && host.sample().sample.effort[3] != 4.0; ++i) {
-    armAnewWhereLatched(host, *device);
-    ASSERT_EQ(device->write(efforts(4.0, 0.0, 0.0)), Fault::kNone);
-    sleepMs(1);
-  }
+  ASSERT_NO_FATAL_FAILURE(pushUntilMeasured(host, *device, 4.0));
   ASSERT_EQ(host.sample().sample.effort[3], 4.0);
   const std::int64_t begun_ns = monotonicNow_ns();
   device->close();
@@ -216,11 +216,7 @@ TEST(HostedDevice, ClosedRightAfterItsNeutralCommand_IsNotLetGoOf) {
     const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
     ASSERT_TRUE(device->open());
     const AsUrgentAsALoop urgent;
-    for (int i = 0; i < 1000 && host.sample().sample.effort[3] != 0.05; ++i) {
-      armAnewWhereLatched(host, *device);
-      ASSERT_EQ(device->write(efforts(0.05, 0.0, 0.0)), Fault::kNone);
-      sleepMs(1);
-    }
+    ASSERT_NO_FATAL_FAILURE(pushUntilMeasured(host, *device, 0.05));
     (void)host.events();
     ASSERT_EQ(device->write(efforts(0.0, 0.0, 0.0)), Fault::kNone);
     device->close();

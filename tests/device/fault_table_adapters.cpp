@@ -4,6 +4,7 @@
 #include "device/host/hosted_driver.hpp"
 #include "device/host_tools.hpp"
 #include "device/moteus/moteus_in_step.hpp"
+#include "device/plain_driver.hpp"
 #include "drivers/composite/composite.hpp"
 #include "drivers/frame_bench.hpp"
 #include "support/rig_tools.hpp"
@@ -20,28 +21,9 @@ DeviceModel desktopModel() {
 }
 
 /// A driver of three axes that does as it is told, for what calls drivers.
-class Obedient final : public DeviceDriver {
+class Obedient final : public PlainDriver {
  public:
-  explicit Obedient(std::vector<const char*> names) {
-    for (const char* name : names) {
-      wh_axis axis{};
-      axis.size = sizeof(axis);
-      std::strncpy(axis.name, name, sizeof(axis.name) - 1);
-      axis.lower = -0.1, axis.upper = 0.1;
-      axis.effort_limit = 8.0;
-      axis.resolution = 1e-5;
-      axis.delay_s = 0.0005;
-      axis.silence_s = 0.02;
-      axes_.push_back(axis);
-    }
-  }
-  [[nodiscard]] std::string where() const override { return "the driver of the test"; }
-  [[nodiscard]] std::string name() const override { return "obedient"; }
-  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
-  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double) override {
-    enabled = verb == WH_ENABLE;
-    return Done{};
-  }
+  explicit Obedient(const std::vector<const char*>& names) : PlainDriver(names, axis()) {}
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
     const auto is = [this](const char* word) { return std::strcmp(kind.load(), word) == 0; };
     if (is("unplug")) return WH_FAILED;
@@ -53,7 +35,7 @@ class Obedient final : public DeviceDriver {
     if (is("enable")) sample.status &= ~static_cast<std::uint32_t>(WH_ENABLED);
     if (is("drive")) sample.status |= WH_DRIVE_FAULT;
     if (is("silenced")) sample.status |= WH_SILENCED;
-    sample.valid = (1U << axes_.size()) - 1U;
+    sample.valid = (1U << axes().size()) - 1U;
     if (is("missing")) sample.valid &= ~1U;
     return WH_OK;
   }
@@ -62,10 +44,15 @@ class Obedient final : public DeviceDriver {
   }
 
   std::atomic<const char*> kind{""};  ///< of the fault
-  std::atomic<bool> enabled{false};
 
  private:
-  std::vector<wh_axis> axes_;
+  static wh_axis axis() {
+    wh_axis axis = plainAxis();
+    axis.resolution = 1e-5;
+    axis.delay_s = 0.0005;
+    return axis;
+  }
+
   std::uint64_t samples_ = 0;
 };
 
@@ -132,30 +119,18 @@ class OfTwo final : public FaultAdapter {
 };
 
 /// Firmware, line and frame device in step.
-class FrameDriver final : public DeviceDriver {
+class FrameDriver final : public BenchDriver {
  public:
-  explicit FrameDriver(BenchBoard& bench) : bench_(bench), frame_(orThrow(bench.open())) {}
-  [[nodiscard]] std::string where() const override { return "the frame"; }
-  [[nodiscard]] std::string name() const override { return frame_->name(); }
-  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override {
-    return frame_->axes();
-  }
-  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override {
-    return frame_->control(verb, argument, bench_.wait());
-  }
+  using BenchDriver::BenchDriver;
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
-    frame_->pump(bench_.now_ns());
-    return frame_->read(sample);
+    pump();
+    return BenchDriver::read(sample);
   }
   [[nodiscard]] int write(const wh_command& command) noexcept override {
-    const int result = frame_->write(command);
-    frame_->pump(bench_.now_ns());
+    const int result = BenchDriver::write(command);
+    pump();
     return result;
   }
-
- private:
-  BenchBoard& bench_;
-  std::unique_ptr<FrameDevice> frame_;
 };
 
 class OverTheFrame final : public FaultAdapter {

@@ -5,6 +5,8 @@
  *                 2: how long WH_ENABLE takes [s]    3: samples stand still
  *   driver writes 4: enabled   5: effort [N]   6: position [m]   7: largest effort so far [N] */
 #define _POSIX_C_SOURCE 200809L
+#include "driver_clock.h"
+
 #include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
@@ -25,12 +27,6 @@ struct wh_device {
 };
 
 static const double silence_s = 1.0; /* the machine of a test may stall */
-
-static int64_t now_ns(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
 
 static int open_device(const wh_host* host, const char* locator, const char* settings,
                        wh_device** out) {

@@ -4,6 +4,7 @@
 #include "device/plugin/observed_driver.hpp"
 #include "device/plugin/plugin_driver.hpp"
 #include "realtime/allocation_counter.hpp"
+#include "spoiled_places.hpp"
 #include "support/rig_tools.hpp"
 
 #include <gtest/gtest.h>
@@ -108,14 +109,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(PluginDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   const auto driver = orThrow(spoiled(""));
   const auto device = orThrow(PluginDevice::make(driver, desktop(), 1e-3));
-  ASSERT_TRUE(device->open());
-  ASSERT_TRUE(device->ready());
-  DeviceReading reading;
-  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
-  // The driver has z, roll, y, x at 1, 2, 3, 4 mm.
-  EXPECT_EQ(reading.q_m[0], 0.004);
-  EXPECT_EQ(reading.q_m[1], 0.003);
-  EXPECT_EQ(reading.q_m[2], 0.001);
+  ASSERT_NO_FATAL_FAILURE(expectPlacesOfSpoiled(*device));
   AxisEffort effort(3);
   effort[0] = 0.5, effort[1] = -0.25, effort[2] = 2.0;
   ASSERT_EQ(device->write(effort), Fault::kNone);
@@ -128,6 +122,7 @@ TEST(PluginDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   device->close();
   ASSERT_GE(driver->read(sample), 0);
   EXPECT_EQ(sample.effort[3], 0.0);
+  DeviceReading reading;
   EXPECT_EQ(device->read(reading, 1), Fault::kDeviceRead) << "closed";
 }
 

@@ -3,10 +3,11 @@
  * file that its settings name: int64 CLOCK_MONOTONIC [ns], three doubles [N]. May wait: only a host
  * takes it. */
 #define _POSIX_C_SOURCE 200809L
+#include "driver_clock.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <wholehand/device.h>
 
 enum { AXES = 3, FLUSH_EVERY = 64 };
@@ -17,12 +18,6 @@ struct wh_device {
   int64_t enabled_ns;
   uint64_t samples, commands;
 };
-
-static int64_t now_ns(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
 
 static int open_device(const wh_host* host, const char* locator, const char* settings,
                        wh_device** out) {

@@ -2,6 +2,7 @@
 #include "device/simulated/simulated_device.hpp"
 #include "patient/scripted_player.hpp"
 #include "patient/steered_player.hpp"
+#include "support/player_commands.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,14 +31,10 @@ LetGo letGo(const char* name, double from, double to) {
   SteeredPlayer& player = *steered;
   SimulatedDevice device(*model, *patient, std::move(steered), 1e-3);
   EXPECT_TRUE(device.open().ok());
-  Command command;
-  command.type = CommandType::kSteer;
-  command.index = static_cast<std::int32_t>(Steering::kPerson);
-  player.command(command);
-  command.type = CommandType::kAim;
-  command.aim = at;
-  command.aim[axis] = to;
-  player.command(command);
+  player.command(test::steer(Steering::kPerson));
+  AxisPosition aim = at;
+  aim[axis] = to;
+  player.command(test::aim(aim));
   TickRecord seen;
   DeviceReading reading;
   LetGo out;
@@ -82,13 +79,8 @@ TEST(SteeredPerson, LateTicks_LeaveTheIntentionAlone) {
         std::make_unique<ScriptedPlayer>(
             Intention::throughWaypoints({{0.0, AxisPosition(1, 0.0)}})),
         device);
-    Command command;
-    command.type = CommandType::kSteer;
-    command.index = static_cast<std::int32_t>(Steering::kPerson);
-    made->command(command);
-    command.type = CommandType::kAim;
-    command.aim = AxisPosition(1, 0.9);
-    made->command(command);
+    made->command(test::steer(Steering::kPerson));
+    made->command(test::aim(AxisPosition(1, 0.9)));
     return made;
   };
   const auto watched = player(), alone = player();

@@ -61,29 +61,6 @@ class PatientBoard : public BenchBoard {
   bool period_passes = false;  ///< with the next tick of the firmware
 };
 
-/// A FrameDevice where a PluginDevice takes a driver.
-class BenchDriver final : public DeviceDriver {
- public:
-  explicit BenchDriver(BenchBoard& bench) : bench_(bench), frame_(orThrow(bench.open())) {}
-  [[nodiscard]] std::string where() const override { return "the frame of the test"; }
-  [[nodiscard]] std::string name() const override { return frame_->name(); }
-  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override {
-    return frame_->axes();
-  }
-  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override {
-    return frame_->control(verb, argument, bench_.wait());
-  }
-  [[nodiscard]] int read(wh_sample& sample) noexcept override { return frame_->read(sample); }
-  [[nodiscard]] int write(const wh_command& command) noexcept override {
-    return frame_->write(command);
-  }
-  void pump() { frame_->pump(bench_.now_ns()); }
-
- private:
-  BenchBoard& bench_;
-  std::unique_ptr<FrameDevice> frame_;
-};
-
 /// Pumps the line at each read and write of the loop.
 class LockStep final : public HapticDevice {
  public:

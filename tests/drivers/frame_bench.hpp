@@ -1,5 +1,6 @@
 #pragma once
 
+#include "device/plugin/device_driver.hpp"
 #include "drivers/frame/firmware/firmware.h"
 #include "drivers/frame/frame_device.hpp"
 #include "support/figure.hpp"
@@ -139,5 +140,28 @@ inline wh_sample emptySample() {
   sample.size = sizeof(sample);
   return sample;
 }
+
+/// A FrameDevice where a PluginDevice takes a driver.
+class BenchDriver : public DeviceDriver {
+ public:
+  explicit BenchDriver(BenchBoard& bench) : bench_(bench), frame_(orThrow(bench.open())) {}
+  [[nodiscard]] std::string where() const override { return "the frame of the test"; }
+  [[nodiscard]] std::string name() const override { return frame_->name(); }
+  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override {
+    return frame_->axes();
+  }
+  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override {
+    return frame_->control(verb, argument, bench_.wait());
+  }
+  [[nodiscard]] int read(wh_sample& sample) noexcept override { return frame_->read(sample); }
+  [[nodiscard]] int write(const wh_command& command) noexcept override {
+    return frame_->write(command);
+  }
+  void pump() { frame_->pump(bench_.now_ns()); }
+
+ private:
+  BenchBoard& bench_;
+  std::unique_ptr<FrameDevice> frame_;
+};
 
 }  // namespace wholehand::test

@@ -44,14 +44,22 @@ double condition(const Eigen::MatrixXd& m) {
   return values[values.size() - 1] / values[0];
 }
 
+/// A random tree by ours and by Bullet, in the same random state.
+struct Twins {
+  Twins(const HandModel& hand, Rng& rng) : body(hand), bullet(hand), s(randomState(rng, hand)) {
+    bullet.setState(s.theta, s.theta_dot);
+  }
+  ArticulatedBody body;
+  BulletTwin bullet;
+  JointState s;
+};
+
 TEST(ArticulatedBody, RandomTrees_ForwardDynamicsEqualBullets) {
   forRandomTrees(7, 200, [](const HandModel& hand, Rng& rng) {
-    ArticulatedBody body(hand);
-    BulletTwin bullet(hand);
-    const JointState s = randomState(rng, hand);
+    Twins twins(hand, rng);
+    auto& [body, bullet, s] = twins;
     const Eigen::Vector3d gravity = randomVector(rng, 10.0);
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, gravity));
-    bullet.setState(s.theta, s.theta_dot);
     // Bullet's articulated-body algorithm, which shares no code and no method with ours.
     EXPECT_LE(residual(body, bullet.acceleration(s.torque, gravity), s.torque), tolerance(1e-10));
   });
@@ -59,12 +67,10 @@ TEST(ArticulatedBody, RandomTrees_ForwardDynamicsEqualBullets) {
 
 TEST(ArticulatedBody, RandomTrees_BiasAloneEqualsBullets) {
   forRandomTrees(8, 100, [](const HandModel& hand, Rng& rng) {
-    ArticulatedBody body(hand);
-    BulletTwin bullet(hand);
-    const JointState s = randomState(rng, hand);
+    Twins twins(hand, rng);
+    auto& [body, bullet, s] = twins;
     const Eigen::Vector3d gravity = randomVector(rng, 10.0);
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, gravity));
-    bullet.setState(s.theta, s.theta_dot);
     // Under τ = h Bullet must find no acceleration; measured against the one without torque.
     const double unheld =
         bullet.acceleration(JointEffort(hand.joint_count), gravity).cwiseAbs().maxCoeff();
@@ -75,11 +81,9 @@ TEST(ArticulatedBody, RandomTrees_BiasAloneEqualsBullets) {
 
 TEST(ArticulatedBody, RandomTrees_InertiaInvertsBulletsColumns) {
   forRandomTrees(9, 60, [](const HandModel& hand, Rng& rng) {
-    ArticulatedBody body(hand);
-    BulletTwin bullet(hand);
-    const JointState s = randomState(rng, hand);
+    Twins twins(hand, rng);
+    auto& [body, bullet, s] = twins;
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, Eigen::Vector3d::Zero()));
-    bullet.setState(s.theta, s.theta_dot);
     for (int j = 0; j < hand.joint_count; ++j) {
       Eigen::VectorXd unit = body.inertia() * bullet.inverseInertiaColumn(j);
       unit[j] -= 1.0;
@@ -90,11 +94,9 @@ TEST(ArticulatedBody, RandomTrees_InertiaInvertsBulletsColumns) {
 
 TEST(ArticulatedBody, RandomTrees_LinksStandWhereBulletPutsThem) {
   forRandomTrees(10, 60, [](const HandModel& hand, Rng& rng) {
-    ArticulatedBody body(hand);
-    BulletTwin bullet(hand);
-    const JointState s = randomState(rng, hand);
+    Twins twins(hand, rng);
+    auto& [body, bullet, s] = twins;
     body.updateKinematics(s.theta);
-    bullet.setState(s.theta, s.theta_dot);
     for (int i = 0; i < static_cast<int>(hand.links.size()); ++i) {
       EXPECT_LE((body.linkPose(i) * hand.links[i].com_m - bullet.linkCom(i)).norm(),
                 tolerance(1e-12));
@@ -124,9 +126,8 @@ TEST(ArticulatedBody, KinematicsOfAnother_GiveTheBitsOfItsOwn) {
 
 TEST(ArticulatedBody, DistributedTorque_GivesExactReducedForceAndKeepsSynergy) {
   forRandomTrees(12, 100, [](const HandModel& hand, Rng& rng) {
-    ArticulatedBody body(hand);
-    BulletTwin bullet(hand);
-    const JointState s = randomState(rng, hand);
+    Twins twins(hand, rng);
+    auto& [body, bullet, s] = twins;
     const Eigen::Vector3d gravity(0.0, 0.0, -9.81);
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, gravity));
     AxisEffort f_s(hand.axis_count);
@@ -144,7 +145,6 @@ TEST(ArticulatedBody, DistributedTorque_GivesExactReducedForceAndKeepsSynergy) {
     EXPECT_LE((g.transpose() * driving - f_s.vec()).norm(),
               tolerance((1e-10 + reduced_rounding) * f_s.vec().norm() + torque_rounding));
     // M⁻¹ (τ − h) lies in range(G): the coupled joints need no constraint. Bullet accelerates.
-    bullet.setState(s.theta, s.theta_dot);
     const Eigen::VectorXd acceleration = bullet.acceleration(torque, gravity);
     const Eigen::VectorXd reduced = g.colPivHouseholderQr().solve(acceleration);
     // τ holds up h as well: what rounding leaves is a share of what h alone would cause.

@@ -221,16 +221,21 @@ TEST(CocktailBar, BegunAtADrinkItDoesNotHave_IsAtTheFirst) {
   }
 }
 
-TEST(CocktailBar, DrinkDone_ARestGoesOnWithTheNext) {
-  BarTable bar(2);
-  bar.tick();
-  EXPECT_EQ(bar.value("resume_drink"), 0.0);
+/// A drink of two steps, each as asked.
+void pourDrink(BarTable& bar) {
   for (int step = 0; step < 2; ++step) {
     pour(bar, bar.value("asked_l"));
     bar.run(0.3);
     bar.drawBack();
     bar.run(0.1);
   }
+}
+
+TEST(CocktailBar, DrinkDone_ARestGoesOnWithTheNext) {
+  BarTable bar(2);
+  bar.tick();
+  EXPECT_EQ(bar.value("resume_drink"), 0.0);
+  pourDrink(bar);
   ASSERT_EQ(bar.value("stage"), kDrinkDone);
   EXPECT_EQ(bar.value("resume_drink"), 1.0);
 }
@@ -238,12 +243,7 @@ TEST(CocktailBar, DrinkDone_ARestGoesOnWithTheNext) {
 TEST(CocktailBar, NextWhileResting_EndsTheRest) {
   BarTable bar(2);
   bar.tick();
-  for (int step = 0; step < 2; ++step) {
-    pour(bar, bar.value("asked_l"));
-    bar.run(0.3);
-    bar.drawBack();
-    bar.run(0.1);
-  }
+  pourDrink(bar);
   EXPECT_EQ(bar.value("stage"), kDrinkDone);
   EXPECT_EQ(bar.value("target_dispenser"), -1.0);
   bar.act(ExerciseAction::kNext);

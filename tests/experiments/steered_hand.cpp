@@ -4,6 +4,7 @@
 //   steered_hand EXERCISE LEVEL [HAND]
 #include "dynamics/articulated_body.hpp"
 #include "patient/steered_player.hpp"
+#include "support/player_commands.hpp"
 #include "support/rig_tools.hpp"
 
 #include <nlohmann/json.hpp>
@@ -73,10 +74,7 @@ class SteeredHand {
     rig_ = orThrow(buildRig(std::move(models), std::move(steered), {}));
     orThrow(rig_->renderer->arm());
     body_ = std::make_unique<ArticulatedBody>(rig_->models.hand);
-    Command take;
-    take.type = CommandType::kSteer;
-    take.index = static_cast<std::int32_t>(Steering::kPerson);
-    player_->command(take);
+    player_->command(steer(Steering::kPerson));
     play(false);
   }
 

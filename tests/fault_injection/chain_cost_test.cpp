@@ -4,6 +4,7 @@
 #include "safety/safety_chain.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
+#include "support/test_names.hpp"
 
 #include <ctime>
 
@@ -58,11 +59,7 @@ TEST_P(SafetyChainCost, InTheTick_TakesAtMostThreeMicroseconds) {
   EXPECT_LE(median_us, 3.0);
 }
 INSTANTIATE_TEST_SUITE_P(Devices, SafetyChainCost, ::testing::Values("lambda-pride", "wrist-9axis"),
-                         [](const auto& tested) {
-                           std::string name = tested.param;
-                           std::erase(name, '-');
-                           return name;
-                         });
+                         [](const auto& tested) { return withoutHyphens(tested.param); });
 
 }  // namespace
 }  // namespace wholehand::test

@@ -1,6 +1,7 @@
 // The edges of a run: between arming and the first tick, a machine that slept, an arming that is
 // taken back, two faults in one tick.
 #include "fault_injection/fault_bench.hpp"
+#include "support/resting_device.hpp"
 #include "support/seed.hpp"
 
 #include <climits>
@@ -63,22 +64,14 @@ TEST(MovedSinceArming, ByLess_IsBlendedIn) {
 }
 
 /// Stands still, however much time is said to pass.
-class StillDevice final : public HapticDevice {
+class StillDevice final : public RestingDevice {
  public:
-  explicit StillDevice(const AxisPosition& at) : at_(at) {}
-  [[nodiscard]] Expected<Done> open() override { return Done{}; }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
+  using RestingDevice::RestingDevice;
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
-    reading.q_m = at_;
     least_periods = std::min(least_periods, elapsed_periods);
-    return Fault::kNone;
+    return RestingDevice::read(reading, elapsed_periods);
   }
-  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override {}
   int least_periods = INT_MAX;
-
- private:
-  AxisPosition at_;
 };
 
 // At 8 kHz 2^31 periods are three days: a process that was stopped, a machine that was paused.
@@ -137,6 +130,17 @@ TEST(Disarm, WhileItPushes_IsFollowedByNoStep) {
 }
 
 // What stops the run is what somebody will look for, not an effort that was clamped beside it.
+/// Runs until it stops, as a therapist who allows the least. False: it is not armed.
+bool stopsAllowingTheLeast(Bench& bench) {
+  std::vector<double> least;
+  for (const LiveParameter& p : bench.renderer.liveParameters()) least.push_back(p.lower);
+  bench.renderer.startParametersAt(least);
+  if (!bench.renderer.arm()) return false;
+  while (!any(bench.tick().faults & kStopping)) {
+  }
+  return true;
+}
+
 TEST(TwoFaults, ClampedOnOneAxisAndNoNumberOnAnother_NameTheOneThatStops) {
   std::mt19937_64 random = seededRandom(35);
   const RendererConfig& config = workbench().config();
@@ -147,13 +151,8 @@ TEST(TwoFaults, ClampedOnOneAxisAndNoNumberOnAnother_NameTheOneThatStops) {
     sabotage.push_tick = 300 + 10 * i;
     sabotage.push_axis = 2;
     Bench bench(workbench(), sabotage, random, config);
-    // As a therapist who allows the least: what is clamped then is known before the device's limit.
-    std::vector<double> least;
-    for (const LiveParameter& p : bench.renderer.liveParameters()) least.push_back(p.lower);
-    bench.renderer.startParametersAt(least);
-    ASSERT_TRUE(bench.renderer.arm());
-    while (!any(bench.tick().faults & kStopping)) {
-    }
+    // What is clamped then is known before the device's limit.
+    ASSERT_TRUE(stopsAllowingTheLeast(bench));
     EXPECT_EQ(bench.record.faults & kStopping, Fault::kNonFiniteEffort);
     EXPECT_EQ(bench.record.fault_axis, 2);
     clamped += any(bench.record.faults & Fault::kEffortLimit) ? 1 : 0;
@@ -178,13 +177,8 @@ TEST(TwoFaults, ClampedBesideAFaultOfNoAxis_NameNone) {
         sabotage.world = {i < 8 ? World::kStepFails : World::kNonFiniteState, tick, 0};
       }
       Bench bench(workbench(), sabotage, random, config);
-      // As a therapist who allows the least: nearly every effort is clamped.
-      std::vector<double> least;
-      for (const LiveParameter& p : bench.renderer.liveParameters()) least.push_back(p.lower);
-      bench.renderer.startParametersAt(least);
-      ASSERT_TRUE(bench.renderer.arm());
-      while (!any(bench.tick().faults & kStopping)) {
-      }
+      // Nearly every effort is clamped then.
+      ASSERT_TRUE(stopsAllowingTheLeast(bench));
       EXPECT_EQ(bench.record.fault_axis, -1) << "run " << i << (writing ? ", writing" : ", world");
       clamped += any(bench.record.faults & (Fault::kEffortLimit | Fault::kEffortSlew)) ? 1 : 0;
     }

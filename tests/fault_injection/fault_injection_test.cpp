@@ -3,6 +3,7 @@
 #include "fault_injection/fault_bench.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
+#include "support/test_names.hpp"
 
 #include <cstdlib>
 
@@ -298,11 +299,7 @@ TEST_P(OtherDevice, EveryStoppingFaultOnARandomAxis_ReachesNeutral) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Devices, OtherDevice, ::testing::Values("desktop-3axis", "wrist-9axis"),
-                         [](const auto& tested) {
-                           std::string name = tested.param;
-                           std::erase(name, '-');
-                           return name;
-                         });
+                         [](const auto& tested) { return withoutHyphens(tested.param); });
 
 }  // namespace
 }  // namespace wholehand::test

@@ -147,22 +147,8 @@ int reallyOpen(int folder, const char* path, int flags, va_list more) {
 
 extern "C" {
 
-#define OPENS(name)                                                             \
-  int name(const char* path, int flags, ...) {                                  \
-    va_list more;                                                               \
-    va_start(more, flags);                                                      \
-    if (const int error = touchPath(Call::kOpen, AT_FDCWD, path); error != 0) { \
-      return failWith<int>(error);                                              \
-    }                                                                           \
-    const int result = reallyOpen(AT_FDCWD, path, flags, more);                 \
-    va_end(more);                                                               \
-    return result;                                                              \
-  }
-OPENS(open)
-OPENS(open64)
-
-#define OPENS_AT(name)                                                        \
-  int name(int folder, const char* path, int flags, ...) {                    \
+#define OPENS(name, folder, ...)                                              \
+  int name(__VA_ARGS__, ...) {                                                \
     va_list more;                                                             \
     va_start(more, flags);                                                    \
     if (const int error = touchPath(Call::kOpen, folder, path); error != 0) { \
@@ -172,8 +158,10 @@ OPENS(open64)
     va_end(more);                                                             \
     return result;                                                            \
   }
-OPENS_AT(openat)
-OPENS_AT(openat64)
+OPENS(open, AT_FDCWD, const char* path, int flags)
+OPENS(open64, AT_FDCWD, const char* path, int flags)
+OPENS(openat, folder, int folder, const char* path, int flags)
+OPENS(openat64, folder, int folder, const char* path, int flags)
 
 #define ON_PATH(call, result, name, folder, declared, ...)             \
   result name declared {                                               \

@@ -4,6 +4,7 @@
 #include "model/mesh/convex_hull.hpp"
 #include "model/temp_folder.hpp"
 #include "physics/body_pool.hpp"
+#include "support/resting_device.hpp"
 
 #include <fstream>
 #include <sstream>
@@ -64,16 +65,7 @@ TEST(GameBudget, OtherEngines_RefuseWithTheRemedy) {
 }
 
 TEST(GameBudget, DeviceThatMovesAPerson_IsNotArmedWithoutARehearsal) {
-  class Real final : public HapticDevice {
-   public:
-    [[nodiscard]] Expected<Done> open() override { return Done{}; }
-    [[nodiscard]] Expected<Done> ready() override { return Done{}; }
-    [[nodiscard]] bool simulated() const noexcept override { return false; }
-    [[nodiscard]] Fault read(DeviceReading&, int) noexcept override { return Fault::kNone; }
-    [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-    void close() noexcept override {}
-  };
-  const auto rig = buildRig(gameModels(), std::make_unique<Real>(), RigOptions{});
+  const auto rig = buildRig(gameModels(), std::make_unique<RestingDevice>(), RigOptions{});
   ASSERT_TRUE(rig) << format(rig.errors());
   const auto armed = (*rig)->renderer->arm();
   ASSERT_FALSE(armed);

@@ -3,12 +3,14 @@
 #include "core/body_order.hpp"
 #include "model/mesh/convex_mesh.hpp"
 #include "model/scene/game_shapes.hpp"
+#include "support/ball_shape.hpp"
 #include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
 
 #include <cstring>
 #include <deque>
 #include <map>
+#include <random>
 
 /// A rig with the shipped game scene, and orders to the bodies of its game.
 namespace wholehand::test {
@@ -26,11 +28,21 @@ inline Shape boxShape(const Eigen::Vector3d& size_m) {
   shape.half_extents_m = 0.5 * size_m;
   return shape;
 }
-inline Shape ballShape(double radius_m) {
-  Shape shape;
-  shape.type = ShapeType::kSphere;
-  shape.radius_m = radius_m;
-  return shape;
+
+/// To somewhere else every 0.6 s, within so much of each axis's range about its middle.
+inline Intention wander(std::mt19937_64& random, const DeviceModel& device, double duration_s,
+                        double share) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::vector<Waypoint> way{{0.0, AxisPosition(device.axisCount())}};
+  for (double t = 0.6; t < duration_s; t += 0.6) {
+    AxisPosition q(device.axisCount());
+    for (int a = 0; a < q.size(); ++a) {
+      const DeviceAxis& axis = device.axes[a];
+      q[a] = 0.5 * (axis.lower + axis.upper) + share * unit(random) * (axis.upper - axis.lower);
+    }
+    way.push_back({t, q});
+  }
+  return Intention::throughWaypoints(way);
 }
 
 /// A box as a convex mesh, for the narrow phase of the engine.

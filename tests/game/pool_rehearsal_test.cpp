@@ -9,6 +9,7 @@
 #include "model/mesh/convex_mesh.hpp"
 #include "model/scene/separation.hpp"
 #include "runtime/tick_timer.hpp"
+#include "support/resting_device.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -44,18 +45,9 @@ Models smallGame(int slots, int awake) {
   return models;
 }
 
-/// A real device that rests at the origin.
-class Handle final : public HapticDevice {
- public:
-  [[nodiscard]] Expected<Done> open() override { return Done{}; }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
-  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
-    reading.q_m = AxisPosition(kAxes);
-    return Fault::kNone;
-  }
-  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override {}
-};
+std::unique_ptr<HapticDevice> restingDevice() {
+  return std::make_unique<RestingDevice>(AxisPosition(kAxes));
+}
 
 /// What fills the shipped budget, counted in a world of its own.
 TEST(PoolFilling, HasAsManyBodiesPiecesAndVerticesAsTheBudgetSays) {
@@ -287,7 +279,7 @@ TEST(PoolRehearsal, TimeIsNeverTakenAway) {
 
 TEST(PoolRehearsal, DeviceThatMovesAPerson_IsArmedByItAndByNothingLess) {
   const Models models = smallGame(4, 1);
-  const auto rig = orThrow(buildRig(models, std::make_unique<Handle>(), RigOptions{}));
+  const auto rig = orThrow(buildRig(models, restingDevice(), RigOptions{}));
   EXPECT_FALSE(rig->renderer->arm());
   RehearsalOptions without;
   without.fill_pool = false;
@@ -298,7 +290,7 @@ TEST(PoolRehearsal, DeviceThatMovesAPerson_IsArmedByItAndByNothingLess) {
   ASSERT_TRUE(whole) << format(whole.errors());
   EXPECT_EQ(whole->pool->moving_max, 1);
   Models larger = smallGame(5, 1);
-  const auto other = orThrow(buildRig(larger, std::make_unique<Handle>(), RigOptions{}));
+  const auto other = orThrow(buildRig(larger, restingDevice(), RigOptions{}));
   EXPECT_FALSE(other->renderer->arm(whole->passed)) << "another budget was rehearsed";
   EXPECT_TRUE(rig->renderer->arm(whole->passed));
 }
@@ -312,7 +304,7 @@ TEST(PoolRehearsal, ShippedScene_ArmsOrNamesWhatPasses) {
          std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), "s");
   if (rehearsed) {
     std::printf("%s\n", describe(*rehearsed).c_str());
-    const auto rig = orThrow(buildRig(models, std::make_unique<Handle>(), RigOptions{}));
+    const auto rig = orThrow(buildRig(models, restingDevice(), RigOptions{}));
     EXPECT_TRUE(rig->renderer->arm(rehearsed->passed));
     return;
   }

@@ -15,20 +15,6 @@ namespace {
 
 constexpr int kSlots = 20;
 
-Intention wander(std::mt19937_64& random, const DeviceModel& device, double duration_s) {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  std::vector<Waypoint> way{{0.0, AxisPosition(device.axisCount())}};
-  for (double t = 0.6; t < duration_s; t += 0.6) {
-    AxisPosition q(device.axisCount());
-    for (int a = 0; a < q.size(); ++a) {
-      const DeviceAxis& axis = device.axes[a];
-      q[a] = 0.5 * (axis.lower + axis.upper) + 0.25 * unit(random) * (axis.upper - axis.lower);
-    }
-    way.push_back({t, q});
-  }
-  return Intention::throughWaypoints(way);
-}
-
 /// A game that does anything at any time, near the hand; also orders that are refused.
 class WildGame {
  public:
@@ -129,7 +115,7 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   const Models copy = models;
   auto inner = std::make_unique<SimulatedDevice>(
       models.device, models.patient,
-      std::make_unique<ScriptedPlayer>(wander(random, models.device, 1e-3 * ticks)), 1e-3);
+      std::make_unique<ScriptedPlayer>(wander(random, models.device, 1e-3 * ticks, 0.25)), 1e-3);
   SimulatedDevice& device = *inner;
   auto rig = build(std::move(models), std::make_unique<FaultInjector>(device, faults, true));
   if (!rig->renderer->arm()) throw std::runtime_error("not armed");

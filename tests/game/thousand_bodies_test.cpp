@@ -17,20 +17,6 @@ constexpr int kTiles = 49;    // of a floor, fixed
 constexpr int kDriven = 300;  // float about, each where the game wants it
 constexpr int kTicks = 10'000;
 
-Intention wander(std::mt19937_64& random, const DeviceModel& device) {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  std::vector<Waypoint> way{{0.0, AxisPosition(device.axisCount())}};
-  for (double t = 0.6; t < 1e-3 * kTicks; t += 0.6) {
-    AxisPosition q(device.axisCount());
-    for (int a = 0; a < q.size(); ++a) {
-      const DeviceAxis& axis = device.axes[a];
-      q[a] = 0.5 * (axis.lower + axis.upper) + 0.3 * unit(random) * (axis.upper - axis.lower);
-    }
-    way.push_back({t, q});
-  }
-  return Intention::throughWaypoints(way);
-}
-
 /// Boxes, balls and meshes on a floor and in the air, 1.6 m wide and deep.
 class Crowd {
  public:
@@ -118,7 +104,7 @@ struct Seen {
 
 Seen playRound(std::mt19937_64& random, const std::string& path) {
   Models models = gameModels();
-  const Intention way = wander(random, models.device);
+  const Intention way = wander(random, models.device, 1e-3 * kTicks, 0.3);
   auto rig = orThrow(buildRig(std::move(models), way, {}));
   if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   Crowd crowd(random, rig->models);

@@ -2,6 +2,7 @@
 #include "patient/habits.hpp"
 
 #include "patient/active_patient.hpp"
+#include "patient/person_tools.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,25 +17,7 @@ constexpr double kPeriod_s = 1e-3;
 constexpr double kDegrees = std::numbers::pi / 180.0;
 
 DeviceModel fingers() {
-  DeviceModel device;
-  for (const char* name : {"finger_flexion", "thumb_flexion"}) {
-    DeviceAxis axis;
-    axis.name = name;
-    axis.kind = AxisKind::kRotation;
-    axis.lower = 0.0;
-    axis.upper = 3.0;
-    axis.effort_limit = 2.0;
-    axis.speed_limit = 10.0;
-    axis.mass = 5e-4;
-    device.axes.push_back(axis);
-  }
-  return device;
-}
-
-PatientConfig calm() {
-  PatientConfig patient;
-  patient.axes.assign(2, PatientAxis{});
-  return patient;
+  return test::digits({"finger_flexion", "thumb_flexion"});
 }
 
 PatientInput felt(double q, double qd, double rendered = 0.0, double impedance = 0.0) {
@@ -43,7 +26,7 @@ PatientInput felt(double q, double qd, double rendered = 0.0, double impedance =
 }
 
 TEST(ActivePatient, WithoutHabits_DoesNothingAndHoldsOn) {
-  ActivePatient person(calm(), fingers(), kPeriod_s);
+  ActivePatient person(test::calm(2), fingers(), kPeriod_s);
   EXPECT_FALSE(person.mayLetGo());
   for (int k = 0; k < 100; ++k) {
     person.advance(felt(0.1 * k, 5.0, 1e3, 1e6));
@@ -56,7 +39,7 @@ TEST(ActivePatient, WithoutHabits_DoesNothingAndHoldsOn) {
 // ---- tremor
 
 PatientConfig trembling(std::uint64_t phase_seed) {
-  PatientConfig patient = calm();
+  PatientConfig patient = test::calm(2);
   patient.axes[0].tremor = 0.08;
   patient.axes[1].tremor = 0.05;
   patient.tremor.frequency_hz = 6.0;
@@ -93,7 +76,7 @@ TEST(Tremor, PhaseSeed_DecidesThePhasesAndNothingElse) {
 // ---- spastic catch
 
 PatientConfig spastic(double gain = 0.3) {
-  PatientConfig patient = calm();
+  PatientConfig patient = test::calm(2);
   patient.axes[0].reflex = {gain, 60.0 * kDegrees, 2.0};
   patient.reflex = {0.04, 0.03};
   return patient;
@@ -153,7 +136,7 @@ TEST(Fight, WhateverIsFelt_IsAnsweredWithAllOfIt) {
 }
 
 TEST(Fight, ReactionTime_IsThatOfWhatWasFelt) {
-  PatientConfig patient = calm();
+  PatientConfig patient = test::calm(2);
   patient.axes[0].fight = 0.4;
   patient.fight_reaction_s = 0.02;
   ActivePatient person(patient, fingers(), kPeriod_s);
@@ -199,7 +182,7 @@ TEST(LettingGo, AtItsTime_NothingOfThePersonIsLeft) {
 }
 
 TEST(LettingGo, AtItsEffort_IsForGood) {
-  PatientConfig patient = calm();
+  PatientConfig patient = test::calm(2);
   patient.letting_go.effort_share = 0.5;  // 1 N·m
   ActivePatient person(patient, fingers(), kPeriod_s);
   person.advance(felt(1.0, 0.0, 0.0, 0.99));

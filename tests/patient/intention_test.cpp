@@ -1,4 +1,5 @@
 #include "patient/motion.hpp"
+#include "patient/person_tools.hpp"
 #include "patient/virtual_patient.hpp"
 
 #include <gtest/gtest.h>
@@ -8,12 +9,7 @@
 namespace wholehand {
 namespace {
 
-AxisPosition pose(double a, double b) {
-  AxisPosition q(2);
-  q[0] = a;
-  q[1] = b;
-  return q;
-}
+using test::pose;
 
 TEST(Waypoints, BetweenTwo_FollowFlashAndHogan) {
   // Flash and Hogan 1985: half way at half time, peak speed 15/8 of the mean, there.

@@ -1,6 +1,7 @@
 // What a person does of their own accord on several axes at once: a tremor along a direction, and
 // reflexes of which one triggers all.
 #include "patient/active_patient.hpp"
+#include "patient/person_tools.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -15,25 +16,8 @@ using test::tolerance;
 
 constexpr double kPeriod_s = 1e-3;
 
-DeviceModel digits() {
-  DeviceModel device;
-  for (const char* name : {"finger_flexion", "thumb_circumduction", "thumb_flexion"}) {
-    DeviceAxis axis;
-    axis.name = name;
-    axis.kind = AxisKind::kRotation;
-    axis.upper = 3.0;
-    axis.effort_limit = 2.0;
-    axis.speed_limit = 10.0;
-    axis.mass = 5e-4;
-    device.axes.push_back(axis);
-  }
-  return device;
-}
-
-PatientConfig calm() {
-  PatientConfig patient;
-  patient.axes.assign(3, PatientAxis{});
-  return patient;
+DeviceModel threeDigits() {
+  return test::digits({"finger_flexion", "thumb_circumduction", "thumb_flexion"});
 }
 
 PatientInput felt(const AxisPosition& q, const AxisVelocity& qd) {
@@ -42,11 +26,11 @@ PatientInput felt(const AxisPosition& q, const AxisVelocity& qd) {
 
 /// A u sin(2πft + φ): all axes pass zero together, and the direction is u in every tick.
 TEST(TremorAlong, AllAxes_SwingAlongTheDirectionInOnePhase) {
-  PatientConfig patient = calm();
+  PatientConfig patient = test::calm(3);
   patient.tremor.along = AxisEffort(3);
   patient.tremor.along[0] = 0.08;
   patient.tremor.along[2] = -0.06;
-  ActivePatient person(patient, digits(), kPeriod_s);
+  ActivePatient person(patient, threeDigits(), kPeriod_s);
   double largest = 0.0;
   for (int k = 0; k < 400; ++k) {
     ASSERT_NEAR(person.end()[2], -0.75 * person.end()[0], tolerance(1e-15));
@@ -60,16 +44,16 @@ TEST(TremorAlong, AllAxes_SwingAlongTheDirectionInOnePhase) {
 }
 
 TEST(TremorAlong, PhasesOfSingleAxes_AreWhatTheyWereWithoutIt) {
-  PatientConfig alone = calm(), both = calm();
+  PatientConfig alone = test::calm(3), both = test::calm(3);
   alone.axes[1].tremor = both.axes[1].tremor = 0.05;
   both.tremor.along = AxisEffort(3);
   both.tremor.along[0] = 0.1;
-  const ActivePatient one(alone, digits(), kPeriod_s), other(both, digits(), kPeriod_s);
+  const ActivePatient one(alone, threeDigits(), kPeriod_s), other(both, threeDigits(), kPeriod_s);
   EXPECT_EQ(one.end()[1], other.end()[1]);  // bit for bit: old recordings replay
 }
 
 PatientConfig fist(bool together) {
-  PatientConfig patient = calm();
+  PatientConfig patient = test::calm(3);
   patient.axes[0].reflex = {0.3, 1.0, 2.0};
   patient.axes[2].reflex = {0.1, 2.0, 1.2};
   patient.reflex = {.delay_s = 0.04, .muscle_lag_s = 0.03, .largest_triggers_all = together};
@@ -78,7 +62,7 @@ PatientConfig fist(bool together) {
 
 /// Fingers opened at 3 rad/s, thumb at rest at 0.2 rad, for long.
 AxisEffort caught(bool together) {
-  ActivePatient person(fist(together), digits(), kPeriod_s);
+  ActivePatient person(fist(together), threeDigits(), kPeriod_s);
   AxisPosition q(3, 0.2);
   AxisVelocity qd(3);
   qd[0] = -3.0;
@@ -98,7 +82,7 @@ TEST(SpasticFist, FingersOpened_MakeTheThumbCatchToo) {
 }
 
 TEST(SpasticFist, SlowOpening_CatchesNothing) {
-  ActivePatient person(fist(true), digits(), kPeriod_s);
+  ActivePatient person(fist(true), threeDigits(), kPeriod_s);
   AxisVelocity qd(3);
   qd[0] = -0.99;  // below 1 rad/s
   qd[1] = -9.0;   // no reflex there

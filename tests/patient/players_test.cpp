@@ -1,6 +1,8 @@
 #include "core/units.hpp"
+#include "patient/person_tools.hpp"
 #include "patient/scripted_player.hpp"
 #include "patient/steered_player.hpp"
+#include "support/player_commands.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
@@ -11,6 +13,10 @@
 
 namespace wholehand {
 namespace {
+
+using test::aim;
+using test::pose;
+using test::steer;
 
 constexpr double kPeriod_s = 1e-3;
 
@@ -27,13 +33,6 @@ DeviceModel twoAxes() {
   return device;
 }
 
-AxisPosition pose(double a, double b) {
-  AxisPosition q(2);
-  q[0] = a;
-  q[1] = b;
-  return q;
-}
-
 Intention swinging() {
   std::vector<Waypoint> points;
   for (int i = 0; i < 40; ++i) {
@@ -44,20 +43,6 @@ Intention swinging() {
 
 std::unique_ptr<Player> script() {
   return std::make_unique<ScriptedPlayer>(swinging());
-}
-
-Command steer(Steering who) {
-  Command command;
-  command.type = CommandType::kSteer;
-  command.index = static_cast<std::int32_t>(who);
-  return command;
-}
-
-Command aim(const AxisPosition& at) {
-  Command command;
-  command.type = CommandType::kAim;
-  command.aim = at;
-  return command;
 }
 
 struct Moved {

@@ -1,9 +1,13 @@
 #include "patient/reach.hpp"
 
+#include "patient/person_tools.hpp"
+
 #include <gtest/gtest.h>
 
 namespace wholehand {
 namespace {
+
+using test::pose;
 
 struct Moved {
   AxisPosition q;
@@ -14,13 +18,6 @@ Moved after(Reach& reach, int periods, double period_s = 1e-3) {
   Moved m;
   for (int i = 0; i < periods; ++i) reach.advance(period_s, m.q, m.qd);
   return m;
-}
-
-AxisPosition pose(double a, double b) {
-  AxisPosition q(2);
-  q[0] = a;
-  q[1] = b;
-  return q;
 }
 
 TEST(Reach, FromRest_IsMinimumJerk) {

@@ -38,6 +38,16 @@ AnalyticScene along(const AnalyticAxis& axis) {
   return scene;
 }
 
+/// A slider at rest, against one thing.
+struct Placed {
+  Placed(double mass_kg, const AnalyticAxis& axis, double at_m)
+      : hand(slider(mass_kg)), world(hand, along(axis)) {
+    EXPECT_TRUE(world.placeHand(AxisPosition(1, at_m)).ok());
+  }
+  HandModel hand;
+  AnalyticWorld world;
+};
+
 HandDrive push(double effort) {
   return {{}, JointEffort(1, effort), {}, {}, nullptr};
 }
@@ -76,11 +86,10 @@ TEST(AnalyticWorld, HasNoBodies) {
 }
 
 TEST(AnalyticWorld, RigidStop_IsReachedExactlyAndHoldsWithTheDrivingEffort) {
-  const HandModel hand = slider(0.25);
   AnalyticAxis wall;
   wall.upper_stop = 0.02;
-  AnalyticWorld world(hand, along(wall));
-  ASSERT_TRUE(world.placeHand(AxisPosition(1, 0.0)).ok());
+  Placed placed(0.25, wall, 0.0);
+  AnalyticWorld& world = placed.world;
   for (int k = 0; k < 300; ++k) {
     ASSERT_EQ(world.step(push(5.0), kPeriod_s), Fault::kNone);
     ASSERT_LE(look(world).q_s[0], 0.02 + 1e-15);
@@ -102,12 +111,11 @@ TEST(AnalyticWorld, RigidStop_IsReachedExactlyAndHoldsWithTheDrivingEffort) {
 }
 
 TEST(AnalyticWorld, Spring_SwingsWithItsPeriodAndKeepsItsEnergy) {
-  const HandModel hand = slider(0.5);
   AnalyticAxis spring;
   spring.stiffness = 50.0;
   spring.spring_rest = 0.1;
-  AnalyticWorld world(hand, along(spring));
-  ASSERT_TRUE(world.placeHand(AxisPosition(1, 0.15)).ok());
+  Placed placed(0.5, spring, 0.15);
+  AnalyticWorld& world = placed.world;
   // Symplectic Euler keeps ½ m v² + ½ k x² − ½ T k x v exactly; its angle a step is
   // 2 asin(T √(k/m) / 2).
   const auto kept = [&] {
@@ -128,21 +136,19 @@ TEST(AnalyticWorld, Spring_SwingsWithItsPeriodAndKeepsItsEnergy) {
 }
 
 TEST(AnalyticWorld, AttachedMass_SharesTheEffort) {
-  const HandModel hand = slider(0.25);
   AnalyticAxis carried;
   carried.added_mass = 0.15;
-  AnalyticWorld world(hand, along(carried));
-  ASSERT_TRUE(world.placeHand(AxisPosition(1, 0.0)).ok());
+  Placed placed(0.25, carried, 0.0);
+  AnalyticWorld& world = placed.world;
   ASSERT_EQ(world.step(push(2.0), kPeriod_s), Fault::kNone);
   EXPECT_NEAR(look(world).qd_s[0], 2.0 / 0.4 * kPeriod_s, tolerance(1e-15));
 }
 
 TEST(AnalyticWorld, Damper_DecaysAsItsPower) {
-  const HandModel hand = slider(0.25);
   AnalyticAxis oil;
   oil.damping = 2.0;
-  AnalyticWorld world(hand, along(oil));
-  ASSERT_TRUE(world.placeHand(AxisPosition(1, 0.0)).ok());
+  Placed placed(0.25, oil, 0.0);
+  AnalyticWorld& world = placed.world;
   ASSERT_EQ(world.step(push(250.0), kPeriod_s), Fault::kNone);  // 1 m/s
   for (int k = 0; k < 100; ++k) ASSERT_EQ(world.step(push(0.0), kPeriod_s), Fault::kNone);
   EXPECT_NEAR(look(world).qd_s[0], std::pow(1.0 - kPeriod_s * 2.0 / 0.25, 100), tolerance(1e-12));

@@ -31,7 +31,7 @@ HandModel oneFinger() {
 
 double touchOfOneFinger(const Eigen::Vector3d& ball_m, double radius_m) {
   const HandModel model = oneFinger();
-  SceneModel scene = sceneOf(sphere(radius_m));
+  SceneModel scene = sceneOf(ballShape(radius_m));
   scene.bodies[0].com_m.setZero();
   AxisClosure closure(model, scene);
   const std::array<Pose, 2> links{};

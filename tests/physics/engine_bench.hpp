@@ -112,12 +112,15 @@ class EngineTest : public testing::TestWithParam<std::string> {};
 
 }  // namespace wholehand::test
 
-/// A law that every engine keeps.
+/// A suite of laws that every engine keeps.
 #define WHOLEHAND_ENGINES(suite)                                                   \
+  class suite : public EngineTest {};                                              \
   INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines(false)), \
                            [](const auto& one) { return testName(one.param); })
 
-/// A law of pressed, grasped and sliding contacts (Bounds::contact_laws, docs/engines.md).
+/// A suite of laws of pressed, grasped and sliding contacts (Bounds::contact_laws,
+/// docs/engines.md).
 #define WHOLEHAND_ENGINES_OF_CONTACT_LAWS(suite)                                  \
+  class suite : public EngineTest {};                                             \
   INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines(true)), \
                            [](const auto& one) { return testName(one.param); })

@@ -12,13 +12,9 @@
 namespace wholehand::test {
 namespace {
 
-class FixedContact : public EngineTest {};
 WHOLEHAND_ENGINES(FixedContact);
-class PressedContact : public EngineTest {};
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(PressedContact);
-class Grasp : public EngineTest {};
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(Grasp);
-class FrictionCone : public EngineTest {};
 WHOLEHAND_ENGINES(FrictionCone);
 
 TEST_P(FrictionCone, WhileAGraspSlidesAndSticks_StaysInItsCone) {

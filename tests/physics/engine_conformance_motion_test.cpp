@@ -8,15 +8,10 @@
 namespace wholehand::test {
 namespace {
 
-class FreeHand : public EngineTest {};
 WHOLEHAND_ENGINES(FreeHand);
-class FreeBodies : public EngineTest {};
 WHOLEHAND_ENGINES(FreeBodies);
-class BodiesOnASlab : public EngineTest {};
 WHOLEHAND_ENGINES(BodiesOnASlab);
-class TableScene : public EngineTest {};
 WHOLEHAND_ENGINES(TableScene);
-class LeftHand : public EngineTest {};
 WHOLEHAND_ENGINES(LeftHand);
 
 TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {

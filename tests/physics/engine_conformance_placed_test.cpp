@@ -23,15 +23,10 @@ BodyPlacements place(int body, const Eigen::Vector3d& at_m,
   return placements;
 }
 
-class PlacedBody : public EngineTest {};
 WHOLEHAND_ENGINES(PlacedBody);
-class PressedBody : public EngineTest {};
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(PressedBody);
-class SlidingFixedBody : public EngineTest {};
 WHOLEHAND_ENGINES(SlidingFixedBody);
-class WedgedHand : public EngineTest {};
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(WedgedHand);
-class SlidingWall : public EngineTest {};
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(SlidingWall);
 
 /// A body whose principal axes are not its own: a bar along (1, 1, 0).

@@ -1,6 +1,7 @@
 // What every engine says of scenes that it cannot take, and of itself: same bits, no allocation.
 #include "physics/engine_bench.hpp"
 #include "realtime/allocation_counter.hpp"
+#include "support/resting_device.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
@@ -10,13 +11,9 @@
 namespace wholehand::test {
 namespace {
 
-class Determinism : public EngineTest {};
 WHOLEHAND_ENGINES(Determinism);
-class BadScene : public EngineTest {};
 WHOLEHAND_ENGINES(BadScene);
-class ManyWalls : public EngineTest {};
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(ManyWalls);
-class PlaceHand : public EngineTest {};
 WHOLEHAND_ENGINES(PlaceHand);
 
 TEST_P(PlaceHand, WhereABodyIs_NamesBodyAndPart) {
@@ -141,20 +138,9 @@ TEST(Engines, ThatAreNotBuiltIn_AreRefusedWithTheWayToBuildThem) {
             "--engine = absent: is not built into this program; install libabsent-dev");
 }
 
-/// A device that may hold a person.
-class PersonsDevice final : public HapticDevice {
- public:
-  [[nodiscard]] Expected<Done> open() override { return Done{}; }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
-  [[nodiscard]] bool simulated() const noexcept override { return false; }
-  [[nodiscard]] Fault read(DeviceReading&, int) noexcept override { return Fault::kNone; }
-  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override {}
-};
-
 TEST(Engines, TheBaseline_IsRefusedWhereADeviceMayHoldAPerson) {
   const auto rig =
-      buildRig(load(shippedFiles()), std::make_unique<PersonsDevice>(), with("bullet-paper"));
+      buildRig(load(shippedFiles()), std::make_unique<RestingDevice>(), with("bullet-paper"));
   ASSERT_FALSE(rig);
   EXPECT_EQ(format(rig.errors()),
             "--engine = bullet-paper: is not for real devices: its contact forces do not do the "

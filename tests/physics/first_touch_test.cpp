@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, FirstTouch,
                          testing::Values(Named{"bottle", cylinder(0.025, 0.2)},
                                          Named{"disk", cylinder(0.04, 0.02)},
                                          Named{"box", box({0.02, 0.03, 0.04})},
-                                         Named{"sphere", sphere(0.03)},
+                                         Named{"sphere", ballShape(0.03)},
                                          Named{"mesh", mesh({0.03, 0.025, 0.035})}));
 
 // Hands for which a search once took 51 to 151 ticks: a capsule passes a face or an edge at 0.1 mm

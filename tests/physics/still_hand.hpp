@@ -6,6 +6,7 @@
 #include "model/hand/hand_file.hpp"
 #include "model/scene/separation.hpp"
 #include "physics/axis_closure.hpp"
+#include "support/ball_shape.hpp"
 #include "support/capsule_shape.hpp"
 
 #include <gtest/gtest.h>
@@ -125,12 +126,6 @@ inline Shape cylinder(double radius_m, double length_m) {
   s.type = ShapeType::kCylinder;
   s.radius_m = radius_m;
   s.length_m = length_m;
-  return s;
-}
-inline Shape sphere(double radius_m) {
-  Shape s;
-  s.type = ShapeType::kSphere;
-  s.radius_m = radius_m;
   return s;
 }
 

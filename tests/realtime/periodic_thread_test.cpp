@@ -18,22 +18,22 @@ namespace {
 constexpr std::int64_t kMs_ns = 1'000'000;
 
 // Closed form throughout: slots begin at 100 ms + n · 1 ms.
-TEST(SlotAt, WokenInTime_IsTheNextSlot) {
-  const Slot slot = slotAt(101 * kMs_ns + 50'000, 100 * kMs_ns, kMs_ns);
+void expectSlotAt101(std::int64_t woken_ns) {
+  const Slot slot = slotAt(woken_ns, 100 * kMs_ns, kMs_ns);
   EXPECT_EQ(slot.start_ns, 101 * kMs_ns);
   EXPECT_EQ(slot.elapsed_periods, 1U);
+}
+
+TEST(SlotAt, WokenInTime_IsTheNextSlot) {
+  expectSlotAt101(101 * kMs_ns + 50'000);
 }
 
 TEST(SlotAt, WokenTooEarly_IsStillTheNextSlot) {
-  const Slot slot = slotAt(100 * kMs_ns + 999'999, 100 * kMs_ns, kMs_ns);
-  EXPECT_EQ(slot.start_ns, 101 * kMs_ns);
-  EXPECT_EQ(slot.elapsed_periods, 1U);
+  expectSlotAt101(100 * kMs_ns + 999'999);
 }
 
 TEST(SlotAt, LateByLessThanAPeriod_LosesNoTick) {
-  const Slot slot = slotAt(101 * kMs_ns + 999'999, 100 * kMs_ns, kMs_ns);
-  EXPECT_EQ(slot.start_ns, 101 * kMs_ns);
-  EXPECT_EQ(slot.elapsed_periods, 1U);
+  expectSlotAt101(101 * kMs_ns + 999'999);
 }
 
 TEST(SlotAt, StalledForManyPeriods_SkipsThemAndKeepsThePhase) {

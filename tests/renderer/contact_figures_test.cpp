@@ -1,4 +1,5 @@
 // What contact feels like through the whole renderer, against closed forms.
+#include "experiments/pushed_axis.hpp"
 #include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
 
@@ -77,45 +78,11 @@ INSTANTIATE_TEST_SUITE_P(AllSides, FixedContact,
 
 // ---- largest stable stiffness
 
-/// A test rig: 0.5 kg and 1 N·s/m on one axis by their exact solution, one tick of output
-/// delay, a constant push of 3 N and a knock; 20 N·s/m more until it rests. All other axes stand.
-class StiffnessRig final : public HapticDevice {
+/// A test rig of 0.5 kg and 1 N·s/m; it may move a person.
+class StiffnessRig final : public PushedAxis {
  public:
-  StiffnessRig(AxisPosition start, int axis, int sign, double period_s)
-      : q_(start), axis_(axis), sign_(sign), period_s_(period_s) {}
-  [[nodiscard]] Expected<Done> open() override { return Done{}; }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
-  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
-    if (reads_++ > 0) advance();
-    reading.q_m = q_;
-    return Fault::kNone;
-  }
-  [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override {
-    written_n_ = effort[axis_];
-    return Fault::kNone;
-  }
-  void close() noexcept override {}
-  [[nodiscard]] double velocity() const { return v_; }
-
-  static constexpr double kSettled_s = 1.5, kKnock_s = 2.0, kKnockEnds_s = 2.02;
-  static constexpr double kMass_kg = 0.5, kDamping_n_s_m = 1.0;
-
- private:
-  void advance() {
-    const double t = (reads_ - 2) * period_s_;
-    const double b = kDamping_n_s_m + (t < kSettled_s ? 20.0 : 0.0);
-    const double knock = t >= kKnock_s && t < kKnockEnds_s ? 0.5 : 0.0;
-    const double force = sign_ * (3.0 + knock) + acting_n_;
-    acting_n_ = written_n_;  // what was written a tick ago acts from now on
-    const double decay = std::exp(-b / kMass_kg * period_s_), drift = force / b;
-    q_[axis_] += drift * period_s_ + (v_ - drift) * kMass_kg / b * (1.0 - decay);
-    v_ = drift + (v_ - drift) * decay;
-  }
-
-  AxisPosition q_;
-  int axis_, sign_;
-  double period_s_, v_ = 0.0, acting_n_ = 0.0, written_n_ = 0.0;
-  int reads_ = 0;
+  using PushedAxis::PushedAxis;
+  [[nodiscard]] bool simulated() const noexcept override { return false; }
 };
 
 /// Growth of the device's oscillation after a knock: below 1 it dies away.
@@ -137,7 +104,7 @@ double growth(double stiffness_n_m, double rate_hz, int divisor) {
   RigOptions options;
   options.period_s = period_s;
   options.uncertified = true;
-  auto device = std::make_unique<StiffnessRig>(start, y, -1, period_s);
+  auto device = std::make_unique<StiffnessRig>(start, y, period_s);
   const StiffnessRig& rig_device = *device;
   const auto rig = build(std::move(m), std::move(device), options);
   if (!rig->renderer->arm()) throw std::runtime_error("not armed");

@@ -1,5 +1,6 @@
 // What free motion feels like through the whole renderer, against closed forms.
 #include "support/rig_tools.hpp"
+#include "support/test_names.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
@@ -96,11 +97,7 @@ TEST_P(FreeMotion, SlowOnAllAxesAtOnce_IsNotDamped) {
 }
 INSTANTIATE_TEST_SUITE_P(Devices, FreeMotion,
                          testing::Values("lambda-pride", "desktop-3axis", "wrist-9axis"),
-                         [](const auto& tested) {
-                           std::string name = tested.param;
-                           std::erase_if(name, [](char c) { return c == '-'; });
-                           return name;
-                         });
+                         [](const auto& tested) { return withoutHyphens(tested.param); });
 
 TEST(SlowFreeMotion, TheSameSwingTenTimesFaster_IsDamped) {
   // The figure above can fail: the damping does rise with the effort of fast motion.

@@ -8,7 +8,7 @@
 #include "station/scene_facts.hpp"
 #include "support/folder.hpp"
 #include "support/python.hpp"
-#include "support/rig_tools.hpp"
+#include "support/recorded_run.hpp"
 #include "support/seed.hpp"
 #include "telemetry/synthetic_recording.hpp"
 #include "unpacked.hpp"
@@ -274,23 +274,10 @@ TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {
   EXPECT_TRUE(ticksOf("states?tick=" + std::to_string(size) + "&count=1&step=1").empty());
 }
 
-/// A tenth of a second of a resting hand.
-std::string recordedRest(const Folder& folder, const std::string& scene) {
-  Models models = load(shippedFiles("lambda-pride", scene));
-  const auto rig = orThrow(buildRig(
-      std::move(models), Intention::throughWaypoints({{0.0, AxisPosition(6)}}), RigOptions{}));
-  EXPECT_TRUE(rig->renderer->arm());
-  RunPlan plan;
-  plan.simulated_clock = true;
-  plan.duration_ticks = 100;
-  plan.record = folder.file("rest.h5");
-  orThrow(runAndRecord(*rig, plan));
-  return plan.record;
-}
-
 TEST(ReplayedRecording, WithoutExerciseOrBodies_ShowsTheHandAlone) {
   const Folder folder;
-  const auto recording = opened(recordedRest(folder, "empty"));
+  const auto recording =
+      opened(recordRest(load(shippedFiles("lambda-pride", "empty")), folder.file("rest.h5")));
   const Json about = aboutOf(*recording);
   EXPECT_EQ(about["exercise"], "");
   EXPECT_EQ(about["result"], Json::array());

@@ -91,6 +91,17 @@ void startThread(Session& session) {
   ASSERT_TRUE(started) << format(started.errors());
 }
 
+/// Every record of a simulated run; `each` sees them as they come.
+std::vector<TickRecord> runAll(
+    Rail& rail, const std::function<void(const TickRecord&)>& each = [](const TickRecord&) {}) {
+  std::vector<TickRecord> records;
+  rail.session->runSimulated([&](const TickRecord& r) {
+    records.push_back(r);
+    each(r);
+  });
+  return records;
+}
+
 /// Pops until the session has ended and its queue is empty.
 std::vector<TickRecord> drain(Session& session) {
   std::vector<TickRecord> records;
@@ -107,8 +118,7 @@ TEST(SimulatedSession, ForItsTime_TicksEveryPeriodAndEndsAtNeutral) {
   SessionConfig config;
   config.duration_ticks = 1500;
   Rail rail(config);
-  std::vector<TickRecord> records;
-  rail.session->runSimulated([&](const TickRecord& r) { records.push_back(r); });
+  const std::vector<TickRecord> records = runAll(rail);
   volatile double tiny = std::numeric_limits<double>::min();
   tiny = tiny / 4.0;
   EXPECT_NE(tiny, 0.0) << "the arithmetic of the thread that runs it is as before";
@@ -142,9 +152,7 @@ TEST(SimulatedSession, AskedToStopGently_FadesThenRampsByItself) {
   SessionConfig config;
   config.fade_out_s = 0.35;
   Rail rail(config);
-  std::vector<TickRecord> records;
-  rail.session->runSimulated([&](const TickRecord& r) {
-    records.push_back(r);
+  const std::vector<TickRecord> records = runAll(rail, [&](const TickRecord& r) {
     if (r.tick == 99) rail.session->requestGentleStop();
     // Whoever shows the exercise comes back: too late.
     Command owner;
@@ -171,9 +179,7 @@ TEST(SimulatedSession, SignalBeforeAndWhileItRuns_StopsItGently) {
     config.interrupts = &interrupts;
     Rail rail(config);
     if (at == 0) interrupts.asked = 1;
-    std::vector<TickRecord> records;
-    rail.session->runSimulated([&](const TickRecord& r) {
-      records.push_back(r);
+    const std::vector<TickRecord> records = runAll(rail, [&](const TickRecord& r) {
       if (r.tick + 1 == at) interrupts.asked = 1;
     });
     EXPECT_EQ(firstWith(records, Fault::kStopRequested), static_cast<int>(at));
@@ -198,9 +204,7 @@ TEST(SimulatedSession, OwnerWhoIsLost_IsToldHoweverFullTheQueueIs) {
   SessionConfig config;
   config.duration_ticks = 60;
   Rail rail(config);
-  std::vector<TickRecord> records;
-  rail.session->runSimulated([&](const TickRecord& r) {
-    records.push_back(r);
+  const std::vector<TickRecord> records = runAll(rail, [&](const TickRecord& r) {
     Command aim;
     aim.type = CommandType::kAction;
     while (rail.session->tryCommand(aim)) {
@@ -332,8 +336,7 @@ TEST(RealTimeSession, FaultWhoseRecordsWereDropped_IsCountedWithEveryPeriod) {
 TEST(SimulatedSession, WhoseWritesAreRefusedForEver_EndsWithin1200msAndNotAtNeutral) {
   constexpr std::size_t kRefused = 600;  // pressed against the stop; arm() is the first read
   Rail rail({}, {{InjectedKind::kWriteFails, kRefused + 1, 1'000'000, 0}});
-  std::vector<TickRecord> records;
-  rail.session->runSimulated([&](const TickRecord& r) { records.push_back(r); });
+  const std::vector<TickRecord> records = runAll(rail);
   EXPECT_GT(records.size(), kRefused + 1000U);
   EXPECT_LE(records.size(), kRefused + 1200U);
   EXPECT_FALSE(rail.renderer->atNeutral());
@@ -371,8 +374,7 @@ TEST(RealTimeSession, OnTime_GivesTheBitsOfTheSimulatedClock) {
   startThread(*real.session);
   const std::vector<TickRecord> records = drain(*real.session);
   real.session->join();
-  std::vector<TickRecord> expected;
-  simulated.session->runSimulated([&](const TickRecord& r) { expected.push_back(r); });
+  const std::vector<TickRecord> expected = runAll(simulated);
   // Up to the first late tick, from which on the two saw different inputs.
   std::size_t compared = 0;
   for (; compared < records.size() && records[compared].elapsed_periods == 1; ++compared) {

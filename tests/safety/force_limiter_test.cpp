@@ -20,19 +20,21 @@ AxisEffort three(double a, double b, double c) {
   return f;
 }
 
+void expectEffort(const LimitedEffort& out, double a, double b, double c) {
+  EXPECT_EQ(out.effort[0], a);
+  EXPECT_EQ(out.effort[1], b);
+  EXPECT_EQ(out.effort[2], c);
+}
+
 TEST(ForceLimiter, EffortsWithinLimits_PassUntouchedWithoutFault) {
   const LimitedEffort out = limitEffort(three(20.0, -0.6, 0.0), three(20.0, 0.6, 1.0));
-  EXPECT_EQ(out.effort[0], 20.0);
-  EXPECT_EQ(out.effort[1], -0.6);
-  EXPECT_EQ(out.effort[2], 0.0);
+  expectEffort(out, 20.0, -0.6, 0.0);
   EXPECT_EQ(out.faults, Fault::kNone);
 }
 
 TEST(ForceLimiter, EffortsBeyondLimits_AreClampedAndReportedWithoutStopping) {
   const LimitedEffort out = limitEffort(three(20.001, -7.0, 0.1), three(20.0, 0.6, 1.0));
-  EXPECT_EQ(out.effort[0], 20.0);
-  EXPECT_EQ(out.effort[1], -0.6);
-  EXPECT_EQ(out.effort[2], 0.1);
+  expectEffort(out, 20.0, -0.6, 0.1);
   EXPECT_EQ(out.faults, Fault::kEffortLimit);
   EXPECT_FALSE(any(out.faults & kStopping));
 }
@@ -40,9 +42,7 @@ TEST(ForceLimiter, EffortsBeyondLimits_AreClampedAndReportedWithoutStopping) {
 TEST(ForceLimiter, NonFiniteEffort_BecomesZeroAndStops) {
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     const LimitedEffort out = limitEffort(three(1.0, bad, 2.0), three(20.0, 0.6, 1.0));
-    EXPECT_EQ(out.effort[0], 1.0);
-    EXPECT_EQ(out.effort[1], 0.0);
-    EXPECT_EQ(out.effort[2], 1.0);
+    expectEffort(out, 1.0, 0.0, 1.0);
     EXPECT_EQ(out.faults, Fault::kNonFiniteEffort | Fault::kEffortLimit);
     EXPECT_TRUE(any(out.faults & kStopping));
   }

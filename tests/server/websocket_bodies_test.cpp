@@ -1,14 +1,9 @@
-#include "server/server_test.hpp"
+#include "server/sample_facts.hpp"
+#include "server/websocket_words.hpp"
 
 // Orders to the bodies of a game over real WebSockets: who may, and what clients are told.
 namespace wholehand::test {
 namespace {
-
-namespace fb = wholehand::protocol;
-using replies::answer;
-using replies::message;
-using replies::next;
-using namespace words;  // NOLINT(google-build-using-namespace): the client's vocabulary
 
 struct BodiesTest : ServerTest {
   std::unique_ptr<WebSocket> client(const std::string& role) const {
@@ -29,12 +24,7 @@ struct BodiesTest : ServerTest {
   /// Shows clients a ball in slot 3.
   void show(SlotState state) {
     if (!shapes) {
-      GameShapes ball;
-      ball.id = 11;
-      ball.com_m = {0.0, 0.0, 0.01};
-      ball.pieces.resize(1);
-      ball.pieces[0].type = ShapeType::kSphere;
-      ball.pieces[0].radius_m = 0.03;
+      GameShapes ball = sampleBall();
       ball.pieces[0].in_body.translation_m = {0.0, 0.0, 0.01};
       shapes = std::make_shared<const GameShapes>(ball);
     }

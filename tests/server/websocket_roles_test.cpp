@@ -1,16 +1,10 @@
-#include "server/server_test.hpp"
+#include "server/websocket_words.hpp"
 
 #include <initializer_list>
 
 // A therapist, a player and a watcher over real WebSockets.
 namespace wholehand::test {
 namespace {
-
-namespace fb = wholehand::protocol;
-using replies::answer;
-using replies::message;
-using replies::next;
-using namespace words;  // NOLINT(google-build-using-namespace): the client's vocabulary
 
 constexpr const char* kTherapist = "therapists-token-of-30-letters";
 constexpr const char* kPlayer = "a-player-token-of-27-letters";

@@ -1,4 +1,4 @@
-#include "server/server_test.hpp"
+#include "server/websocket_words.hpp"
 
 #include <future>
 #include <limits>
@@ -6,12 +6,6 @@
 // Clients over real WebSockets: what they are told, who may command, what is refused.
 namespace wholehand::test {
 namespace {
-
-namespace fb = wholehand::protocol;
-using replies::answer;
-using replies::message;
-using replies::next;
-using namespace words;  // NOLINT(google-build-using-namespace): the client's vocabulary
 
 struct WebSocketTest : ServerTest {
   WebSocketTest() {

@@ -1,5 +1,6 @@
 // What is said of a commissioning, read back by flatc's own accessors, and what a page says to it.
 #include "server/client_words.hpp"
+#include "server/sample_facts.hpp"
 #include "server/wire.hpp"
 #include "support/figure.hpp"
 
@@ -13,17 +14,7 @@ namespace {
 using namespace test::words;
 
 TEST(WireCommissioning, FactsOfAStepThatFailed_AreReadAsTheyWere) {
-  CommissioningFacts facts;
-  facts.device = "rail";
-  facts.steps.push_back({"signs",
-                         CommissioningFacts::StepState::kFailed,
-                         {{"x", "mass", "kg", 0.98, 1.02}},
-                         "x is too heavy",
-                         "balance it"});
-  facts.question = 7;
-  facts.asked = CommissioningFacts::Asked::kKnownForce;
-  facts.motion_state = CommissioningFacts::MotionState::kAwaitsKey;
-  const wire::Bytes bytes = wire::commissioningMessage(facts);
+  const wire::Bytes bytes = wire::commissioningMessage(test::sampleFailedStep());
   flatbuffers::Verifier verifier(bytes.data(), bytes.size());
   ASSERT_TRUE(fb::VerifyMessageBuffer(verifier));
   const fb::Commissioning* said = fb::GetMessage(bytes.data())->payload_as_Commissioning();

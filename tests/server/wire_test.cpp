@@ -2,7 +2,7 @@
 
 #include "realtime/allocation_counter.hpp"
 #include "server/client_words.hpp"
-#include "support/crank_hand.hpp"
+#include "server/sample_facts.hpp"
 #include "support/rig_tools.hpp"
 
 #include <gtest/gtest.h>
@@ -24,71 +24,23 @@ const fb::Message& verified(std::span<const std::uint8_t> bytes) {
   return *fb::GetMessage(bytes.data());
 }
 
-SceneFacts smallFacts() {
-  SceneFacts facts;
-  facts.session = 3;
-  facts.hand = test::crankHand();
-  facts.exercise_name = "cocktail-bar";
-  facts.value_names = {"stage", "flow_l_s"};
-  facts.parameters = {{"lead_in_m", LiveParameterGroup::kExercise, "m", 0.0, 0.02, 0.005, 0.01}};
-  SceneBody body;
-  body.name = "glass";
-  body.com_m = {0.0, 0.0, 0.05};
-  body.shapes.resize(1);
-  body.shapes[0].in_body.translation_m = {0.0, 0.0, 0.058};
-  facts.scene.bodies = {body};
-  return facts;
-}
-
 /// Every array as long as it can be for that many axes and joints, nothing at its default.
 TickRecord fullRecord(int axes, int joints, int values) {
-  TickRecord r;
-  r.tick = 123456789012;
-  r.time_s = 123456.789;
-  r.faults = Fault::kLateTick;
-  r.q_m = r.intention = r.q_s = AxisPosition(axes, 0.25);
-  r.qd_s = AxisVelocity(axes, -0.75);
+  TickRecord r = test::sampleRecord(axes, joints, kMaxContacts, 1);
   r.theta = JointPosition(joints, 0.5);
-  r.coupling = r.damping = r.sent = r.exercise.effort = AxisEffort(axes, -1.5);
-  r.phi = AxisRatio(axes, 0.75);
-  r.authority = 0.5;
-  r.exercise.alpha = 0.25;
-  r.palm_body = 1;
   r.palm_target_distance_m = 0.125;
   r.exercise.value_count = values;
   for (int i = 0; i < values; ++i) r.exercise.values[i] = i + 0.1;
   r.body_count = kMaxBodies;
-  r.contact_count = kMaxContacts;
-  for (int i = 0; i < kMaxContacts; ++i) {
-    r.contacts[i].capsule = i;
-    r.contacts[i].body = 1;
-    r.contacts[i].force_n = {0.0, 0.0, 2.0};
-  }
   return r;
 }
 
 LoopStatus fullStatus() {
-  LoopStatus s;
-  s.session = 3;
-  s.endings = 5;
-  s.run_state = RunState::kFaulted;
-  s.steering = Steering::kPerson;
-  s.latched = Fault::kDeviceRead;
-  s.fault_axis = 1;
-  s.fault_value = 1.625;
-  s.fault_limit = 1.5;
-  s.ticks = 7;
-  s.missed_deadlines = 8;
-  s.dropped_records = 9;
-  s.cpu_p999_us = 42.5;
-  s.recording_bytes = 1ULL << 40U;
-  s.help = Help::kNone;
-  s.parameters.assign(8, 0.5);
-  return s;
+  return test::sampleStatus(std::vector<double>(8, 0.5));
 }
 
 TEST(WireState, FullRecord_ArrivesAsItWas) {
-  auto facts = std::make_shared<SceneFacts>(smallFacts());
+  auto facts = std::make_shared<SceneFacts>(test::sampleScene());
   wire::StateEncoder encoder(facts);
   TickRecord r = fullRecord(2, 2, 48);
   r.safety_state = SafetyState::kFaulted;
@@ -137,7 +89,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
 }
 
 TEST(WireState, SlotsOfAGame_StandUpToTheLastOneInUse) {
-  SceneFacts facts = smallFacts();  // one body
+  SceneFacts facts = test::sampleScene();  // one body
   facts.scene.game.slots = 8;
   TickRecord record;
   record.body_count = 9;
@@ -160,7 +112,7 @@ TEST(WireState, SlotsOfAGame_StandUpToTheLastOneInUse) {
 }
 
 TEST(WireState, RealDevice_SaysWhatItIsLike) {
-  wire::StateEncoder encoder(std::make_shared<SceneFacts>(smallFacts()));
+  wire::StateEncoder encoder(std::make_shared<SceneFacts>(test::sampleScene()));
   LoopStatus status = fullStatus();
   const auto encoded = [&](wire::Detail detail) {
     return verified(encoder.encode(fullRecord(2, 2, 4), status, detail, 0))
@@ -189,7 +141,7 @@ TEST(WireState, RealDevice_SaysWhatItIsLike) {
 }
 
 TEST(WireState, NothingRenderedYet_StillSaysTheRunState) {
-  wire::StateEncoder encoder(std::make_shared<SceneFacts>(smallFacts()));
+  wire::StateEncoder encoder(std::make_shared<SceneFacts>(test::sampleScene()));
   LoopStatus idle;
   const auto* s =
       verified(encoder.encode(TickRecord{}, idle, wire::Detail::kFull, 0)).payload_as_WorldState();
@@ -199,7 +151,7 @@ TEST(WireState, NothingRenderedYet_StillSaysTheRunState) {
 
 // 1,150 bytes: a datagram of 1,200 with its header.
 TEST(WireState, CompactOfAnyDevice_FitsADatagram) {
-  auto facts = std::make_shared<SceneFacts>(smallFacts());
+  auto facts = std::make_shared<SceneFacts>(test::sampleScene());
   wire::StateEncoder encoder(facts);
   for (int axes = 1; axes <= kMaxAxes; ++axes) {
     const auto bytes = encoder.encode(fullRecord(axes, kMaxJoints, kMaxExerciseValues),
@@ -216,7 +168,7 @@ TEST(WireState, CompactOfAnyDevice_FitsADatagram) {
 
 TEST(WireState, AfterTheFirst_EncodingAllocatesNothing) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "a sanitizer owns malloc";
-  auto facts = std::make_shared<SceneFacts>(smallFacts());
+  auto facts = std::make_shared<SceneFacts>(test::sampleScene());
   wire::StateEncoder encoder(facts);
   const TickRecord r = fullRecord(2, 2, 48);
   const LoopStatus status = fullStatus();
@@ -308,7 +260,7 @@ TEST(WireScene, Links_LeadToWhereTheStateSaysTheyAre) {
 // WorldState.bodies says where the centre of mass is: a shape 0.058 above the body's frame, with
 // the centre of mass at 0.05, is drawn 0.008 above it.
 TEST(WireScene, Shapes_StandAboutTheCentreOfMass) {
-  const wire::Bytes bytes = wire::sceneMessage(smallFacts());
+  const wire::Bytes bytes = wire::sceneMessage(test::sampleScene());
   const auto* s = verified(bytes).payload_as_Scene();
   EXPECT_NEAR(s->bodies()->Get(0)->shapes()->Get(0)->in_body()->position_m().z(), 0.008F, 1e-7F);
 }

@@ -1,6 +1,8 @@
 // Orders of a game to its bodies, in a station that renders. In real time.
 #include "core/body_order.hpp"
 #include "station/station_bench.hpp"
+#include "support/ball_shape.hpp"
+#include "support/resting_device.hpp"
 
 #include <fstream>
 #include <functional>
@@ -8,13 +10,6 @@
 
 namespace wholehand::test {
 namespace {
-
-Shape ball(double radius_m) {
-  Shape shape;
-  shape.type = ShapeType::kSphere;
-  shape.radius_m = radius_m;
-  return shape;
-}
 
 SpawnOrder ballAside(int slot, int generation = 1) {
   SpawnOrder spawn;
@@ -24,19 +19,6 @@ SpawnOrder ballAside(int slot, int generation = 1) {
   spawn.pose.position_m = {0.5, 0.3, 0.2};
   return spawn;
 }
-
-/// A real device that rests at the origin.
-class Handle final : public HapticDevice {
- public:
-  [[nodiscard]] Expected<Done> open() override { return Done{}; }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
-  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
-    reading.q_m = AxisPosition(6);
-    return Fault::kNone;
-  }
-  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override {}
-};
 
 class GameInAStation : public Bar {
  protected:
@@ -67,7 +49,7 @@ class GameInAStation : public Bar {
     config.rehearsal = {};
     config.rehearsal.extra_ns = extra_ns;
     config.make_device = [](const DeviceModel&) -> Expected<std::unique_ptr<HapticDevice>> {
-      return std::unique_ptr<HapticDevice>(std::make_unique<Handle>());
+      return std::unique_ptr<HapticDevice>(std::make_unique<RestingDevice>(AxisPosition(6)));
     };
     load(config);
     run(false);
@@ -103,7 +85,7 @@ class GameInAStation : public Bar {
 
 TEST_F(GameInAStation, BodyIsPreparedSpawnedShownAndRemoved) {
   runGame(true);
-  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   const OrderReply spawned = ask(say({spawnCommand(ballAside(4))}));
   ASSERT_TRUE(spawned.accepted) << spawned.reason;
   ASSERT_TRUE(becomes([&] { return stateOf(4) == SlotState::kSolid; }));
@@ -116,7 +98,7 @@ TEST_F(GameInAStation, BodyIsPreparedSpawnedShownAndRemoved) {
 
 TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimulated) {
   runGame(true);
-  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   SpawnOrder near = ballAside(kFirstNumber), far = ballAside(kFirstNumber + 1);
   near.pose.position_m = {0.1, 0.25, 0.1};
   far.pose.position_m = {3.0, 0.0, 0.0};
@@ -143,7 +125,7 @@ TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimula
   EXPECT_TRUE(becomes([&] { return shown(kFirstNumber).whereabouts == Whereabouts::kOutOfReach; }));
   EXPECT_EQ(stateOf(slot), SlotState::kParked);
   EXPECT_TRUE(becomes([&] { return shown(kFirstNumber).pose.position_m.y == -3.0; }));
-  EXPECT_EQ(ask(prepare(0, {ball(0.02)})).items.at(0).refusal, OrderRefusal::kShapesBusy);
+  EXPECT_EQ(ask(prepare(0, {ballShape(0.02)})).items.at(0).refusal, OrderRefusal::kShapesBusy);
   ASSERT_TRUE(
       ask(say({removeCommand(kFirstNumber, 1), removeCommand(kFirstNumber + 1, 1)})).accepted);
   EXPECT_TRUE(station_->status().registered->empty());
@@ -151,7 +133,7 @@ TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimula
 
 TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
   runGame(false);
-  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   const auto refusalOf = [&](const Command& command, const char* says) {
     const OrderReply reply = ask(say({command}));
     if (reply.items.empty()) return OrderRefusal::kNone;
@@ -193,7 +175,7 @@ TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
 
 TEST_F(GameInAStation, SlotOfARegisteredBody_IsNotSpawnedInto) {
   runGame(true);
-  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   SpawnOrder near = ballAside(kFirstNumber);
   near.pose.position_m = {0.1, 0.25, 0.1};
   ASSERT_TRUE(ask(say({spawnCommand(near)})).accepted);
@@ -226,12 +208,12 @@ TEST_F(GameInAStation, DeviceThatMovesAPerson_IsRefusedWithWhatPassesWhereTheTic
 
 TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
   runGame(false);
-  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(4, 7)), spawnCommand(ballAside(5))})).accepted);
   // As in a session: a slot once, and only shapes that were prepared and are free.
   EXPECT_EQ(ask(say({spawnCommand(ballAside(4, 8))})).items.at(0).refusal,
             OrderRefusal::kSlotTaken);
-  EXPECT_EQ(ask(prepare(0, {ball(0.02)})).items.at(0).refusal, OrderRefusal::kShapesBusy);
+  EXPECT_EQ(ask(prepare(0, {ballShape(0.02)})).items.at(0).refusal, OrderRefusal::kShapesBusy);
   SpawnOrder without = ballAside(6);
   without.shape_set = 1;
   EXPECT_EQ(ask(say({spawnCommand(without)})).items.at(0).refusal, OrderRefusal::kNoSuchShapes);
@@ -248,12 +230,12 @@ TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
 
 TEST_F(GameInAStation, WhatIsKept_IsHandedOverOnce) {
   runGame(false);
-  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
   ASSERT_TRUE(ask(OrderType::kStop).accepted);
-  EXPECT_EQ(ask(prepare(0, {ball(0.03)})).refusal, Refusal::kStillStopping);
+  EXPECT_EQ(ask(prepare(0, {ballShape(0.03)})).refusal, Refusal::kStillStopping);
   ASSERT_TRUE(becomes(RunState::kStopped));
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
   ASSERT_TRUE(rendersOn());
@@ -279,7 +261,7 @@ TEST_F(GameInAStation, MoreThanALoopTakesAtOnce_IsNotKept) {
   bool busy = false;
   int kept = 0;
   for (int i = 0; i < 300 && !busy; ++i) {
-    const OrderReply reply = ask(prepare(i % 32, {ball(0.03)}));
+    const OrderReply reply = ask(prepare(i % 32, {ballShape(0.03)}));
     busy = reply.refusal == Refusal::kBusy;
     kept += reply.accepted ? 1 : 0;
     EXPECT_TRUE(busy || reply.accepted) << reply.reason;
@@ -296,7 +278,7 @@ TEST_F(GameInAStation, WhatAnEarlierHolderKept_IsForgotten) {
   runGame(false);
   BodyOrders shapes;
   shapes.shape_set = 0;
-  shapes.pieces = {ball(0.03)};
+  shapes.pieces = {ballShape(0.03)};
   ASSERT_TRUE(ask(bodies(OrderType::kPrepareShapes, shapes, 1)).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))}, 1)).accepted);
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}, 2));
@@ -309,7 +291,7 @@ TEST_F(GameInAStation, WhatAnEarlierHolderKept_IsForgotten) {
 
 TEST_F(GameInAStation, WhatIsKept_IsForgottenWhenAnExerciseIsLoaded) {
   runGame(false);
-  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
   ASSERT_TRUE(ask(OrderType::kLoadExercise).accepted);
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
@@ -347,7 +329,7 @@ TEST_F(GameInAStation, MoreThanTheLoopTakes_IsAnsweredBusyAndTakenLater) {
 
 TEST_F(GameInAStation, WhileTheGameIsSilent_NothingIsSpawned) {
   runGame(true);
-  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   Order silent = of(OrderType::kOwnerAlive);
   silent.value = 0.0;
   ASSERT_TRUE(ask(silent).accepted);

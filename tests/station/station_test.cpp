@@ -53,10 +53,7 @@ TEST_F(Bar, EmergencyStop_IsAtNeutralWithinItsRamp) {
 TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order;
-  order.type = OrderType::kSetParameter;
-  order.name = "effort_limit_arm_n";
-  order.value = 8.0;
+  Order order{.type = OrderType::kSetParameter, .name = "effort_limit_arm_n", .value = 8.0};
   ASSERT_TRUE(ask(order).accepted);
   const auto index = [&] {
     const auto scene = station_->scene();
@@ -89,9 +86,7 @@ TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
 TEST_F(Bar, PersonAims_TheDeviceFollows) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order;
-  order.type = OrderType::kSteer;
-  order.steering = Steering::kPerson;
+  Order order{.type = OrderType::kSteer, .steering = Steering::kPerson};
   ASSERT_TRUE(ask(order).accepted);
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
@@ -112,9 +107,7 @@ TEST_F(Bar, PersonAims_TheDeviceFollows) {
 TEST_F(Bar, LoadWhileRendering_GoesOnWithTheNewLevelAndOnlyThen) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order;
-  order.type = OrderType::kLoadExercise;
-  order.name = "no-such-exercise";
+  Order order{.type = OrderType::kLoadExercise, .name = "no-such-exercise"};
   EXPECT_FALSE(ask(order).accepted);
   order.name = "../cocktail-bar";
   EXPECT_FALSE(ask(order).accepted);
@@ -172,9 +165,7 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
 TEST_F(Bar, OwnerSilent_FadesTheExerciseAndNothingElse) {
   run(true);
   ASSERT_TRUE(squeezes());
-  Order order;
-  order.type = OrderType::kOwnerAlive;
-  order.value = 0.0;
+  Order order{.type = OrderType::kOwnerAlive, .value = 0.0};
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
   const std::uint64_t asked_at = record.tick;
@@ -266,10 +257,7 @@ TEST_F(Bar, EmergencyStopThenRefusedArm_IsNotForgotten) {
 
 TEST_F(Bar, LimitThatWasSet_HoldsFromTheFirstTickOfTheNextSession) {
   run(false);
-  Order order;
-  order.type = OrderType::kSetParameter;
-  order.name = "effort_limit_arm_n";
-  order.value = 4.0;
+  Order order{.type = OrderType::kSetParameter, .name = "effort_limit_arm_n", .value = 4.0};
   ASSERT_TRUE(ask(order).accepted) << "also before anything is armed";
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
   TickRecord record;

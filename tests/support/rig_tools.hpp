@@ -5,7 +5,9 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "model/hand/hand_file.hpp"
+#include "support/ball_shape.hpp"
 #include "support/figure.hpp"
+#include "support/resting_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -71,10 +73,7 @@ inline SceneBody ball(const Eigen::Vector3d& center_m, double radius_m, double m
   body.mass_kg = mass_kg;
   body.inertia_kg_m2 = 0.4 * mass_kg * radius_m * radius_m * Eigen::Matrix3d::Identity();
   body.pose.translation_m = center_m;
-  Shape shape;
-  shape.type = ShapeType::kSphere;
-  shape.radius_m = radius_m;
-  body.shapes.push_back(shape);
+  body.shapes.push_back(ballShape(radius_m));
   return body;
 }
 
@@ -106,7 +105,7 @@ inline SceneBody wall(const Eigen::Vector3d& along, double face_m) {
 }
 
 /// An ideal device that is where a script says at each read (0 when armed), whatever is sent.
-class ScriptedDevice final : public HapticDevice {
+class ScriptedDevice final : public RestingDevice {
  public:
   using Script = std::function<AxisPosition(int read)>;
   explicit ScriptedDevice(Script script) : script_(std::move(script)) {}
@@ -114,7 +113,6 @@ class ScriptedDevice final : public HapticDevice {
     read_ = 0;
     return Done{};
   }
-  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   /// Nobody's hand stands as still as a script.
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
@@ -122,8 +120,6 @@ class ScriptedDevice final : public HapticDevice {
     read_ += elapsed_periods;
     return Fault::kNone;
   }
-  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override {}
 
  private:
   Script script_;

@@ -9,6 +9,7 @@ import { Connection } from '../src/net/connection';
 import type { Hands } from '../src/net/holding';
 import { Answer, Asked, CommissioningStepT, CommissioningT, ControlsT, HoldToMove, MotionKind, MotionState, Order, Payload, ReplyT, Role, StepState } from '../src/protocol';
 import { TestLine } from './test_line';
+import { testTexts } from './texts';
 
 const hands = (heldByYou: boolean, held = heldByYou, role = Role.Therapist): Hands => ({ heldByYou, held, role, holder: Role.Unsaid, led: true });
 const steps = (...states: StepState[]): CommissioningStepT[] => ['identify', 'home', 'signs'].map((name, i) => new CommissioningStepT(name, states[i] ?? StepState.Waiting));
@@ -162,18 +163,7 @@ describe('what is said to the program', () => {
 });
 
 describe('the texts', () => {
-  const flat = (value: unknown, path = ''): [string, string][] => typeof value === 'string' ? [[path, value]]
-    : Object.entries(value as object).flatMap(([name, inner]) => flat(inner, `${path}.${name}`));
-  const places = (words: string): string[] => (words.match(/\{\w+\}/g) ?? []).sort();
-  it.each([['de', de], ['fr', fr]])('in %s have the keys and places of English', (_name, other) => {
-    const theirs = new Map(flat(other));
-    expect([...theirs.keys()].sort()).toEqual(flat(en).map(([name]) => name).sort());
-    for (const [name, words] of flat(en)) {
-      expect(theirs.get(name)?.trim(), name).not.toBe('');
-      expect(places(theirs.get(name)!), name).toEqual(places(words));
-    }
-  });
-  it('in German are spelt the Swiss way', () => { for (const [name, words] of flat(de)) expect(words, name).not.toContain('ß'); });
+  testTexts(en, de, fr);
   it('have a word for every motion and step state of the schema', () => {
     const count = (of: object): number => Object.keys(of).length / 2;
     expect(en.motion).toHaveLength(count(MotionKind));

@@ -19,6 +19,7 @@ import { ReplaySide } from '../src/replay/side';
 import { keyOrder, type TransportHands } from '../src/replay/transport';
 import { Zoom } from '../src/replay/zoom';
 import { fill } from '../src/shared/i18n';
+import { testTexts } from './texts';
 
 describe('time', () => {
   it('is written as a clock, with as many decimals as asked for', () => {
@@ -288,20 +289,7 @@ describe('a recording that is opened', () => {
 });
 
 describe('the texts', () => {
-  const flat = (value: unknown, path = ''): [string, string][] => typeof value === 'string' ? [[path, value]]
-    : Object.entries(value as object).flatMap(([name, inner]) => flat(inner, `${path}.${name}`));
-  const places = (words: string): string[] => (words.match(/\{\w+\}/g) ?? []).sort();
-
-  it.each([['de', de], ['fr', fr]])('in %s have the keys and places of English', (_name, other) => {
-    const theirs = new Map(flat(other));
-    expect([...theirs.keys()].sort()).toEqual(flat(en).map(([name]) => name).sort());
-    for (const [name, words] of flat(en)) {
-      expect(theirs.get(name)?.trim(), name).not.toBe('');
-      expect(places(theirs.get(name)!), name).toEqual(places(words));
-    }
-  });
-
-  it('in German are spelt the Swiss way', () => { for (const [name, words] of flat(de)) expect(words, name).not.toContain('ß'); });
+  testTexts(en, de, fr);
 
   it('name a report as the button does (WCAG 2.5.3)', () => { for (const t of [en, de, fr]) expect(t.reportOf).toContain(t.report); });
 });

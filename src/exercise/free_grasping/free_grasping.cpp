@@ -39,11 +39,7 @@ class FreeGrasping final : public Exercise {
 
   void tick(const ExerciseInput& input, ExerciseRecord& out,
             BodyPlacements& placements) noexcept override {
-    out = ExerciseRecord{};
-    placements.count = 0;
-    out.effort = AxisEffort(axes_);
-    out.wall_active = AxisFlag(axes_);
-    out.wall = AxisPosition(axes_);
+    clear(out, placements, axes_);
     out.value_count = kValues;
     out.values[kPalmBody] = input.observed->palm_body;
     out.values[kPalmDistance] = input.observed->palm_target_distance_m;

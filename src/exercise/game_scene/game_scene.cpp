@@ -48,11 +48,7 @@ class GameScene final : public Exercise {
 
   void tick(const ExerciseInput& input, ExerciseRecord& out,
             BodyPlacements& placements) noexcept override {
-    out = ExerciseRecord{};
-    placements.count = 0;
-    out.effort = AxisEffort(axes_);
-    out.wall_active = AxisFlag(axes_);
-    out.wall = AxisPosition(axes_);
+    clear(out, placements, axes_);
     out.value_count = kValues;
     if (input.pool == nullptr) return;
     for (int i = 0; i < input.pool->refused_count; ++i) {

@@ -164,14 +164,7 @@ Slam readSlam(TomlTable& root, const DeviceModel& device) {
   return slam;
 }
 
-}  // namespace
-
-Expected<PatientConfig> loadPatientFile(const std::string& path, const DeviceModel& device) {
-  TomlFile file(path, "patient");
-  if (!file.readable()) return file.finish();
-  TomlTable& root = file.root();
-  PatientConfig config;
-  config.path = path;
+void readPatient(TomlTable& root, const DeviceModel& device, PatientConfig& config) {
   config.name = root.text("name");
   for (const DeviceAxis& axis : device.axes) config.axes.push_back({.name = axis.name});
   std::vector<NamedAxis> named = readAxisNames(root);
@@ -194,8 +187,14 @@ Expected<PatientConfig> loadPatientFile(const std::string& path, const DeviceMod
   readHabits(root, all, device, config);
   config.letting_go = readLettingGo(root);
   config.slam = readSlam(root, device);
-  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
-  return config;
+}
+
+}  // namespace
+
+Expected<PatientConfig> loadPatientFile(const std::string& path, const DeviceModel& device) {
+  return readTomlFile<PatientConfig>(path, "patient", [&](TomlTable& root, PatientConfig& config) {
+    readPatient(root, device, config);
+  });
 }
 
 }  // namespace wholehand

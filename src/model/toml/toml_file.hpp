@@ -138,6 +138,19 @@ class TomlFile {
   bool readable_ = false;
 };
 
+/// A file of one kind, as `Model`: its path, and what `read(root, model)` reads; or every fault.
+template <class Model, class Read>
+[[nodiscard]] Expected<Model> readTomlFile(const std::string& path, std::string_view kind,
+                                           Read read) {
+  TomlFile file(path, kind);
+  if (!file.readable()) return file.finish();
+  Model model;
+  model.path = path;
+  read(file.root(), model);
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  return model;
+}
+
 /// The kind that a file states ("hand", "device", "rendering", "patient", "scene", ...). The rest
 /// of the file is not checked.
 [[nodiscard]] Expected<std::string> fileKind(const std::string& path);

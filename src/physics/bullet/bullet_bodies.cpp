@@ -136,10 +136,7 @@ void BulletBody::placeColliders() noexcept {
 
 bool BulletBody::place(const BodyPlacement& placement) noexcept {
   if (!isPose(placement)) return false;
-  const Eigen::Quaterniond turned =
-      placement.orientation_xyzw.eigen().normalized() * Eigen::Quaterniond(from_body_.rotation);
-  const btTransform at(btQuaternion(turned.x(), turned.y(), turned.z(), turned.w()),
-                       toBt(placement.position_m.eigen()));
+  const btTransform at = placedAt(placement, from_body_);
   const btTransform& before = rigid_->getWorldTransform();
   const bool elsewhere =
       (at.getOrigin() - before.getOrigin()).length() > kFarthestSlide_m ||

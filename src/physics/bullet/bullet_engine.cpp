@@ -2,7 +2,7 @@
 
 #include "physics/bullet/bullet_shapes.hpp"
 #include "physics/bullet/bullet_types.hpp"
-#include "physics/hand_overlaps.hpp"
+#include "physics/bullet/manifold_overlaps.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -236,16 +236,7 @@ void BulletEngine::setHand(const AxisPosition& position, const AxisVelocity& vel
 Diagnostics BulletEngine::overlaps() {
   pairs.find();
   HandOverlaps found(bodies.size());
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    const ColliderTag* a = tagOf(manifold.getBody0());
-    const ColliderTag* b = tagOf(manifold.getBody1());
-    if (a->ofHand() == b->ofHand()) continue;
-    const int capsule = (a->ofHand() ? a : b)->capsule;
-    for (int k = 0; k < manifold.getNumContacts(); ++k) {
-      found.add((a->ofHand() ? b : a)->body, capsule, -manifold.getContactPoint(k).getDistance());
-    }
-  }
+  addOverlaps(dispatcher, found);
   return found.refuse(hand_model, scene_path, body_names);
 }
 

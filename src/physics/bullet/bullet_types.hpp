@@ -1,8 +1,10 @@
 #pragma once
 
 #include "core/geometry.hpp"
+#include "core/world_query.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <LinearMath/btMatrix3x3.h>
 #include <LinearMath/btQuaternion.h>
 #include <LinearMath/btTransform.h>
@@ -38,6 +40,12 @@ static_assert(sizeof(btScalar) == 8, "Bullet must be used in double precision");
 }
 [[nodiscard]] inline btTransform toBt(const Pose& pose) {
   return btTransform(toBt(pose.rotation), toBt(pose.translation_m));
+}
+/// Where a placed body's own frame is. @param from_body of that frame
+[[nodiscard]] inline btTransform placedAt(const BodyPlacement& placement, const Pose& from_body) {
+  const Eigen::Quaterniond q =
+      placement.orientation_xyzw.eigen().normalized() * Eigen::Quaterniond(from_body.rotation);
+  return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), toBt(placement.position_m.eigen()));
 }
 
 }  // namespace wholehand::bullet

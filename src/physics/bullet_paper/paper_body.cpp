@@ -93,10 +93,7 @@ const btTransform& PaperBody::frame() const noexcept {
 
 bool PaperBody::place(const BodyPlacement& placement) noexcept {
   if (!isPose(placement)) return false;
-  const Eigen::Quaterniond q =
-      placement.orientation_xyzw.eigen().normalized() * Eigen::Quaterniond(from_body_.rotation);
-  const btTransform at(btQuaternion(q.x(), q.y(), q.z(), q.w()),
-                       toBt(placement.position_m.eigen()));
+  const btTransform at = bullet::placedAt(placement, from_body_);
   const bool elsewhere = isFarFrom(at, frame());
   put(at, toBt(placement.velocity_m_s.eigen()));
   return elsewhere;

@@ -3,8 +3,8 @@
 #include "core/tick_record.hpp"
 #include "physics/bullet/bullet_shapes.hpp"
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/manifold_overlaps.hpp"
 #include "physics/bullet_paper/collision_groups.hpp"
-#include "physics/hand_overlaps.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -127,16 +127,7 @@ void PaperEngine::forgetContacts(int body) noexcept {
 Diagnostics PaperEngine::overlaps() {
   world.performDiscreteCollisionDetection();
   HandOverlaps found(bodies.size());
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    const bullet::ColliderTag* a = bullet::tagOf(manifold.getBody0());
-    const bullet::ColliderTag* b = bullet::tagOf(manifold.getBody1());
-    if (a->ofHand() == b->ofHand()) continue;
-    const int capsule = (a->ofHand() ? a : b)->capsule;
-    for (int k = 0; k < manifold.getNumContacts(); ++k) {
-      found.add((a->ofHand() ? b : a)->body, capsule, -manifold.getContactPoint(k).getDistance());
-    }
-  }
+  bullet::addOverlaps(dispatcher, found);
   return found.refuse(hand_model, scene_path, body_names);
 }
 

@@ -24,11 +24,7 @@ class HoldStill final : public Exercise {
 
   void tick(const ExerciseInput& input, ExerciseRecord& out,
             BodyPlacements& placements) noexcept override {
-    out = ExerciseRecord{};
-    placements.count = 0;
-    out.effort = AxisEffort(axes_);
-    out.wall_active = AxisFlag(axes_);
-    out.wall = AxisPosition(axes_);
+    clear(out, placements, axes_);
     const bool was_held = held_s_ >= hold_s_;
     const bool slow = std::abs(input.observed->qd_mf[0]) < slow_m_s_;
     held_s_ = slow ? held_s_ + input.observed->elapsed_periods * input.period_s : 0.0;

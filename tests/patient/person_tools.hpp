@@ -1,0 +1,40 @@
+#pragma once
+
+#include "model/device_model.hpp"
+#include "model/patient/patient_config.hpp"
+
+#include <initializer_list>
+
+/// Devices, poses and persons of a few axes.
+namespace wholehand::test {
+
+inline AxisPosition pose(double a, double b) {
+  AxisPosition q(2);
+  q[0] = a;
+  q[1] = b;
+  return q;
+}
+
+/// Rotations of 0 to 3 rad.
+inline DeviceModel digits(std::initializer_list<const char*> names) {
+  DeviceModel device;
+  for (const char* name : names) {
+    DeviceAxis axis;
+    axis.name = name;
+    axis.kind = AxisKind::kRotation;
+    axis.upper = 3.0;
+    axis.effort_limit = 2.0;
+    axis.speed_limit = 10.0;
+    axis.mass = 5e-4;
+    device.axes.push_back(axis);
+  }
+  return device;
+}
+
+inline PatientConfig calm(int axes) {
+  PatientConfig patient;
+  patient.axes.assign(axes, PatientAxis{});
+  return patient;
+}
+
+}  // namespace wholehand::test

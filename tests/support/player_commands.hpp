@@ -1,0 +1,24 @@
+#pragma once
+
+#include "core/command.hpp"
+
+#include <cstdint>
+
+/// What a person says to a player.
+namespace wholehand::test {
+
+inline Command steer(Steering who) {
+  Command command;
+  command.type = CommandType::kSteer;
+  command.index = static_cast<std::int32_t>(who);
+  return command;
+}
+
+inline Command aim(const AxisPosition& at) {
+  Command command;
+  command.type = CommandType::kAim;
+  command.aim = at;
+  return command;
+}
+
+}  // namespace wholehand::test

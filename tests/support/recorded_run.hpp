@@ -1,0 +1,30 @@
+#pragma once
+
+#include "assembly/run.hpp"
+#include "support/rig_tools.hpp"
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace wholehand::test {
+
+/// Arms a rig and records that many of its ticks, as fast as they are computed: the file's path.
+inline std::string recordTicks(Rig& rig, std::uint64_t ticks, const std::string& file) {
+  orThrow(rig.renderer->arm());
+  RunPlan plan;
+  plan.simulated_clock = true;
+  plan.duration_ticks = ticks;
+  plan.record = file;
+  orThrow(runAndRecord(rig, plan));
+  return plan.record;
+}
+
+/// A tenth of a second of a resting hand.
+inline std::string recordRest(Models models, const std::string& file) {
+  const auto rig = orThrow(buildRig(
+      std::move(models), Intention::throughWaypoints({{0.0, AxisPosition(6)}}), RigOptions{}));
+  return recordTicks(*rig, 100, file);
+}
+
+}  // namespace wholehand::test
