@@ -8,6 +8,7 @@
 #include <climits>
 
 #include <algorithm>
+#include <cmath>
 
 namespace wholehand {
 namespace {
@@ -20,6 +21,15 @@ std::vector<LiveParameter> allLiveParameters(const RendererConfig& config,
     all.insert(all.end(), more.begin(), more.end());
   }
   return all;
+}
+
+/// Rounds an exercise's values to steps of 2⁻²⁰ of their units. They are shown and recorded; the
+/// exercise itself goes on with its own.
+void roundValues(ExerciseRecord& exercise) noexcept {
+  constexpr double kSteps = 0x1p20;
+  for (int i = 0; i < exercise.value_count; ++i) {
+    exercise.values[i] = std::nearbyint(exercise.values[i] * kSteps) / kSteps + 0.0;
+  }
 }
 
 }  // namespace
@@ -191,6 +201,7 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   input.pool = pool_ != nullptr ? &pool_report_ : nullptr;
   input.may_push = owner_alive_ && safety_.rendering();
   exercise_->tick(input, record.exercise, record.placements);
+  roundValues(record.exercise);
   query_ = exercise_->query();
 }
 

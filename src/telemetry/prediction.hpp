@@ -51,6 +51,7 @@ struct Prediction {
   /// single numbers would cost more than the rules. Called for the rows of a chunk in order: some
   /// rules keep what they learnt from earlier rows of the chunk.
   std::function<void(const RowWindow&, std::uint64_t* expected)> expect;
+  std::vector<double> steps = {};  ///< of each number's grid, see GridSteps; empty: none
 };
 
 /// Rules of the columns that a file with this description packs. Within its own row, a rule uses

@@ -24,9 +24,12 @@ inline std::uint64_t bitsOf(double expected, const RowWindow& window, std::size_
   return window.past() > 0 ? window.number<std::uint64_t>(column, i, 1) : 0;
 }
 
-/// Columns in which the numbers of a row differ in size: deflate gains from rows as elements.
-constexpr std::array<std::string_view, 7> kRowElements = {
-    "qd_s", "f_s", "phi", "tank", "intention", "patient_effort", "exercise_values"};
+/// Columns in which the numbers of a row differ in size: deflate gains from rows as elements. The
+/// last ones are packed since kStepSchema.
+constexpr std::array<std::string_view, 11> kRowElements = {
+    "qd_s",           "f_s",             "phi", "tank",    "intention",
+    "patient_effort", "exercise_values", "q_m", "closure", "wall",
+    "exercise_effort"};
 
 /// Finds columns by name and collects their rules.
 class Rules {
@@ -40,18 +43,21 @@ class Rules {
     return std::find_if(columns_.begin(), columns_.end(), is_it) - columns_.begin();
   }
   /// @param rule (const RowWindow&, i) -> double
+  /// @param steps of each number's grid; empty: none
   template <class Rule>
-  void add(const std::string& name, Rule rule) {
+  void add(const std::string& name, Rule rule, std::vector<double> steps = {}) {
     if (!has(name)) return;  // e.g. a recording without bodies, joints or parameters
     const std::size_t c = column(name), width = columns_[c].rowBytes() / sizeof(double);
     const bool row_elements = row_elements_ && std::find(kRowElements.begin(), kRowElements.end(),
                                                          name) != kRowElements.end();
+    if (steps.size() == 1) steps.resize(width, steps.front());
     all_.push_back(
         {c, width, row_elements, [=](const RowWindow& w, std::uint64_t* expected) mutable {
            for (std::size_t i = 0; i < width; ++i) {
              expected[i] = bitsOf(rule(w, i), w, c, i);
            }
-         }});
+         },
+         std::move(steps)});
   }
   [[nodiscard]] std::vector<Prediction> take() { return std::move(all_); }
 
@@ -92,6 +98,20 @@ void addExtrapolated(Rules& rules, const char* name) {
 /// Steps of the grid on which the virtual patient's position and effort lie, since schema 7
 /// (kGridSchema): of a metre or radian, and of a newton or newton metre.
 inline constexpr double kIntentionSteps = 0x1p20, kEffortSteps = 0x1p24;
+
+/// Steps of other grids, since schema 8 (kStepSchema): of what is told of the avatar among the
+/// bodies, and of an exercise's values.
+inline constexpr double kProbeSteps = 0x1p24, kValueSteps = 0x1p20;
+
+/// Counts steps from the polynomial. @param step of every number, or one for all
+template <std::size_t Order>
+void addSteps(Rules& rules, const char* name, std::vector<double> step) {
+  const std::size_t column = rules.column(name);
+  rules.add(
+      name,
+      [column](const RowWindow& w, std::size_t i) { return extrapolate<Order>(w, column, i); },
+      std::move(step));
+}
 
 /// The point of the grid nearest to the polynomial. A zero is positive.
 template <std::size_t Order>

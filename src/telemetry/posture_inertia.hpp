@@ -1,0 +1,32 @@
+#pragma once
+
+#include "telemetry/recording.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace wholehand::recording {
+
+/// The avatar's reduced inertia M_r as the polynomial of its posture in /meta. Its arithmetic is
+/// part of the file format. Private to telemetry.
+class PostureInertia {
+ public:
+  PostureInertia(const RecordedInertia& inertia, std::size_t axes);
+
+  /// Lower triangle of M_r, row by row. @param q_s position of every axis. Valid until the next call
+  const std::vector<double>& at(const std::vector<double>& q_s);
+  /// Solves M_r a = f, by M_r = L D Lᵀ, with the matrix of the last at(). @param a in: f
+  void solve(std::vector<double>& a);
+
+ private:
+  [[nodiscard]] static std::size_t place(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
+  void fillChebyshev(const std::vector<double>& q_s);
+
+  const RecordedInertia inertia_;
+  std::size_t axes_, terms_, degrees_;  ///< degrees_: largest degree + 1
+  std::vector<std::size_t> degree_;     ///< terms x axes
+  std::vector<double> chebyshev_;       ///< axes x degrees
+  std::vector<double> q_s_, matrix_, factor_;
+};
+
+}  // namespace wholehand::recording
