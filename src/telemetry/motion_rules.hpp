@@ -3,13 +3,15 @@
 #include "telemetry/posture_inertia.hpp"
 #include "telemetry/prediction_rules.hpp"
 
+#include <algorithm>
 #include <memory>
 
 /// Rules of the avatar's motion by its inertia, since schema 8 (kStepSchema). Private to telemetry.
 namespace wholehand::recording {
 
-/// q̇_s of a step without contact: q̇_s⁻ + T M_r⁻¹ f_s⁻. A polynomial through the last five rows
-/// after a step with contacts, and on an axis whose last number without contacts it expected better.
+/// q̇_s⁻ + T a with M_r a = f_s⁻, of a step without contacts. After a step with contacts, the base
+/// axes' polynomials; from what they did follows what the hand axes do, because mostly the palm
+/// touches. A polynomial on an axis where that was nearer in the last such row.
 class SteppedVelocity {
  public:
   SteppedVelocity(const Rules& rules, const RecordingMeta& meta,
@@ -20,43 +22,66 @@ class SteppedVelocity {
         contacts_(rules.column("contact_count")),
         period_s_(meta.period_s),
         inertia_(std::move(inertia)),
+        base_axes_(baseAxes(meta)),
         law_(meta.law.k_pm.size()),
         polynomial_(law_.size()),
-        by_law_(law_.size()),
-        position_(law_.size()) {}
+        position_(law_.size()),
+        by_law_(2, std::vector<bool>(law_.size())) {}
+
+  /// The axes up to the first hand axis, if all behind it are hand axes; else all.
+  static std::size_t baseAxes(const RecordingMeta& meta) {
+    const std::vector<double>& hand = meta.law.hand_axis;
+    const auto first = std::find_if(hand.begin(), hand.end(), [](double h) { return h != 0.0; });
+    const bool all = std::all_of(first, hand.end(), [](double h) { return h != 0.0; });
+    return all && !hand.empty() ? first - hand.begin() : meta.law.k_pm.size();
+  }
 
   double operator()(const RowWindow& w, std::size_t i) {
     if (i == 0) expectRow(w);
-    return free_ && by_law_[i] && std::isfinite(law_[i]) ? law_[i] : polynomial_[i];
+    if (i == base_axes_ && touches_ && w.past() > 0) expectHand(w);
+    const bool known = w.past() > 0 && (!touches_ || i >= base_axes_);
+    return known && by_law_[touches_][i] && std::isfinite(law_[i]) ? law_[i] : polynomial_[i];
   }
 
  private:
   void expectRow(const RowWindow& w) {
     const std::size_t axes = law_.size();
-    if (w.past() == 0) by_law_.assign(axes, true);
-    for (std::size_t i = 0; i < axes && w.past() > 0 && free_; ++i) {
+    if (w.past() == 0) by_law_.assign(2, std::vector<bool>(axes, true));
+    for (std::size_t i = touches_ ? base_axes_ : 0; i < axes && w.past() > 1; ++i) {
       const double v = w.number(qd_s_, i, 1);
-      by_law_[i] = std::abs(v - law_[i]) <= std::abs(v - polynomial_[i]);
+      by_law_[touches_][i] = std::abs(v - law_[i]) <= std::abs(v - polynomial_[i]);
     }
-    free_ = w.past() > 0 && w.number<std::int32_t>(contacts_, 0, 1) == 0;
     for (std::size_t i = 0; i < axes; ++i) polynomial_[i] = extrapolate<5>(w, qd_s_, i);
-    if (!free_) return;
-    for (std::size_t i = 0; i < axes; ++i) {
+    if (w.past() == 0) return;
+    touches_ = w.number<std::int32_t>(contacts_, 0, 1) != 0;
+    if (!touches_) expectStep(w, 0);
+  }
+  // What the base axes do is part of the row.
+  void expectHand(const RowWindow& w) {
+    for (std::size_t i = 0; i < base_axes_; ++i) {
+      law_[i] = (w.number(qd_s_, i) - w.number(qd_s_, i, 1)) / period_s_;
+    }
+    expectStep(w, base_axes_);
+  }
+  void expectStep(const RowWindow& w, std::size_t known) {
+    for (std::size_t i = 0; i < law_.size(); ++i) {
       position_[i] = w.number(q_s_, i, 1);
-      law_[i] = w.number(f_s_, i, 1);
+      if (i >= known) law_[i] = w.number(f_s_, i, 1);
     }
     inertia_->at(position_);
-    inertia_->solve(law_);
-    for (std::size_t i = 0; i < axes; ++i) law_[i] = w.number(qd_s_, i, 1) + period_s_ * law_[i];
+    inertia_->solve(law_, known);
+    for (std::size_t i = known; i < law_.size(); ++i) {
+      law_[i] = w.number(qd_s_, i, 1) + period_s_ * law_[i];
+    }
   }
 
   std::size_t q_s_, qd_s_, f_s_, contacts_;
   double period_s_;
   std::shared_ptr<PostureInertia> inertia_;
-  bool free_ = false;  ///< the step to this row had no contacts: law_ is known
-  std::vector<double> law_, polynomial_;
-  std::vector<bool> by_law_;
-  std::vector<double> position_;
+  std::size_t base_axes_;
+  bool touches_ = false;  ///< the step to this row had contacts
+  std::vector<double> law_, polynomial_, position_;
+  std::vector<std::vector<bool>> by_law_;  ///< without and with contacts
 };
 
 /// Eq. (2) with the damping of Eq. (14), critical for the axis's own inertia.

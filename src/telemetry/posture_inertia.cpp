@@ -43,22 +43,23 @@ const std::vector<double>& PostureInertia::at(const std::vector<double>& q_s) {
   return matrix_;
 }
 
-void PostureInertia::solve(std::vector<double>& a) {
+void PostureInertia::solve(std::vector<double>& a, std::size_t known) {
   factor_ = matrix_;
-  for (std::size_t j = 0; j < axes_; ++j) {
+  for (std::size_t j = known; j < axes_; ++j) {
     for (std::size_t i = j; i < axes_; ++i) {
       double sum = factor_[place(i, j)];
-      for (std::size_t k = 0; k < j; ++k) {
+      for (std::size_t k = known; k < j; ++k) {
         sum -= factor_[place(i, k)] * factor_[place(j, k)] * factor_[place(k, k)];
       }
       factor_[place(i, j)] = i == j ? sum : sum / factor_[place(j, j)];
     }
   }
-  for (std::size_t i = 0; i < axes_; ++i) {
+  // The columns of what is known are M's own.
+  for (std::size_t i = known; i < axes_; ++i) {
     for (std::size_t k = 0; k < i; ++k) a[i] -= factor_[place(i, k)] * a[k];
   }
-  for (std::size_t i = 0; i < axes_; ++i) a[i] /= factor_[place(i, i)];
-  for (std::size_t i = axes_; i-- > 0;) {
+  for (std::size_t i = known; i < axes_; ++i) a[i] /= factor_[place(i, i)];
+  for (std::size_t i = axes_; i-- > known;) {
     for (std::size_t k = i + 1; k < axes_; ++k) a[i] -= factor_[place(k, i)] * a[k];
   }
 }

@@ -28,7 +28,9 @@ void addMotion(Rules& rules, const RecordingMeta& meta,
     addSteps<2>(rules, "q_m", meta.law.encoder_step);
   }
   if (inertia != nullptr) {
-    rules.add("qd_s", SteppedVelocity(rules, meta, inertia));
+    const std::size_t base_axes = SteppedVelocity::baseAxes(meta);
+    rules.add("qd_s", SteppedVelocity(rules, meta, inertia), {},
+              base_axes < meta.axis_names.size() ? base_axes : 0);
   } else {
     addExtrapolated<5>(rules, "qd_s");
   }

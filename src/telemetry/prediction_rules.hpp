@@ -44,20 +44,22 @@ class Rules {
   }
   /// @param rule (const RowWindow&, i) -> double
   /// @param steps of each number's grid; empty: none
+  /// @param split see Prediction
   template <class Rule>
-  void add(const std::string& name, Rule rule, std::vector<double> steps = {}) {
+  void add(const std::string& name, Rule rule, std::vector<double> steps = {},
+           std::size_t split = 0) {
     if (!has(name)) return;  // e.g. a recording without bodies, joints or parameters
     const std::size_t c = column(name), width = columns_[c].rowBytes() / sizeof(double);
     const bool row_elements = row_elements_ && std::find(kRowElements.begin(), kRowElements.end(),
                                                          name) != kRowElements.end();
     if (steps.size() == 1) steps.resize(width, steps.front());
     all_.push_back(
-        {c, width, row_elements, [=](const RowWindow& w, std::uint64_t* expected) mutable {
-           for (std::size_t i = 0; i < width; ++i) {
-             expected[i] = bitsOf(rule(w, i), w, c, i);
-           }
+        {c, width, row_elements,
+         [=](const RowWindow& w, std::size_t begin, std::size_t end,
+             std::uint64_t* expected) mutable {
+           for (std::size_t i = begin; i < end; ++i) expected[i] = bitsOf(rule(w, i), w, c, i);
          },
-         std::move(steps)});
+         split, std::move(steps)});
   }
   [[nodiscard]] std::vector<Prediction> take() { return std::move(all_); }
 

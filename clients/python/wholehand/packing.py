@@ -65,49 +65,76 @@ class PostureInertia:
             matrix += product[:, None] * coefficients
         return matrix
 
-    def solve(self, matrix, f):
-        """a of M_r a = f, by M_r = L D Lᵀ."""
-        n = self.axes
+    def solve(self, matrix, f, given=()):
+        """a of M_r a = f behind the first numbers, which are given; by L D Lᵀ of the block behind them."""
+        n, known = self.axes, len(given)
         m = {(i, j): matrix[:, i * (i + 1) // 2 + j] for i in range(n) for j in range(i + 1)}
-        for j in range(n):
+        for j in range(known, n):
             for i in range(j, n):
-                for k in range(j):
+                for k in range(known, j):
                     m[i, j] = m[i, j] - m[i, k] * m[j, k] * m[k, k]
                 if i > j:
                     m[i, j] = m[i, j] / m[j, j]
-        a = [f[:, i] for i in range(n)]
-        for i in range(n):
+        a = [*given, *(f[:, i] for i in range(known, n))]
+        for i in range(known, n):
             for k in range(i):
                 a[i] = a[i] - m[i, k] * a[k]
-        a = [a[i] / m[i, i] for i in range(n)]
-        for i in reversed(range(n)):
+        for i in range(known, n):
+            a[i] = a[i] / m[i, i]
+        for i in reversed(range(known, n)):
             for k in range(i + 1, n):
                 a[i] = a[i] - m[k, i] * a[k]
-        return numpy.stack(a, 1)
+        return numpy.stack(a[known:], 1)
 
 
 class SteppedVelocity:
-    """The step without contact, or a polynomial after contacts and where that was nearer."""
+    """The step without contacts; the hand axes' after contacts; or a polynomial, where that was nearer.
 
-    def __init__(self, at, inertia, period_s, polynomial):
-        self.at, self.inertia, self.period_s, self.polynomial_at = at, inertia, period_s, polynomial
+    Called, it expects the base axes of a row, and all axes of a row without contacts; behind(), the hand axes.
+    """
+
+    def __init__(self, at, inertia, meta, polynomial):
+        self.at, self.inertia, self.period_s, self.polynomial_at = at, inertia, meta["period_s"], polynomial
+        hand = meta["hand_axis"] != 0.0
+        first = int(numpy.argmax(hand)) if hand.any() else len(hand)
+        self.base_axes = first if hand[first:].all() and len(hand) else inertia.axes
+        self.split = self.base_axes if 0 < self.base_axes < inertia.axes else 0
 
     def __call__(self, row):
         polynomial = self.polynomial_at(row)
         if row == 0:
-            self.by_law, self.free = numpy.ones(polynomial.shape, bool), numpy.zeros((len(polynomial), 1), bool)
-        else:
-            v = self.at("qd_s")[:, row - 1]
-            if row > 1:
-                judged = abs(v - self.law) <= abs(v - self.polynomial)
-                self.by_law = numpy.where(self.free, judged, self.by_law)
-            self.free = self.at("contact_count")[:, row - 1] == 0
-            matrix = self.inertia.at(self.at("q_s")[:, row - 1])
-            self.law = v + self.period_s * self.inertia.solve(matrix, self.at("f_s")[:, row - 1])
-        self.polynomial = polynomial
-        if row == 0:
+            self.by_law = numpy.ones((2, *polynomial.shape), bool)  # without and with contacts
+            self.law = self.polynomial = polynomial
             return polynomial
-        return numpy.where(self.free & self.by_law & numpy.isfinite(self.law), self.law, polynomial)
+        if row > 1:
+            v = self.at("qd_s")[:, row - 1]
+            judged = abs(v - self.law) <= abs(v - self.polynomial)
+            hand = numpy.arange(self.inertia.axes) >= self.base_axes
+            self.by_law[0] = numpy.where(self.touches, self.by_law[0], judged)
+            self.by_law[1] = numpy.where(self.touches & hand, judged, self.by_law[1])
+        self.polynomial = polynomial
+        self.touches = self.at("contact_count")[:, row - 1] != 0
+        self.matrix = self.inertia.at(self.at("q_s")[:, row - 1])
+        self.law = self._stepped(row)
+        if self.base_axes == 0:
+            return self._chosen(numpy.where(self.touches, self.by_law[1], self.by_law[0]))
+        return self._chosen(self.by_law[0] & ~self.touches)
+
+    def behind(self, row):
+        if row == 0:
+            return self.polynomial
+        v = self.at("qd_s")
+        given = (v[:, row, :self.base_axes] - v[:, row - 1, :self.base_axes]) / self.period_s
+        hand = self._stepped(row, [given[:, i] for i in range(self.base_axes)])
+        self.law[:, self.base_axes:] = numpy.where(self.touches, hand, self.law[:, self.base_axes:])
+        return self._chosen(numpy.where(self.touches, self.by_law[1], self.by_law[0]))
+
+    def _stepped(self, row, given=()):
+        before = self.at("qd_s")[:, row - 1, len(given):]
+        return before + self.period_s * self.inertia.solve(self.matrix, self.at("f_s")[:, row - 1], given)
+
+    def _chosen(self, by_law):
+        return numpy.where(by_law & numpy.isfinite(self.law), self.law, self.polynomial)
 
 
 def inertial_effort(at, inertia, k_pm, period_s, row):

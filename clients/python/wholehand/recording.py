@@ -133,23 +133,30 @@ class Recording:
             with numpy.errstate(all="ignore"):
                 for row in range(folded[column].shape[1]):
                     for name, rule in rules.items():
-                        self._unpack_row(name, row, folded[name][:, row], rule(row))
+                        self._unpack_row(name, row, folded[name][:, row], rule)
         except BaseException:  # half unpacked numbers must not be given
             for name in together:
                 del self._blocks[name]
             raise
         return self._blocks[column]
 
-    def _unpack_row(self, column, row, code, expected):
+    def _unpack_row(self, column, row, code, rule):
+        bits, expected = self._blocks[column].view(numpy.uint64), rule(row)
+        split = getattr(rule, "split", 0)
+        if split > 0:  # the others need these
+            bits[:, row] = self._bits(column, row, code, expected)
+            expected = rule.behind(row)
+        bits[:, row, split:] = self._bits(column, row, code, expected)[:, split:]
+
+    def _bits(self, column, row, code, expected):
         bits = self._blocks[column].view(numpy.uint64)
         expected = numpy.ascontiguousarray(numpy.broadcast_to(expected, code.shape), numpy.float64)
         before = bits[:, row - 1] if row > 0 else numpy.uint64(0)
         expected_bits = numpy.where(numpy.isnan(expected), before, expected.view(numpy.uint64))
         if self._has_steps(column):
             step = self.meta["encoder_step"] if column == "q_m" else numpy.float64(packing.STEPS[column])
-            bits[:, row] = packing.unpacked_steps(code, expected_bits, step)
-        else:
-            bits[:, row] = packing.unfolded(code) + expected_bits
+            return packing.unpacked_steps(code, expected_bits, step)
+        return packing.unfolded(code) + expected_bits
 
     def _has_steps(self, column):
         return self.meta["schema_version"] >= STEP_SCHEMA and column in packing.STEP_POLYNOMIALS
@@ -167,7 +174,7 @@ class Recording:
         if self._has_steps(column):
             return lambda row: extrapolated(values, row, packing.STEP_POLYNOMIALS[column])
         if column == "qd_s" and inertia is not None:
-            return packing.SteppedVelocity(at, inertia, meta["period_s"], lambda row: extrapolated(values, row, 5))
+            return packing.SteppedVelocity(at, inertia, meta, lambda row: extrapolated(values, row, 5))
         if column == "f_s" and inertia is not None:
             return lambda row: packing.inertial_effort(at, inertia, meta["k_pm"], meta["period_s"], row)
         if column == "alpha":
