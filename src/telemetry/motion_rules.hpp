@@ -36,6 +36,14 @@ class SteppedVelocity {
     return all && !hand.empty() ? first - hand.begin() : meta.law.k_pm.size();
   }
 
+  /// Hand axes behind base axes.
+  static std::vector<bool> later(const RecordingMeta& meta) {
+    std::vector<bool> out(meta.law.k_pm.size());
+    const std::size_t base_axes = baseAxes(meta);
+    for (std::size_t i = base_axes; i < out.size(); ++i) out[i] = base_axes > 0;
+    return out;
+  }
+
   double operator()(const RowWindow& w, std::size_t i) {
     if (i == 0) expectRow(w);
     if (i == base_axes_ && touches_ && w.past() > 0) expectHand(w);
@@ -82,6 +90,60 @@ class SteppedVelocity {
   bool touches_ = false;  ///< the step to this row had contacts
   std::vector<double> law_, polynomial_, position_;
   std::vector<std::vector<bool>> by_law_;  ///< without and with contacts
+};
+
+/// Bodies move on with the velocities of their row, symplectic Euler: position by velocity,
+/// orientation by the turn about the angular velocity, a series up to its seventh power. Velocities
+/// are polynomials through the last five rows.
+class BodyMotion {
+ public:
+  BodyMotion(const Rules& rules, const RecordingMeta& meta)
+      : bodies_(rules.column("bodies")), period_s_(meta.period_s) {}
+
+  /// Positions and orientations.
+  static std::vector<bool> later(const RecordingMeta& meta) {
+    std::vector<bool> out(meta.body_names.size() * kNumbers);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = i % kNumbers < kVelocity;
+    return out;
+  }
+
+  double operator()(const RowWindow& w, std::size_t i) {
+    const std::size_t k = i % kNumbers, body = i - k;
+    if (w.past() == 0) return 0.0;
+    if (k >= kVelocity) return extrapolate<5>(w, bodies_, i);
+    if (k < kTurn) return w.number(bodies_, i, 1) + period_s_ * w.number(bodies_, i + kVelocity);
+    if (k == kTurn) turn(w, body);
+    return turned_[k - kTurn];
+  }
+
+ private:
+  static constexpr std::size_t kNumbers = 13, kTurn = 3, kVelocity = 7, kSpin = 10;
+
+  void turn(const RowWindow& w, std::size_t body) {
+    std::array<double, 4> q{};
+    std::array<double, 3> v{};
+    for (std::size_t k = 0; k < 4; ++k) q[k] = w.number(bodies_, body + kTurn + k, 1);
+    for (std::size_t k = 0; k < 3; ++k) v[k] = w.number(bodies_, body + kSpin + k);
+    turned_ = q;
+    if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0) return;
+    const double s =  // half the angle, squared
+        ((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]) * (0.25 * period_s_ * period_s_);
+    const double sine =
+        0.5 * period_s_ * (1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0)));
+    const double c = 1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0));
+    const double x = v[0] * sine, y = v[1] * sine, z = v[2] * sine;
+    turned_[0] = ((c * q[0] + x * q[3]) + y * q[2]) - z * q[1];
+    turned_[1] = ((c * q[1] + y * q[3]) + z * q[0]) - x * q[2];
+    turned_[2] = ((c * q[2] + z * q[3]) + x * q[1]) - y * q[0];
+    turned_[3] = ((c * q[3] - x * q[0]) - y * q[1]) - z * q[2];
+    double square = 0.0;
+    for (const double number : turned_) square += number * number;
+    for (double& number : turned_) number /= std::sqrt(square);
+  }
+
+  std::size_t bodies_;
+  double period_s_;
+  std::array<double, 4> turned_{};
 };
 
 /// Eq. (2) with the damping of Eq. (14), critical for the axis's own inertia.

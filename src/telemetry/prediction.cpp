@@ -28,9 +28,7 @@ void addMotion(Rules& rules, const RecordingMeta& meta,
     addSteps<2>(rules, "q_m", meta.law.encoder_step);
   }
   if (inertia != nullptr) {
-    const std::size_t base_axes = SteppedVelocity::baseAxes(meta);
-    rules.add("qd_s", SteppedVelocity(rules, meta, inertia), {},
-              base_axes < meta.axis_names.size() ? base_axes : 0);
+    rules.add("qd_s", SteppedVelocity(rules, meta, inertia), {}, SteppedVelocity::later(meta));
   } else {
     addExtrapolated<5>(rules, "qd_s");
   }
@@ -154,7 +152,7 @@ void addPatient(Rules& rules, const RecordingMeta& meta) {
 std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
                                     const RecordingMeta& meta) {
   if (meta.schema < kPackedSchema) return {};
-  Rules rules(columns, meta.schema >= kRowElementSchema);
+  Rules rules(columns, meta.schema);
   std::shared_ptr<PostureInertia> inertia;
   if (knowsInertia(meta)) {
     inertia = std::make_shared<PostureInertia>(meta.law.inertia, meta.axis_names.size());
@@ -172,10 +170,12 @@ std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
     rules.add("tank", TankEnergy(rules, meta));
   }
   addPatient(rules, meta);
-  for (const char* name : {"bodies", "parameters"}) addExtrapolated<1>(rules, name);
+  addExtrapolated<1>(rules, "parameters");
   if (meta.schema >= kStepSchema) {
+    rules.add("bodies", BodyMotion(rules, meta), {}, BodyMotion::later(meta));
     addSteps<2>(rules, "exercise_values", {1.0 / kValueSteps});
   } else {
+    addExtrapolated<1>(rules, "bodies");
     addExtrapolated<1>(rules, "exercise_values");
   }
   const std::size_t palm = rules.column("palm_distance_m");

@@ -24,18 +24,18 @@ inline std::uint64_t bitsOf(double expected, const RowWindow& window, std::size_
   return window.past() > 0 ? window.number<std::uint64_t>(column, i, 1) : 0;
 }
 
-/// Columns in which the numbers of a row differ in size: deflate gains from rows as elements. The
-/// last ones are packed since kStepSchema.
-constexpr std::array<std::string_view, 11> kRowElements = {
-    "qd_s",           "f_s",             "phi", "tank",    "intention",
-    "patient_effort", "exercise_values", "q_m", "closure", "wall",
-    "exercise_effort"};
+/// Columns in which the numbers of a row differ in size: deflate gains from rows as elements.
+constexpr std::array<std::string_view, 7> kRowElements = {
+    "qd_s", "f_s", "phi", "tank", "intention", "patient_effort", "exercise_values"};
+/// The same since kStepSchema.
+constexpr std::array<std::string_view, 5> kMoreRowElements = {"q_m", "closure", "wall",
+                                                              "exercise_effort", "bodies"};
 
 /// Finds columns by name and collects their rules.
 class Rules {
  public:
-  Rules(const std::vector<ColumnShape>& columns, bool row_elements)
-      : columns_(columns), row_elements_(row_elements) {}
+  Rules(const std::vector<ColumnShape>& columns, std::uint64_t schema)
+      : columns_(columns), schema_(schema) {}
 
   [[nodiscard]] bool has(const std::string& name) const { return column(name) < columns_.size(); }
   [[nodiscard]] std::size_t column(const std::string& name) const {
@@ -44,28 +44,33 @@ class Rules {
   }
   /// @param rule (const RowWindow&, i) -> double
   /// @param steps of each number's grid; empty: none
-  /// @param split see Prediction
+  /// @param later see Prediction; empty: none
   template <class Rule>
   void add(const std::string& name, Rule rule, std::vector<double> steps = {},
-           std::size_t split = 0) {
+           std::vector<bool> later = {}) {
     if (!has(name)) return;  // e.g. a recording without bodies, joints or parameters
     const std::size_t c = column(name), width = columns_[c].rowBytes() / sizeof(double);
-    const bool row_elements = row_elements_ && std::find(kRowElements.begin(), kRowElements.end(),
-                                                         name) != kRowElements.end();
+    const auto among = [&name](const auto& names) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    const bool row_elements = (schema_ >= kRowElementSchema && among(kRowElements)) ||
+                              (schema_ >= kStepSchema && among(kMoreRowElements));
+    later.resize(width);
     if (steps.size() == 1) steps.resize(width, steps.front());
     all_.push_back(
         {c, width, row_elements,
-         [=](const RowWindow& w, std::size_t begin, std::size_t end,
-             std::uint64_t* expected) mutable {
-           for (std::size_t i = begin; i < end; ++i) expected[i] = bitsOf(rule(w, i), w, c, i);
+         [=](const RowWindow& w, bool now, std::uint64_t* expected) mutable {
+           for (std::size_t i = 0; i < width; ++i) {
+             if (later[i] == now) expected[i] = bitsOf(rule(w, i), w, c, i);
+           }
          },
-         split, std::move(steps)});
+         later, std::move(steps)});
   }
   [[nodiscard]] std::vector<Prediction> take() { return std::move(all_); }
 
  private:
   const std::vector<ColumnShape>& columns_;
-  bool row_elements_;
+  std::uint64_t schema_;
   std::vector<Prediction> all_;
 };
 

@@ -51,7 +51,8 @@ void packRows(const std::vector<Prediction>& predictions, const RowBytes& column
   for (std::uint64_t row = begin - begin % chunk_rows; row < end; ++row) {
     window.moveTo(row, row % chunk_rows);
     for (const Prediction& p : predictions) {
-      p.expect(window, 0, p.width, expected.data());
+      p.expect(window, false, expected.data());
+      p.expect(window, true, expected.data());
       if (row < begin) continue;  // the rule learns from it
       std::byte* to = out[p.column].data() + (row - begin) * row_bytes[p.column];
       for (std::size_t i = 0; i < p.width; ++i, to += sizeof(std::uint64_t)) {
@@ -74,12 +75,15 @@ void unpackRows(const std::vector<Prediction>& predictions, RowBytes& columns,
     window.moveTo(row, row % chunk_rows);
     for (const Prediction& p : predictions) {
       std::byte* at = columns[p.column].data() + row * row_bytes[p.column];
-      for (std::size_t i = 0; i < p.width; ++i, at += sizeof(std::uint64_t)) {
-        if (i == 0 || i == p.split) p.expect(window, i, i < p.split ? p.split : p.width, expected.data());
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, at, sizeof bits);
-        bits = unpacked(p, i, bits, expected[i]);
-        std::memcpy(at, &bits, sizeof bits);
+      for (const bool later : {false, true}) {
+        p.expect(window, later, expected.data());
+        for (std::size_t i = 0; i < p.width; ++i) {
+          if (p.later[i] != later) continue;
+          std::uint64_t bits = 0;
+          std::memcpy(&bits, at + i * sizeof bits, sizeof bits);
+          bits = unpacked(p, i, bits, expected[i]);
+          std::memcpy(at + i * sizeof bits, &bits, sizeof bits);
+        }
       }
     }
   }

@@ -98,7 +98,7 @@ class SteppedVelocity:
         hand = meta["hand_axis"] != 0.0
         first = int(numpy.argmax(hand)) if hand.any() else len(hand)
         self.base_axes = first if hand[first:].all() and len(hand) else inertia.axes
-        self.split = self.base_axes if 0 < self.base_axes < inertia.axes else 0
+        self.later = (numpy.arange(inertia.axes) >= self.base_axes) & (self.base_axes > 0)
 
     def __call__(self, row):
         polynomial = self.polynomial_at(row)
@@ -135,6 +135,41 @@ class SteppedVelocity:
 
     def _chosen(self, by_law):
         return numpy.where(by_law & numpy.isfinite(self.law), self.law, self.polynomial)
+
+
+class BodyMotion:
+    """Bodies move on with the velocities of their row, which are polynomials. behind(): positions and orientations."""
+
+    def __init__(self, values, period_s):
+        self.values, self.period_s = values, period_s
+        self.later = numpy.arange(values.shape[2]) % 13 < 7
+
+    def __call__(self, row):
+        self.expected = extrapolated(self.values, row, 5)
+        return self.expected
+
+    def behind(self, row):
+        if row == 0:
+            return numpy.zeros(self.values[:, 0].shape)
+        shape = (len(self.values), -1, 13)
+        before, now = self.values[:, row - 1].reshape(shape), self.values[:, row].reshape(shape)
+        expected = self.expected.reshape(shape).copy()
+        expected[..., :3] = before[..., :3] + self.period_s * now[..., 7:10]
+        expected[..., 3:7] = self._turned(before[..., 3:7], now[..., 10:])
+        return expected.reshape(self.expected.shape)
+
+    def _turned(self, q, v):
+        s = ((v[..., 0] * v[..., 0] + v[..., 1] * v[..., 1]) + v[..., 2] * v[..., 2]) * (
+            0.25 * self.period_s * self.period_s)  # half the angle, squared
+        sine = 0.5 * self.period_s * (1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0)))
+        c = 1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0))
+        (x, y, z), (a, b, d, e) = (v[..., k] * sine for k in range(3)), (q[..., k] for k in range(4))
+        turned = [((c * a + x * e) + y * d) - z * b, ((c * b + y * e) + z * a) - x * d,
+                  ((c * d + z * e) + x * b) - y * a, ((c * e - x * a) - y * b) - z * d]
+        length = numpy.sqrt(((turned[0] * turned[0] + turned[1] * turned[1]) + turned[2] * turned[2])
+                            + turned[3] * turned[3])
+        rests = (v == 0.0).all(-1, keepdims=True)
+        return numpy.where(rests, q, numpy.stack(turned, -1) / length[..., None])
 
 
 def inertial_effort(at, inertia, k_pm, period_s, row):

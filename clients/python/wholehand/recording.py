@@ -142,11 +142,10 @@ class Recording:
 
     def _unpack_row(self, column, row, code, rule):
         bits, expected = self._blocks[column].view(numpy.uint64), rule(row)
-        split = getattr(rule, "split", 0)
-        if split > 0:  # the others need these
-            bits[:, row] = self._bits(column, row, code, expected)
-            expected = rule.behind(row)
-        bits[:, row, split:] = self._bits(column, row, code, expected)[:, split:]
+        bits[:, row] = self._bits(column, row, code, expected)
+        later = getattr(rule, "later", None)  # numbers that need the others
+        if later is not None and later.any():
+            bits[:, row, later] = self._bits(column, row, code, rule.behind(row))[:, later]
 
     def _bits(self, column, row, code, expected):
         bits = self._blocks[column].view(numpy.uint64)
@@ -177,6 +176,8 @@ class Recording:
             return packing.SteppedVelocity(at, inertia, meta, lambda row: extrapolated(values, row, 5))
         if column == "f_s" and inertia is not None:
             return lambda row: packing.inertial_effort(at, inertia, meta["k_pm"], meta["period_s"], row)
+        if column == "bodies":
+            return packing.BodyMotion(values, meta["period_s"])
         if column == "alpha":
             return lambda row: extrapolated(values, row, 4)
         if column == "exercise_effort":
