@@ -58,7 +58,8 @@ class GridSteps {
   bool stepsOf(std::uint64_t code, std::uint64_t& steps) const noexcept {
     const std::uint64_t bits = unfolded(code) + expected_;
     const double k = std::nearbyint(std::bit_cast<double>(bits) / step_);
-    if (!(std::abs(k - static_cast<double>(at_)) < 0x1p31)) return false;
+    const double away = k - static_cast<double>(at_);
+    if (!(away >= -0x1p31 && away < 0x1p31)) return false;
     const auto whole = static_cast<std::int64_t>(k);
     if (bitsAt(whole) != bits) return false;
     steps = folded(static_cast<std::uint64_t>(whole - at_));

@@ -36,7 +36,8 @@ def unpacked_steps(code, expected_bits, step):
     while beside.any():  # the code of a number beside the grid, taken by a grid point
         bits = unfolded(code) + expected_bits
         k = numpy.rint(bits.view(numpy.float64) / step)
-        near = beside & (abs(k - at.astype(numpy.float64)) < 2.0**31)
+        away = k - at.astype(numpy.float64)
+        near = beside & (away >= -2.0**31) & (away < 2.0**31)
         whole = numpy.where(near, k, 0.0).astype(numpy.int64)
         beside = near & (bits_at(whole) == bits)
         code = numpy.where(beside, folded((whole - at).view(numpy.uint64)), code)
@@ -49,11 +50,10 @@ class PostureInertia:
     def __init__(self, rows, lower, upper):
         self.axes = len(lower)
         self.degrees, self.coefficients = rows[:, :self.axes].astype(int), rows[:, self.axes:]
-        moving = upper != lower
-        self.middle, self.range = lower + upper, numpy.where(moving, upper - lower, numpy.inf)
+        self.middle, self.range = lower + upper, upper - lower
 
     def at(self, q_s):
-        x = ((q_s + q_s) - self.middle) / self.range
+        x = numpy.where(self.range != 0.0, ((q_s + q_s) - self.middle) / self.range, 0.0)
         chebyshev = [numpy.ones(x.shape), x]
         for _ in range(2, self.degrees.max(initial=1) + 1):
             chebyshev.append(2.0 * x * chebyshev[-1] - chebyshev[-2])
