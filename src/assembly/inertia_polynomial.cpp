@@ -15,8 +15,8 @@
 namespace wholehand {
 namespace {
 
-constexpr int kNodes = 18;         // per axis: the next term is below rounding over 180°
-constexpr double kBeyond = 0.15;   // of the range, on either side: the avatar leaves it a little
+constexpr int kNodes = 18;          // per axis: the next term is below rounding over 180°
+constexpr double kBeyond = 0.15;    // of the range, on either side: the avatar leaves it a little
 constexpr double kLeast = 0x1p-54;  // share of the inertias below which a coefficient is left out
 constexpr std::size_t kMostTerms = 400;  // more take the recorder too long
 

@@ -15,8 +15,8 @@ constexpr double kPast_m = 1e-3;
 constexpr double kLetGo_m_s = 0.15;
 constexpr double kLetGo_per_s = 5.0;
 
-/// Steps of a wall's position, of a radian or metre: 0.06 µm. Its last digits are noise of the first
-/// touch, and fill recordings.
+/// Steps of a wall's position, of a radian or metre: 0.06 µm. Its last digits are noise of the
+/// first touch, and fill recordings.
 constexpr double kSteps = 0x1p24;
 
 double onGrid(double position) noexcept {

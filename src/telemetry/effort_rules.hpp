@@ -5,8 +5,8 @@
 /// Rules of wall, damping and tank since schema 8 (kStepSchema). Private to telemetry.
 namespace wholehand::recording {
 
-/// Effort of the exercise's wall, Eq. (15) and (17): α (k p + d q̇_mf) at a depth p. The last two rows
-/// tell k and d.
+/// Effort of the exercise's wall, Eq. (15) and (17): α (k p + d q̇_mf) at a depth p. The last two
+/// rows tell k and d.
 class WallEffort {
  public:
   explicit WallEffort(const Rules& rules)
@@ -63,7 +63,8 @@ class ActivatedDamping {
 
  private:
   void expectRow(const RowWindow& w) {
-    const double hand_before = w.past() > 0 ? largest([&](auto i) { return w.number(phi_, i, 1); }) : 0.0;
+    const double hand_before =
+        w.past() > 0 ? largest([&](auto i) { return w.number(phi_, i, 1); }) : 0.0;
     for (std::size_t i = 0; i < own_.size(); ++i) {
       double& own = own_[i];
       if (w.past() > 0) {

@@ -250,8 +250,8 @@ bool readNumbers(hid_t group, const char* name, std::vector<double>& rows, std::
     return false;
   }
   rows.resize(size[0] * size[1]);
-  return rows.empty() || H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                                 rows.data()) >= 0;
+  return rows.empty() ||
+         H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()) >= 0;
 }
 
 }  // namespace wholehand::hdf5

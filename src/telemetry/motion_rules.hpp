@@ -128,8 +128,7 @@ class BodyMotion {
     if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0) return;
     const double s =  // half the angle, squared
         ((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]) * (0.25 * period_s_ * period_s_);
-    const double sine =
-        0.5 * period_s_ * (1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0)));
+    const double sine = 0.5 * period_s_ * (1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0)));
     const double c = 1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0));
     const double x = v[0] * sine, y = v[1] * sine, z = v[2] * sine;
     turned_[0] = ((c * q[0] + x * q[3]) + y * q[2]) - z * q[1];

@@ -13,14 +13,17 @@ class PostureInertia {
  public:
   PostureInertia(const RecordedInertia& inertia, std::size_t axes);
 
-  /// Lower triangle of M_r, row by row. @param q_s position of every axis. Valid until the next call
+  /// Lower triangle of M_r, row by row. @param q_s position of every axis. Valid until the next
+  /// call
   const std::vector<double>& at(const std::vector<double>& q_s);
   /// Solves M_r a = f with the matrix of the last at(), where the first `known` numbers of a are
   /// given and the others in: f. By L D Lᵀ of the block behind them.
   void solve(std::vector<double>& a, std::size_t known = 0);
 
  private:
-  [[nodiscard]] static std::size_t place(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
+  [[nodiscard]] static std::size_t place(std::size_t i, std::size_t j) {
+    return i * (i + 1) / 2 + j;
+  }
   void fillChebyshev(const std::vector<double>& q_s);
 
   const RecordedInertia inertia_;

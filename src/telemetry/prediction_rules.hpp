@@ -57,14 +57,13 @@ class Rules {
                               (schema_ >= kStepSchema && among(kMoreRowElements));
     later.resize(width);
     if (steps.size() == 1) steps.resize(width, steps.front());
-    all_.push_back(
-        {c, width, row_elements,
-         [=](const RowWindow& w, bool now, std::uint64_t* expected) mutable {
-           for (std::size_t i = 0; i < width; ++i) {
-             if (later[i] == now) expected[i] = bitsOf(rule(w, i), w, c, i);
-           }
-         },
-         later, std::move(steps)});
+    all_.push_back({c, width, row_elements,
+                    [=](const RowWindow& w, bool now, std::uint64_t* expected) mutable {
+                      for (std::size_t i = 0; i < width; ++i) {
+                        if (later[i] == now) expected[i] = bitsOf(rule(w, i), w, c, i);
+                      }
+                    },
+                    later, std::move(steps)});
   }
   [[nodiscard]] std::vector<Prediction> take() { return std::move(all_); }
 

@@ -41,10 +41,10 @@ struct RecordedLaw {
   std::vector<double> encoder_step;       ///< per axis, of the device [m or rad]
   std::uint64_t output_delay_ticks = 0;   ///< of the device
   // Since kStepSchema; empty in older ones.
-  std::vector<double> device_damping, tank_capacity;   ///< per axis, of the energy tank
-  std::vector<double> effort_dead, effort_full;        ///< per axis, of the adaptive damping
-  std::vector<double> phi_kept;                        ///< per axis: share of φ after one period
-  std::vector<double> hand_axis, palm_contact;         ///< per axis: 0 or 1
+  std::vector<double> device_damping, tank_capacity;  ///< per axis, of the energy tank
+  std::vector<double> effort_dead, effort_full;       ///< per axis, of the adaptive damping
+  std::vector<double> phi_kept;                       ///< per axis: share of φ after one period
+  std::vector<double> hand_axis, palm_contact;        ///< per axis: 0 or 1
   RecordedInertia inertia;
 };
 

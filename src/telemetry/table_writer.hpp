@@ -22,8 +22,8 @@ class TableWriter {
         packed_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
-  /// Begins a chunk with every write: a chunk that grows is compressed anew, at another place of the
-  /// file. The rows in between stay unwritten.
+  /// Begins a chunk with every write: a chunk that grows is compressed anew, at another place of
+  /// the file. The rows in between stay unwritten.
   void beginChunks() noexcept { begins_chunks_ = true; }
   /// Packs these columns from now on.
   void pack(std::vector<Prediction> predictions) {

@@ -1,5 +1,6 @@
 // The inertia that a recording describes is that of the hand, in every posture.
 #include "assembly/inertia_polynomial.hpp"
+
 #include "assembly/models.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"

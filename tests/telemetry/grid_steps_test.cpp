@@ -54,8 +54,8 @@ TEST(GridSteps, AnyBitsFromAnyExpectation_ComeBack) {
   }
 }
 
-// A code that counts steps stands for a grid point; that point's own difference of bits may be small
-// itself, and so on. With a step of few bits, such chains are long.
+// A code that counts steps stands for a grid point; that point's own difference of bits may be
+// small itself, and so on. With a step of few bits, such chains are long.
 TEST(GridSteps, NumbersBesideAFineGrid_ComeBack) {
   std::mt19937_64 random(2);
   for (const double step : {std::ldexp(1.0, -50), std::ldexp(1.0, -49), std::ldexp(3.0, -50)}) {

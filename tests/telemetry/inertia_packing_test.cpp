@@ -28,8 +28,8 @@ Matrix6 inertiaAt(const Vector6& q) {
   return m;
 }
 
-/// An avatar that follows a device which moves by encoder steps. From tick `touch` on a force acts on
-/// the first axes, as on a palm, and the ticks have a contact.
+/// An avatar that follows a device which moves by encoder steps. From tick `touch` on a force acts
+/// on the first axes, as on a palm, and the ticks have a contact.
 std::vector<TickRecord> avatarTicks(std::uint64_t count, std::uint64_t touch) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> noise;

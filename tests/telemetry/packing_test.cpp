@@ -34,7 +34,9 @@ void setArrays(TickRecord& r, Make make) {
   for (int i = 0; i < r.exercise.value_count; ++i) r.exercise.values[i] = make();
   for (int b = 0; b < r.body_count; ++b) {
     BodyState& body = r.bodies[b];
-    body = {{make(), make(), make()}, {make(), make(), make(), make()}, {make(), make(), make()},
+    body = {{make(), make(), make()},
+            {make(), make(), make(), make()},
+            {make(), make(), make()},
             {make(), make(), make()}};
   }
   r.palm_distance_m = make();
