@@ -15,14 +15,6 @@ constexpr double kPast_m = 1e-3;
 constexpr double kLetGo_m_s = 0.15;
 constexpr double kLetGo_per_s = 5.0;
 
-/// Steps of a wall's position, of a radian or metre: 0.06 µm. Its last digits are noise of the
-/// first touch, and fill recordings.
-constexpr double kSteps = 0x1p24;
-
-double onGrid(double position) noexcept {
-  return std::nearbyint(position * kSteps) / kSteps + 0.0;
-}
-
 /// A wall, lengths in units of its axis.
 struct Wall {
   bool known;
@@ -135,7 +127,7 @@ FingerWallState followClosure(const FingerWallState& state, const FingerWallInpu
       wall = letGo(wall, finger, step);
     }
     next.known[i] = wall.known;
-    next.position[i] = wall.known ? onGrid(wall.position) : 0.0;
+    next.position[i] = wall.known ? wall.position : 0.0;
   }
   return next;
 }

@@ -5,6 +5,31 @@
 /// Rules of wall, damping and tank since schema 8 (kStepSchema). Private to telemetry.
 namespace wholehand::recording {
 
+/// A wall stays, or moves as the first touch: as it did better in the row before.
+class WallPosition {
+ public:
+  explicit WallPosition(const Rules& rules)
+      : closure_(rules.column("closure")), wall_(rules.column("wall")) {}
+
+  double operator()(const RowWindow& w, std::size_t i) const {
+    if (w.past() == 0) return 0.0;
+    const double last = w.number(wall_, i, 1);
+    if (w.past() == 1) return last;
+    const bool moves = std::abs(last - moved(w, i, 1)) < std::abs(last - w.number(wall_, i, 2));
+    const double now = moved(w, i, 0);
+    return moves && std::isfinite(now) ? now : last;
+  }
+
+ private:
+  /// Of the row `back` rows earlier, by the row before it.
+  [[nodiscard]] double moved(const RowWindow& w, std::size_t i, std::uint64_t back) const {
+    return w.number(closure_, i, back) -
+           (w.number(closure_, i, back + 1) - w.number(wall_, i, back + 1));
+  }
+
+  std::size_t closure_, wall_;
+};
+
 /// Effort of the exercise's wall, Eq. (15) and (17): α (k p + d q̇_mf) at a depth p. The last two
 /// rows tell k and d.
 class WallEffort {

@@ -1,5 +1,6 @@
 #include "telemetry/prediction.hpp"
 
+#include "core/value_step.hpp"
 #include "telemetry/effort_rules.hpp"
 #include "telemetry/learning_rules.hpp"
 #include "telemetry/motion_rules.hpp"
@@ -122,7 +123,7 @@ void addEfforts(Rules& rules, const RecordingMeta& meta) {
 // Where the exercise's wall stands, and what it does.
 void addWall(Rules& rules) {
   addSteps<3>(rules, "closure", {1.0 / kProbeSteps});
-  addSteps<3>(rules, "wall", {1.0 / kProbeSteps});
+  rules.add("wall", WallPosition(rules));
   addExtrapolated<4>(rules, "alpha");
   rules.add("exercise_effort", WallEffort(rules));
 }
@@ -173,7 +174,9 @@ std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
   addExtrapolated<1>(rules, "parameters");
   if (meta.schema >= kStepSchema) {
     rules.add("bodies", BodyMotion(rules, meta), {}, BodyMotion::later(meta));
-    addSteps<2>(rules, "exercise_values", {1.0 / kValueSteps});
+    std::vector<double> steps;
+    for (const std::string& name : meta.value_names) steps.push_back(valueStep(name));
+    addSteps<3>(rules, "exercise_values", steps);
   } else {
     addExtrapolated<1>(rules, "bodies");
     addExtrapolated<1>(rules, "exercise_values");

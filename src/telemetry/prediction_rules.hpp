@@ -105,9 +105,8 @@ void addExtrapolated(Rules& rules, const char* name) {
 /// (kGridSchema): of a metre or radian, and of a newton or newton metre.
 inline constexpr double kIntentionSteps = 0x1p20, kEffortSteps = 0x1p24;
 
-/// Steps of other grids, since schema 8 (kStepSchema): of what is told of the avatar among the
-/// bodies, and of an exercise's values.
-inline constexpr double kProbeSteps = 0x1p24, kValueSteps = 0x1p20;
+/// Steps of what is told of the avatar among the bodies, since schema 8 (kStepSchema).
+inline constexpr double kProbeSteps = 0x1p24;
 
 /// Counts steps from the polynomial. @param step of every number, or one for all
 template <std::size_t Order>

@@ -22,13 +22,13 @@ class PlainArithmetic {
   std::fenv_t before_{};
 };
 
-std::uint64_t packed(const Prediction& p, std::size_t i, std::uint64_t bits,
-                     std::uint64_t expected) {
+std::uint64_t packedNumber(const Prediction& p, std::size_t i, std::uint64_t bits,
+                           std::uint64_t expected) {
   if (p.steps.empty()) return folded(bits - expected);
   return GridSteps(expected, p.steps[i]).pack(bits);
 }
-std::uint64_t unpacked(const Prediction& p, std::size_t i, std::uint64_t code,
-                       std::uint64_t expected) {
+std::uint64_t unpackedNumber(const Prediction& p, std::size_t i, std::uint64_t code,
+                             std::uint64_t expected) {
   if (p.steps.empty()) return unfolded(code) + expected;
   return GridSteps(expected, p.steps[i]).unpack(code);
 }
@@ -43,21 +43,22 @@ std::size_t mostNumbers(const std::vector<Prediction>& predictions) {
 
 void packRows(const std::vector<Prediction>& predictions, const RowBytes& columns,
               const std::vector<std::size_t>& row_bytes, std::uint64_t chunk_rows,
-              std::uint64_t begin, std::uint64_t end, RowBytes& out) {
+              std::uint64_t begin, std::uint64_t end, RowBytes& packed) {
   const PlainArithmetic plain;
   RowWindow window(columns, row_bytes);
   std::vector<std::uint64_t> expected(mostNumbers(predictions));
-  for (const Prediction& p : predictions) out[p.column].resize((end - begin) * row_bytes[p.column]);
+  for (const Prediction& p : predictions)
+    packed[p.column].resize((end - begin) * row_bytes[p.column]);
   for (std::uint64_t row = begin - begin % chunk_rows; row < end; ++row) {
     window.moveTo(row, row % chunk_rows);
     for (const Prediction& p : predictions) {
       p.expect(window, false, expected.data());
       p.expect(window, true, expected.data());
       if (row < begin) continue;  // the rule learns from it
-      std::byte* to = out[p.column].data() + (row - begin) * row_bytes[p.column];
+      std::byte* to = packed[p.column].data() + (row - begin) * row_bytes[p.column];
       for (std::size_t i = 0; i < p.width; ++i, to += sizeof(std::uint64_t)) {
         const auto bits = window.number<std::uint64_t>(p.column, i);
-        const std::uint64_t number = packed(p, i, bits, expected[i]);
+        const std::uint64_t number = packedNumber(p, i, bits, expected[i]);
         std::memcpy(to, &number, sizeof number);
       }
     }
@@ -81,7 +82,7 @@ void unpackRows(const std::vector<Prediction>& predictions, RowBytes& columns,
           if (p.later[i] != later) continue;
           std::uint64_t bits = 0;
           std::memcpy(&bits, at + i * sizeof bits, sizeof bits);
-          bits = unpacked(p, i, bits, expected[i]);
+          bits = unpackedNumber(p, i, bits, expected[i]);
           std::memcpy(at + i * sizeof bits, &bits, sizeof bits);
         }
       }

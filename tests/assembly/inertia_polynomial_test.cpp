@@ -1,9 +1,9 @@
 // The inertia that a recording describes is that of the hand, in every posture.
 #include "assembly/inertia_polynomial.hpp"
 
-#include "assembly/models.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
+#include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "telemetry/posture_inertia.hpp"
 
@@ -16,7 +16,7 @@ namespace wholehand {
 namespace {
 
 TEST(InertiaPolynomial, RandomPostures_HaveTheInertiaOfTheHand) {
-  const Models models = loadModels(ModelFiles{}).value();
+  const Models models = test::load(test::shippedFiles("lambda-pride", "four-shapes"));
   const int axes = models.device.axisCount();
   AxisInertia armature(axes);
   for (int i = 0; i < axes; ++i) armature[i] = 1e-5 * (i + 1);

@@ -5,11 +5,22 @@ file format. Arrays have a row for each chunk of the recording.
 import numpy
 
 STEP_CODES = 2**32  # codes below count steps of a grid
-# Orders of the polynomials from which steps are counted, and steps of a unit; of q_m those of the encoder.
-STEP_POLYNOMIALS = {"q_m": 2, "intention": 3, "patient_effort": 4, "closure": 3, "wall": 3, "palm_distance_m": 3,
-                    "exercise_values": 2}
-STEPS = {"intention": 2.0**-20, "patient_effort": 2.0**-24, "closure": 2.0**-24, "wall": 2.0**-24,
-         "palm_distance_m": 2.0**-24, "exercise_values": 2.0**-20}
+# Orders of the polynomials from which steps are counted, and the steps; of q_m those of the encoder.
+STEP_POLYNOMIALS = {"q_m": 2, "intention": 3, "patient_effort": 4, "closure": 3, "palm_distance_m": 3,
+                    "exercise_values": 3}
+STEPS = {"intention": 2.0**-20, "patient_effort": 2.0**-24, "closure": 2.0**-24, "palm_distance_m": 2.0**-24}
+VALUE_STEPS = {"_l": 2.0**-32, "_l_s": 2.0**-32, "_m": 2.0**-24, "_n": 2.0**-20}  # by the end of the name
+
+
+def steps_of(column, meta):
+    """Step of each number of a row, 0 without a grid."""
+    if column == "q_m":
+        return meta["encoder_step"]
+    if column != "exercise_values":
+        return numpy.float64(STEPS[column])
+    names = [name.decode().partition("/")[0] for name in meta["value_names"]]
+    return numpy.array([next((step for end, step in VALUE_STEPS.items() if name.endswith(end)), 0.0)
+                        for name in names])
 
 
 def folded(difference):
@@ -179,6 +190,19 @@ def inertial_effort(at, inertia, k_pm, period_s, row):
     k = k_pm / mass
     damping = mass * (2.0 * numpy.sqrt(k) - k * period_s)
     return k_pm * (at("q_m")[:, row] - at("q_s")[:, row]) + damping * (at("qd_mf")[:, row] - at("qd_s")[:, row])
+
+
+def wall_position(at, values, row):
+    """A wall stays, or moves as the first touch: as it did better in the row before."""
+    if row < 2:
+        return values[:, row - 1] if row > 0 else 0.0
+
+    def moved(row):
+        return at("closure")[:, row] - (at("closure")[:, row - 1] - values[:, row - 1])
+
+    last, now = values[:, row - 1], moved(row)
+    moves = abs(last - moved(row - 1)) < abs(last - values[:, row - 2])
+    return numpy.where(moves & numpy.isfinite(now), now, last)
 
 
 def wall_effort(at, values, row):

@@ -153,8 +153,7 @@ class Recording:
         before = bits[:, row - 1] if row > 0 else numpy.uint64(0)
         expected_bits = numpy.where(numpy.isnan(expected), before, expected.view(numpy.uint64))
         if self._has_steps(column):
-            step = self.meta["encoder_step"] if column == "q_m" else numpy.float64(packing.STEPS[column])
-            return packing.unpacked_steps(code, expected_bits, step)
+            return packing.unpacked_steps(code, expected_bits, packing.steps_of(column, self.meta))
         return packing.unfolded(code) + expected_bits
 
     def _has_steps(self, column):
@@ -180,6 +179,8 @@ class Recording:
             return packing.BodyMotion(values, meta["period_s"])
         if column == "alpha":
             return lambda row: extrapolated(values, row, 4)
+        if column == "wall":
+            return lambda row: packing.wall_position(at, values, row)
         if column == "exercise_effort":
             return lambda row: packing.wall_effort(at, values, row)
         if column == "phi" and len(meta["effort_dead"]):
