@@ -5,18 +5,30 @@
 namespace wholehand::recording {
 
 PostureInertia::PostureInertia(const RecordedInertia& inertia, std::size_t axes)
-    : inertia_(inertia), axes_(axes), terms_(inertia.degrees.size() / axes), degrees_(2) {
-  for (const double degree : inertia_.degrees) {
-    degree_.push_back(static_cast<std::size_t>(degree));
-    degrees_ = std::max(degrees_, degree_.back() + 1);
+    : axes_(axes), degrees_(2), lower_(inertia.lower), upper_(inertia.upper) {
+  for (const double degree : inertia.degrees) {
+    degrees_ = std::max(degrees_, static_cast<std::size_t>(degree) + 1);
+  }
+  const std::size_t size = axes * (axes + 1) / 2;
+  for (std::size_t t = 0; t < inertia.degrees.size() / axes; ++t) {
+    Term& term = terms_.emplace_back();
+    for (std::size_t a = 0; a < axes; ++a) {
+      const auto degree = static_cast<std::size_t>(inertia.degrees[t * axes + a]);
+      if (degree > 0) term.factors.push_back(a * degrees_ + degree);
+    }
+    for (std::size_t k = 0; k < size; ++k) {
+      const double coefficient = inertia.coefficients[t * size + k];
+      if (coefficient != 0.0) term.coefficients.emplace_back(k, coefficient);
+    }
   }
   chebyshev_.resize(axes_ * degrees_);
+  matrix_.resize(size);
 }
 
 // Chebyshev polynomials of each axis, whose range is -1 .. 1.
 void PostureInertia::fillChebyshev(const std::vector<double>& q_s) {
   for (std::size_t a = 0; a < axes_; ++a) {
-    const double lower = inertia_.lower[a], upper = inertia_.upper[a];
+    const double lower = lower_[a], upper = upper_[a];
     const double x = upper != lower ? ((q_s[a] + q_s[a]) - (lower + upper)) / (upper - lower) : 0.0;
     double* t = &chebyshev_[a * degrees_];
     t[0] = 1.0;
@@ -29,16 +41,11 @@ const std::vector<double>& PostureInertia::at(const std::vector<double>& q_s) {
   if (q_s == q_s_) return matrix_;  // the tick before asked for it
   q_s_ = q_s;
   fillChebyshev(q_s);
-  const std::size_t size = axes_ * (axes_ + 1) / 2;
-  matrix_.assign(size, 0.0);
-  for (std::size_t t = 0; t < terms_; ++t) {
+  std::fill(matrix_.begin(), matrix_.end(), 0.0);
+  for (const Term& term : terms_) {
     double product = 1.0;
-    for (std::size_t a = 0; a < axes_; ++a) {
-      const std::size_t degree = degree_[t * axes_ + a];
-      if (degree > 0) product *= chebyshev_[a * degrees_ + degree];
-    }
-    const double* coefficient = &inertia_.coefficients[t * size];
-    for (std::size_t k = 0; k < size; ++k) matrix_[k] += product * coefficient[k];
+    for (const std::size_t factor : term.factors) product *= chebyshev_[factor];
+    for (const auto& [k, coefficient] : term.coefficients) matrix_[k] += product * coefficient;
   }
   return matrix_;
 }

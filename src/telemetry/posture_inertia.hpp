@@ -3,6 +3,7 @@
 #include "telemetry/recording.hpp"
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace wholehand::recording {
@@ -26,10 +27,16 @@ class PostureInertia {
   }
   void fillChebyshev(const std::vector<double>& q_s);
 
-  const RecordedInertia inertia_;
-  std::size_t axes_, terms_, degrees_;  ///< degrees_: largest degree + 1
-  std::vector<std::size_t> degree_;     ///< terms x axes
-  std::vector<double> chebyshev_;       ///< axes x degrees
+  /// A term: its factors, places in chebyshev_, and the coefficients that are not 0.
+  struct Term {
+    std::vector<std::size_t> factors;
+    std::vector<std::pair<std::size_t, double>> coefficients;  ///< by places in matrix_
+  };
+
+  std::size_t axes_, degrees_;  ///< degrees_: largest degree + 1
+  std::vector<double> lower_, upper_;
+  std::vector<Term> terms_;
+  std::vector<double> chebyshev_;  ///< axes x degrees
   std::vector<double> q_s_, matrix_, factor_;
 };
 

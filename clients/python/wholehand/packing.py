@@ -60,7 +60,10 @@ class PostureInertia:
 
     def __init__(self, rows, lower, upper):
         self.axes = len(lower)
-        self.degrees, self.coefficients = rows[:, :self.axes].astype(int), rows[:, self.axes:]
+        self.degrees, coefficients = rows[:, :self.axes].astype(int), rows[:, self.axes:]
+        self.size = coefficients.shape[1]
+        self.terms = [(degrees, numpy.nonzero(row)[0], row[row != 0.0])
+                      for degrees, row in zip(self.degrees, coefficients)]
         self.middle, self.range = lower + upper, upper - lower
 
     def at(self, q_s):
@@ -68,12 +71,12 @@ class PostureInertia:
         chebyshev = [numpy.ones(x.shape), x]
         for _ in range(2, self.degrees.max(initial=1) + 1):
             chebyshev.append(2.0 * x * chebyshev[-1] - chebyshev[-2])
-        matrix = numpy.zeros((len(q_s), self.coefficients.shape[1]))
-        for degrees, coefficients in zip(self.degrees, self.coefficients):
+        matrix = numpy.zeros((len(q_s), self.size))
+        for degrees, places, coefficients in self.terms:
             product = numpy.ones(len(q_s))
             for axis in numpy.nonzero(degrees)[0]:
                 product = product * chebyshev[degrees[axis]][:, axis]
-            matrix += product[:, None] * coefficients
+            matrix[:, places] += product[:, None] * coefficients
         return matrix
 
     def solve(self, matrix, f, given=()):
