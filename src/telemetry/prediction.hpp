@@ -51,7 +51,8 @@ struct Prediction {
   /// others. Many per call: calls for single numbers would cost more than the rules. Called for the
   /// rows of a chunk in order: some rules keep what they learnt from earlier rows of the chunk.
   std::function<void(const RowWindow&, bool later, std::uint64_t* expected)> expect;
-  std::vector<bool> later;  ///< per number: its rule needs those in its row that are not later
+  std::vector<bool>
+      later;  ///< per number: its rule needs those in its row that are not; empty: none
   std::vector<double> steps = {};  ///< of each number's grid, see GridSteps; empty: none
 };
 

@@ -55,12 +55,13 @@ class Rules {
     };
     const bool row_elements = (schema_ >= kRowElementSchema && among(kRowElements)) ||
                               (schema_ >= kStepSchema && among(kMoreRowElements));
-    later.resize(width);
+    if (std::find(later.begin(), later.end(), true) == later.end()) later.clear();
     if (steps.size() == 1) steps.resize(width, steps.front());
     all_.push_back({c, width, row_elements,
                     [=](const RowWindow& w, bool now, std::uint64_t* expected) mutable {
                       for (std::size_t i = 0; i < width; ++i) {
-                        if (later[i] == now) expected[i] = bitsOf(rule(w, i), w, c, i);
+                        if (later.empty() || later[i] == now)
+                          expected[i] = bitsOf(rule(w, i), w, c, i);
                       }
                     },
                     later, std::move(steps)});

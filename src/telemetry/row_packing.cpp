@@ -53,7 +53,7 @@ void packRows(const std::vector<Prediction>& predictions, const RowBytes& column
     window.moveTo(row, row % chunk_rows);
     for (const Prediction& p : predictions) {
       p.expect(window, false, expected.data());
-      p.expect(window, true, expected.data());
+      if (!p.later.empty()) p.expect(window, true, expected.data());
       if (row < begin) continue;  // the rule learns from it
       std::byte* to = packed[p.column].data() + (row - begin) * row_bytes[p.column];
       for (std::size_t i = 0; i < p.width; ++i, to += sizeof(std::uint64_t)) {
@@ -77,9 +77,10 @@ void unpackRows(const std::vector<Prediction>& predictions, RowBytes& columns,
     for (const Prediction& p : predictions) {
       std::byte* at = columns[p.column].data() + row * row_bytes[p.column];
       for (const bool later : {false, true}) {
+        if (later && p.later.empty()) break;
         p.expect(window, later, expected.data());
         for (std::size_t i = 0; i < p.width; ++i) {
-          if (p.later[i] != later) continue;
+          if (!p.later.empty() && p.later[i] != later) continue;
           std::uint64_t bits = 0;
           std::memcpy(&bits, at + i * sizeof bits, sizeof bits);
           bits = unpackedNumber(p, i, bits, expected[i]);
