@@ -1,5 +1,6 @@
 #include "assembly/recording_description.hpp"
 
+#include "assembly/inertia_polynomial.hpp"
 #include "assembly/program_version.hpp"
 #include "assembly/rehearsal_fingerprint.hpp"
 #include "assembly/sampled_inertia.hpp"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -25,7 +27,8 @@ bool sayWhatIsRendered(const ModelFiles& files, const Rig& rig) {
   return rehearsalFingerprint(*again, rig.options, certified) == rig.renderer->config().rehearsal;
 }
 
-RecordedLaw lawOf(const CouplingGains& gains, const HandModel& hand, const DeviceModel& device) {
+RecordedLaw lawOf(const RendererConfig& config, const HandModel& hand, const DeviceModel& device) {
+  const CouplingGains& gains = config.gains;
   const auto numbers = [](const auto& a) { return std::vector<double>(a.begin(), a.end()); };
   RecordedLaw law;
   law.k_pm = numbers(gains.k_pm);
@@ -38,6 +41,21 @@ RecordedLaw lawOf(const CouplingGains& gains, const HandModel& hand, const Devic
   for (int j = 0; j < hand.joint_count; ++j) {
     for (int a = 0; a < hand.axis_count; ++a) law.synergy.push_back(hand.synergy(j, a));
   }
+  const EnergyTankConfig& tank = config.safety.tank;
+  const AdaptiveDampingConfig& damping = config.damping;
+  if (tank.axes == gains.axes && damping.axes == gains.axes) {
+    law.device_damping = numbers(tank.device_damping);
+    law.tank_capacity = numbers(tank.capacity);
+    law.effort_dead = numbers(damping.effort_dead);
+    law.effort_full = numbers(damping.effort_full);
+    law.hand_axis = numbers(damping.hand_axis);
+    law.palm_contact = numbers(damping.palm_contact);
+    for (const double decay_s : damping.decay_s) {
+      law.phi_kept.push_back(decay_s > 0.0 ? std::exp(-config.period_s / decay_s) : 0.0);
+    }
+  }
+  // A step of several ticks is not what the rule of q̇_s expects.
+  if (gains.physics_divisor == 1) law.inertia = inertiaPolynomial(hand, device, gains.armature);
   return law;
 }
 
@@ -68,7 +86,7 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
     meta.lever_arms_m.push_back(axis.lever_arm_m);
   }
   for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
-  meta.law = lawOf(rig.renderer->config().gains, rig.models.hand, rig.models.device);
+  meta.law = lawOf(rig.renderer->config(), rig.models.hand, rig.models.device);
   meta.joint_names = rig.models.hand.joint_names;
   meta.body_names = rig.models.scene.recordedBodies();
   meta.game_slots = static_cast<std::uint64_t>(rig.models.scene.game.slots);

@@ -2,12 +2,14 @@
 
 #include "control/bilateral_coupling.hpp"
 #include "core/effort_sum.hpp"
+#include "core/value_step.hpp"
 #include "physics/body_pool.hpp"
 #include "physics/hand_probe.hpp"
 
 #include <climits>
 
 #include <algorithm>
+#include <cmath>
 
 namespace wholehand {
 namespace {
@@ -22,6 +24,24 @@ std::vector<LiveParameter> allLiveParameters(const RendererConfig& config,
   return all;
 }
 
+/// Rounds values to their grids. They are shown and recorded; the exercise itself goes on with its
+/// own.
+void roundValues(const std::vector<double>& steps, ExerciseRecord& exercise) noexcept {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    double& value = exercise.values[i];
+    if (steps[i] > 0.0) value = std::nearbyint(value / steps[i]) * steps[i] + 0.0;
+  }
+}
+
+std::vector<double> valueSteps(const Exercise* exercise) {
+  std::vector<double> out;
+  if (exercise == nullptr) return out;
+  for (const std::string& name : exercise->description().value_names) {
+    if (out.size() < kMaxExerciseValues) out.push_back(valueStep(name));
+  }
+  return out;
+}
+
 }  // namespace
 
 HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
@@ -31,6 +51,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       world_(world),
       pool_(scene.game.slots > 0 ? dynamic_cast<BodyPool*>(&world) : nullptr),
       exercise_(exercise),
+      value_steps_(valueSteps(exercise)),
       config_(config),
       safety_(config.safety, config.gains, config.period_s),
       parameters_(allLiveParameters(config, exercise)),
@@ -191,6 +212,7 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   input.pool = pool_ != nullptr ? &pool_report_ : nullptr;
   input.may_push = owner_alive_ && safety_.rendering();
   exercise_->tick(input, record.exercise, record.placements);
+  roundValues(value_steps_, record.exercise);
   query_ = exercise_->query();
 }
 

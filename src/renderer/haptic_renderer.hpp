@@ -131,6 +131,7 @@ class HapticRenderer {
   PhysicsWorld& world_;
   BodyPool* const pool_;  ///< bodies of a game in world_; null without
   Exercise* exercise_;
+  const std::vector<double> value_steps_;  ///< of the exercise's values
   const RendererConfig config_;
   SafetyChain safety_;
   ParameterRamps parameters_;

@@ -37,12 +37,11 @@ constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000
 constexpr std::size_t kMostSeries_bytes = 360'000, kMostBodies_bytes = 300'000;
 constexpr int kMostColumns = 800, kFewestColumns = 100;
 
-/// Datasets that a report does not need.
-const LeftOut kLeftOut = {{"patient_effort", "tank", "closure", "wall", "wall_active"}, {}};
+/// Datasets that a report does not need, and the rules of none that it reads.
+const LeftOut kLeftOut = {{"patient_effort", "tank"}, {}};
 /// Datasets that it needs only for the states that it shows, one tick in hundreds.
 const LeftOut kLeftOutBetweenStates = {
-    {"patient_effort", "tank", "closure", "wall", "wall_active", "theta", "parameters", "palm_body",
-     "palm_target_distance_m"},
+    {"patient_effort", "tank", "theta", "parameters", "palm_body", "palm_target_distance_m"},
     {"link", "point_m", "normal", "torque_nm", "distance_m"}};
 
 /// All data of a page, or only the figures for comparison with another session.

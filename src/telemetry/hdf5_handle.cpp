@@ -216,4 +216,37 @@ bool readText(hid_t group, const char* name, std::string& attribute_name, std::s
   return done;
 }
 
+bool writeNumbers(hid_t group, const char* name, const std::vector<double>& rows,
+                  std::size_t width) {
+  const std::array<hsize_t, 2> size = {rows.size() / width, width};
+  const Handle space(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  if (!rows.empty()) {
+    H5Pset_chunk(properties.get(), 2, size.data());
+    H5Pset_shuffle(properties.get());
+    H5Pset_deflate(properties.get(), 9);
+  }
+  const Handle dataset(H5Dcreate2(group, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT,
+                                  properties.get(), H5P_DEFAULT),
+                       H5Dclose);
+  return dataset.ok() && (rows.empty() || H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL,
+                                                   H5S_ALL, H5P_DEFAULT, rows.data()) >= 0);
+}
+
+bool readNumbers(hid_t group, const char* name, std::vector<double>& rows, std::size_t width) {
+  const Handle dataset(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
+  if (!dataset.ok()) return false;
+  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  const Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  std::array<hsize_t, 2> size{};
+  if (H5Tget_class(type.get()) != H5T_FLOAT || H5Sget_simple_extent_ndims(space.get()) != 2 ||
+      H5Sget_simple_extent_dims(space.get(), size.data(), nullptr) != 2 || size[1] != width ||
+      size[0] > kLargestList / width) {
+    return false;
+  }
+  rows.resize(size[0] * size[1]);
+  return rows.empty() ||
+         H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()) >= 0;
+}
+
 }  // namespace wholehand::hdf5

@@ -79,4 +79,10 @@ bool writeText(hid_t group, const char* name, const std::string& attribute_name,
 /// Reads a dataset of writeText().
 bool readText(hid_t group, const char* name, std::string& attribute_name, std::string& text);
 
+/// Writes a compressed dataset of rows of `width` numbers.
+bool writeNumbers(hid_t group, const char* name, const std::vector<double>& rows,
+                  std::size_t width);
+/// Reads a dataset of writeNumbers(). False when its rows have another width.
+bool readNumbers(hid_t group, const char* name, std::vector<double>& rows, std::size_t width);
+
 }  // namespace wholehand::hdf5

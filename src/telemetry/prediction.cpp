@@ -1,21 +1,38 @@
 #include "telemetry/prediction.hpp"
 
+#include "core/value_step.hpp"
+#include "telemetry/effort_rules.hpp"
 #include "telemetry/learning_rules.hpp"
+#include "telemetry/motion_rules.hpp"
 #include "telemetry/prediction_rules.hpp"
 
 #include <cmath>
+#include <memory>
 
 namespace wholehand::recording {
 namespace {
 
-void addMotion(Rules& rules, const RecordingMeta& meta) {
+bool knowsInertia(const RecordingMeta& meta) {
+  return meta.schema >= kStepSchema && !meta.law.inertia.coefficients.empty();
+}
+
+/// @param inertia null: unknown
+void addMotion(Rules& rules, const RecordingMeta& meta,
+               const std::shared_ptr<PostureInertia>& inertia) {
   const double period_s = meta.period_s;
   const std::size_t q_s = rules.column("q_s"), qd_s = rules.column("qd_s");
   const std::size_t tick = rules.column("tick");
   rules.add("time_s", [=](const RowWindow& w, std::size_t) {
     return static_cast<double>(w.number<std::uint64_t>(tick, 0)) * period_s;
   });
-  addExtrapolated<5>(rules, "qd_s");
+  if (meta.schema >= kStepSchema && !meta.law.encoder_step.empty()) {
+    addSteps<2>(rules, "q_m", meta.law.encoder_step);
+  }
+  if (inertia != nullptr) {
+    rules.add("qd_s", SteppedVelocity(rules, meta, inertia), {}, SteppedVelocity::later(meta));
+  } else {
+    addExtrapolated<5>(rules, "qd_s");
+  }
   rules.add("q_s", [=](const RowWindow& w, std::size_t i) {  // symplectic Euler
     if (w.past() == 0) return 0.0;
     return w.number(q_s, i, 1) + period_s * w.number(qd_s, i);
@@ -47,7 +64,8 @@ void addKinematics(Rules& rules, const RecordingMeta& meta) {
 
 // Eq. (2), before kRowElementSchema with the previous row's damping D; then Eq. (3) with this row's
 // D.
-void addCoupling(Rules& rules, const RecordingMeta& meta) {
+void addCoupling(Rules& rules, const RecordingMeta& meta,
+                 const std::shared_ptr<PostureInertia>& inertia) {
   const std::size_t q_m = rules.column("q_m"), q_s = rules.column("q_s");
   const std::size_t qd_mf = rules.column("qd_mf"), qd_s = rules.column("qd_s");
   const std::size_t f_s = rules.column("f_s");
@@ -57,7 +75,9 @@ void addCoupling(Rules& rules, const RecordingMeta& meta) {
   const auto rate = [=](const RowWindow& w, std::size_t i, std::uint64_t back) {
     return w.number(qd_mf, i, back) - w.number(qd_s, i, back);
   };
-  if (meta.schema >= kRowElementSchema) {
+  if (inertia != nullptr) {
+    rules.add("f_s", InertialEffort(rules, meta, inertia));
+  } else if (meta.schema >= kRowElementSchema) {
     rules.add("f_s", CriticallyDampedEffort(rules, meta));
   } else {
     rules.add("f_s", [=, k = meta.law.k_pm](const RowWindow& w, std::size_t i) {
@@ -80,12 +100,16 @@ void addEfforts(Rules& rules, const RecordingMeta& meta) {
   const std::size_t coupling = rules.column("coupling"), damping = rules.column("damping");
   const std::size_t exercise = rules.column("exercise_effort");
   const std::size_t tank_effort = rules.column("tank_effort"), rendered = rules.column("rendered");
-  rules.add("phi", [=](const RowWindow& w, std::size_t i) {  // decays by a constant factor
-    if (w.past() == 0) return 0.0;
-    const double last = w.number(phi, i, 1);
-    if (w.past() == 1 || last == 0.0 || w.number(phi, i, 2) == 0.0) return last;
-    return last * (last / w.number(phi, i, 2));
-  });
+  if (meta.law.effort_dead.empty() || meta.schema < kStepSchema) {
+    rules.add("phi", [=](const RowWindow& w, std::size_t i) {  // decays by a constant factor
+      if (w.past() == 0) return 0.0;
+      const double last = w.number(phi, i, 1);
+      if (w.past() == 1 || last == 0.0 || w.number(phi, i, 2) == 0.0) return last;
+      return last * (last / w.number(phi, i, 2));
+    });
+  } else {
+    rules.add("phi", ActivatedDamping(rules, meta));
+  }
   rules.add("damping", [=, k = meta.law.k_dm](const RowWindow& w, std::size_t i) {
     return k.empty() ? 0.0 : -w.number(phi, i) * k[i] * w.number(qd_mf, i);
   });
@@ -96,60 +120,25 @@ void addEfforts(Rules& rules, const RecordingMeta& meta) {
   rules.add("sent", [=](const RowWindow& w, std::size_t i) { return w.number(rendered, i); });
 }
 
-// Energy balance of the tank without the device's damping: from the effort that acted on the
-// device, the energy stored in the coupling's spring, an encoder step's uncertainty, and the
-// avatar's share.
-void addTank(Rules& rules, const RecordingMeta& meta) {
-  const std::size_t tank = rules.column("tank"), sent = rules.column("sent");
-  const std::size_t q_m = rules.column("q_m"), q_s = rules.column("q_s");
-  const std::size_t f_s = rules.column("f_s"), limit = rules.column("effort_limit");
-  const auto stored = [=, k = meta.law.k_pm](const RowWindow& w, std::size_t i,
-                                             std::uint64_t back) {
-    const double stretch = std::abs(w.number(q_m, i, back) - w.number(q_s, i, back));
-    const double most = w.number(limit, i, back);
-    if (k[i] * stretch < most) return 0.5 * k[i] * stretch * stretch;
-    return most * stretch - 0.5 * most * most / k[i];
-  };
-  const auto avatar = [=](const RowWindow& w, std::size_t i) {
-    const double most = w.number(limit, i, 1), effort = w.number(f_s, i, 1);
-    if (effort > most) return most;
-    return effort < -most ? -most : effort;
-  };
-  const std::uint64_t delay = meta.law.output_delay_ticks;
-  rules.add("tank", [=, step = meta.law.encoder_step](const RowWindow& w, std::size_t i) {
-    if (w.past() < delay + 2) return w.past() == 0 ? 0.0 : w.number(tank, i, 1);
-    const double acted = w.number(sent, i, delay + 1);
-    const double hidden = 0.5 * step[i] * std::abs(acted - w.number(sent, i, delay + 2));
-    const double moved = w.number(q_m, i) - w.number(q_m, i, 1);
-    const double to_person = (acted * moved + (stored(w, i, 0) - stored(w, i, 1))) + hidden;
-    const double given = to_person + avatar(w, i) * (w.number(q_s, i) - w.number(q_s, i, 1));
-    return w.number(tank, i, 1) - given;
-  });
+// Where the exercise's wall stands, and what it does.
+void addWall(Rules& rules) {
+  addSteps<3>(rules, "closure", {1.0 / kProbeSteps});
+  rules.add("wall", WallPosition(rules));
+  addExtrapolated<4>(rules, "alpha");
+  rules.add("exercise_effort", WallEffort(rules));
 }
 
-}  // namespace
-
-std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
-                                    const RecordingMeta& meta) {
-  if (meta.schema < kPackedSchema) return {};
-  const bool row_elements = meta.schema >= kRowElementSchema;
-  Rules rules(columns, row_elements);
-  addMotion(rules, meta);
-  if (!meta.law.k_pm.empty()) {
-    addKinematics(rules, meta);
-    addCoupling(rules, meta);
-  }
-  addEfforts(rules, meta);
-  if (meta.law.k_pm.empty()) {
-    addExtrapolated<2>(rules, "tank");
-  } else {
-    addTank(rules, meta);
-  }
-  if (meta.schema >= kGridSchema) {
+// What the virtual patient is told and the palm is near to.
+void addPatient(Rules& rules, const RecordingMeta& meta) {
+  if (meta.schema >= kStepSchema) {
+    addSteps<3>(rules, "intention", {1.0 / kIntentionSteps});
+    addSteps<4>(rules, "patient_effort", {1.0 / kEffortSteps});
+    addSteps<3>(rules, "palm_distance_m", {1.0 / kProbeSteps});
+  } else if (meta.schema >= kGridSchema) {
     addOnGrid<3>(rules, "intention", kIntentionSteps);
     addOnGrid<3>(rules, "patient_effort", kEffortSteps);
     addExtrapolated<7>(rules, "palm_distance_m");
-  } else if (row_elements) {
+  } else if (meta.schema >= kRowElementSchema) {
     rules.add("intention", Oscillation(rules.column("intention"), meta.axis_names.size()));
     addExtrapolated<9>(rules, "patient_effort");
     addExtrapolated<7>(rules, "palm_distance_m");
@@ -157,8 +146,40 @@ std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
     addExtrapolated<6>(rules, "intention");
     for (const char* name : {"patient_effort", "palm_distance_m"}) addExtrapolated<5>(rules, name);
   }
-  for (const char* name : {"bodies", "exercise_values", "parameters"}) {
-    addExtrapolated<1>(rules, name);
+}
+
+}  // namespace
+
+std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
+                                    const RecordingMeta& meta) {
+  if (meta.schema < kPackedSchema) return {};
+  Rules rules(columns, meta.schema);
+  std::shared_ptr<PostureInertia> inertia;
+  if (knowsInertia(meta)) {
+    inertia = std::make_shared<PostureInertia>(meta.law.inertia, meta.axis_names.size());
+  }
+  addMotion(rules, meta, inertia);
+  if (!meta.law.k_pm.empty()) {
+    addKinematics(rules, meta);
+    addCoupling(rules, meta, inertia);
+  }
+  if (meta.schema >= kStepSchema) addWall(rules);
+  addEfforts(rules, meta);
+  if (meta.law.k_pm.empty()) {
+    addExtrapolated<2>(rules, "tank");
+  } else {
+    rules.add("tank", TankEnergy(rules, meta));
+  }
+  addPatient(rules, meta);
+  addExtrapolated<1>(rules, "parameters");
+  if (meta.schema >= kStepSchema) {
+    rules.add("bodies", BodyMotion(rules, meta), {}, BodyMotion::later(meta));
+    std::vector<double> steps;
+    for (const std::string& name : meta.value_names) steps.push_back(valueStep(name));
+    addSteps<3>(rules, "exercise_values", steps);
+  } else {
+    addExtrapolated<1>(rules, "bodies");
+    addExtrapolated<1>(rules, "exercise_values");
   }
   const std::size_t palm = rules.column("palm_distance_m");
   rules.add("palm_target_distance_m",

@@ -47,10 +47,13 @@ struct Prediction {
   std::size_t column = 0;
   std::size_t width = 1;      ///< numbers per row
   bool row_elements = false;  ///< of the column, see ColumnShape
-  /// Writes the predicted bits of each number of the window's row. A whole row per call: calls for
-  /// single numbers would cost more than the rules. Called for the rows of a chunk in order: some
-  /// rules keep what they learnt from earlier rows of the chunk.
-  std::function<void(const RowWindow&, std::uint64_t* expected)> expect;
+  /// Writes the predicted bits of the numbers of the window's row that are `later`, or of the
+  /// others. Many per call: calls for single numbers would cost more than the rules. Called for the
+  /// rows of a chunk in order: some rules keep what they learnt from earlier rows of the chunk.
+  std::function<void(const RowWindow&, bool later, std::uint64_t* expected)> expect;
+  std::vector<bool>
+      later;  ///< per number: its rule needs those in its row that are not; empty: none
+  std::vector<double> steps = {};  ///< of each number's grid, see GridSteps; empty: none
 };
 
 /// Rules of the columns that a file with this description packs. Within its own row, a rule uses

@@ -17,9 +17,20 @@ namespace wholehand {
 /// readers that do not support packing. Below kRowElementSchema, each number is an element of its
 /// dataset and is packed by fewer rules (docs/adr/0047-smaller-recordings.md). Below kGridSchema,
 /// numbers of the virtual patient are doubles to the last bit
-/// (docs/adr/0065-patients-on-a-grid.md).
-inline constexpr std::uint64_t kRecordingSchema = 7, kOldestRecordingSchema = 2, kSchemaOfLaw = 4,
-                               kPackedSchema = 5, kRowElementSchema = 6, kGridSchema = 7;
+/// (docs/adr/0065-patients-on-a-grid.md). Below kStepSchema, numbers on a grid are packed by their
+/// bits, and the description has no inertia (docs/adr/0070-recordings-know-the-inertia.md).
+inline constexpr std::uint64_t kRecordingSchema = 8, kOldestRecordingSchema = 2, kSchemaOfLaw = 4,
+                               kPackedSchema = 5, kRowElementSchema = 6, kGridSchema = 7,
+                               kStepSchema = 8;
+
+/// The avatar's reduced inertia, armature included, as a polynomial of its posture: a sum of terms,
+/// each a product of Chebyshev polynomials of the axes times a matrix. Empty when unknown.
+struct RecordedInertia {
+  std::vector<double> lower, upper;  ///< per axis: where the polynomials' variable is -1 and 1
+  std::vector<double> degrees;       ///< terms x axes; whole numbers up to kMostDegree
+  std::vector<double> coefficients;  ///< terms x lower triangle, row by row
+  static constexpr double kMostDegree = 63.0;
+};
 
 /// Parameters of the rendering law by which a recording is packed. All empty when unknown.
 struct RecordedLaw {
@@ -29,6 +40,12 @@ struct RecordedLaw {
   std::vector<double> synergy;            ///< G, a row for each joint
   std::vector<double> encoder_step;       ///< per axis, of the device [m or rad]
   std::uint64_t output_delay_ticks = 0;   ///< of the device
+  // Since kStepSchema; empty in older ones.
+  std::vector<double> device_damping, tank_capacity;  ///< per axis, of the energy tank
+  std::vector<double> effort_dead, effort_full;       ///< per axis, of the adaptive damping
+  std::vector<double> phi_kept;                       ///< per axis: share of φ after one period
+  std::vector<double> hand_axis, palm_contact;        ///< per axis: 0 or 1
+  RecordedInertia inertia;
 };
 
 /// Everything needed to understand a recording and to run it again; written once into its /meta.

@@ -18,6 +18,20 @@ namespace {
 constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
 constexpr std::int32_t kMostContactsDropped = 1'000'000;
 
+// The polynomial of the inertia: as many numbers as its terms have.
+bool isWhole(const RecordedInertia& inertia, std::size_t axes) {
+  constexpr std::size_t kMostTerms = 4096;
+  const std::size_t terms = inertia.degrees.size() / axes;
+  const auto possible = [](double d) {
+    return d >= 0.0 && d <= RecordedInertia::kMostDegree && d == std::floor(d);
+  };
+  if (inertia.coefficients.empty()) return terms == 0;
+  return terms <= kMostTerms && inertia.degrees.size() == terms * axes &&
+         inertia.coefficients.size() == terms * (axes * (axes + 1) / 2) &&
+         inertia.lower.size() == axes && inertia.upper.size() == axes &&
+         std::all_of(inertia.degrees.begin(), inertia.degrees.end(), possible);
+}
+
 // Packed numbers can be restored only with all of these.
 bool isWhole(const RecordedLaw& law, std::size_t axes, std::size_t joints) {
   constexpr std::uint64_t kMostDelayTicks = 1000;
@@ -27,8 +41,14 @@ bool isWhole(const RecordedLaw& law, std::size_t axes, std::size_t joints) {
     return law.k_pm.size() == n && law.k_dm.size() == n && law.gamma.size() == n &&
            law.filter_tau_s.size() == n && law.encoder_step.size() == n;
   };
-  return (per_axis(axes) && per_joint) ||
-         (per_axis(0) && law.theta0.empty() && law.synergy.empty());
+  const auto later = [&law](std::size_t n) {
+    return law.device_damping.size() == n && law.tank_capacity.size() == n &&
+           law.effort_dead.size() == n && law.effort_full.size() == n && law.phi_kept.size() == n &&
+           law.hand_axis.size() == n && law.palm_contact.size() == n;
+  };
+  return (per_axis(axes) && per_joint && (later(axes) || later(0)) && isWhole(law.inertia, axes)) ||
+         (per_axis(0) && law.theta0.empty() && law.synergy.empty() && later(0) &&
+          law.inertia.coefficients.empty());
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ RecordingFile::RecordingFile(const RecordingMeta& meta)
       index_(indexColumns(), kIndexChunkRows),
       indexer_(chunkRows(meta.period_s)) {
   ticks_.pack(predictions(shapesOf(tickColumns(meta)), meta));
+  contacts_.beginChunks();
 }
 
 std::string RecordingFile::create(const std::string& path, const RecordingMeta& meta) {

@@ -91,7 +91,7 @@ template <class Row>
 
 /// Rows per chunk: about a quarter of a second, so that a write fills one chunk.
 [[nodiscard]] std::uint64_t chunkRows(double period_s) noexcept;
-inline constexpr std::uint64_t kContactChunkRows = 512;
+inline constexpr std::uint64_t kContactChunkRows = 256;
 inline constexpr std::uint64_t kRareChunkRows = 64;  ///< events and commands
 
 }  // namespace wholehand::recording

@@ -1,6 +1,7 @@
 #include "telemetry/recording_meta.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -25,23 +26,79 @@ bool readFiles(hid_t file, RecordingMeta& meta) {
   return true;
 }
 
-/// Whether `each(name, value)` held for every number of the law.
-template <class Law, class Each>
-bool eachOf(Law& law, Each each) {
-  return each("k_pm", law.k_pm) && each("k_dm", law.k_dm) && each("gamma", law.gamma) &&
-         each("filter_tau_s", law.filter_tau_s) && each("theta0", law.theta0) &&
-         each("synergy", law.synergy) && each("encoder_step", law.encoder_step) &&
-         each("output_delay_ticks", law.output_delay_ticks);
+/// The terms of the inertia: a row each, degrees and then coefficients.
+constexpr const char* kInertia = "inertia";
+
+bool writeInertia(hid_t id, const RecordedInertia& inertia, std::size_t axes) {
+  const std::size_t terms = inertia.degrees.size() / axes, size = axes * (axes + 1) / 2;
+  std::vector<double> rows;
+  for (std::size_t t = 0; t < terms; ++t) {
+    const double* degrees = inertia.degrees.data() + t * axes;
+    const double* coefficients = inertia.coefficients.data() + t * size;
+    rows.insert(rows.end(), degrees, degrees + axes);
+    rows.insert(rows.end(), coefficients, coefficients + size);
+  }
+  return writeAttribute(id, "inertia_lower", inertia.lower) &&
+         writeAttribute(id, "inertia_upper", inertia.upper) &&
+         hdf5::writeNumbers(id, kInertia, rows, axes + size);
 }
 
-bool writeLaw(hid_t id, const RecordedLaw& law) {
-  return eachOf(
-      law, [id](const char* name, const auto& value) { return writeAttribute(id, name, value); });
+bool readInertia(hid_t id, RecordedInertia& inertia, std::size_t axes) {
+  std::vector<double> rows;
+  const std::size_t width = axes + axes * (axes + 1) / 2;
+  if (!readAttribute(id, "inertia_lower", inertia.lower) ||
+      !readAttribute(id, "inertia_upper", inertia.upper) ||
+      !hdf5::readNumbers(id, kInertia, rows, width)) {
+    return false;
+  }
+  for (auto row = rows.begin(); row != rows.end(); row += static_cast<std::ptrdiff_t>(width)) {
+    const auto split = row + static_cast<std::ptrdiff_t>(axes);
+    inertia.degrees.insert(inertia.degrees.end(), row, split);
+    inertia.coefficients.insert(inertia.coefficients.end(), split,
+                                row + static_cast<std::ptrdiff_t>(width));
+  }
+  return true;
 }
 
-bool readLaw(hid_t id, RecordedLaw& law) {
-  return eachOf(law,
-                [id](const char* name, auto& value) { return readAttribute(id, name, value); });
+/// Numbers per axis or joint, by the names of their attributes.
+using Numbers = std::pair<const char*, std::vector<double> RecordedLaw::*>;
+constexpr std::array<Numbers, 7> kLaw = {{{"k_pm", &RecordedLaw::k_pm},
+                                          {"k_dm", &RecordedLaw::k_dm},
+                                          {"gamma", &RecordedLaw::gamma},
+                                          {"filter_tau_s", &RecordedLaw::filter_tau_s},
+                                          {"theta0", &RecordedLaw::theta0},
+                                          {"synergy", &RecordedLaw::synergy},
+                                          {"encoder_step", &RecordedLaw::encoder_step}}};
+constexpr std::array<Numbers, 7> kLaterLaw = {{{"device_damping", &RecordedLaw::device_damping},
+                                               {"tank_capacity", &RecordedLaw::tank_capacity},
+                                               {"effort_dead", &RecordedLaw::effort_dead},
+                                               {"effort_full", &RecordedLaw::effort_full},
+                                               {"phi_kept", &RecordedLaw::phi_kept},
+                                               {"hand_axis", &RecordedLaw::hand_axis},
+                                               {"palm_contact", &RecordedLaw::palm_contact}}};
+
+bool writeLaw(hid_t id, const RecordingMeta& meta) {
+  const RecordedLaw& law = meta.law;
+  const auto write = [id, &law](const Numbers& n) {
+    return writeAttribute(id, n.first, law.*n.second);
+  };
+  const bool ok = std::all_of(kLaw.begin(), kLaw.end(), write) &&
+                  writeAttribute(id, "output_delay_ticks", law.output_delay_ticks);
+  if (!ok || meta.schema < kStepSchema) return ok;
+  return std::all_of(kLaterLaw.begin(), kLaterLaw.end(), write) &&
+         writeInertia(id, law.inertia, meta.axis_names.size());
+}
+
+bool readLaw(hid_t id, RecordingMeta& meta) {
+  RecordedLaw& law = meta.law;
+  const auto read = [id, &law](const Numbers& n) {
+    return readAttribute(id, n.first, law.*n.second);
+  };
+  const bool ok = std::all_of(kLaw.begin(), kLaw.end(), read) &&
+                  readAttribute(id, "output_delay_ticks", law.output_delay_ticks);
+  if (!ok || meta.schema < kStepSchema) return ok;
+  return std::all_of(kLaterLaw.begin(), kLaterLaw.end(), read) &&
+         readInertia(id, law.inertia, meta.axis_names.size());
 }
 
 }  // namespace
@@ -83,7 +140,7 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
             writeAttribute(id, "result_units", meta.result_units) &&
             writeAttribute(id, "result_factors", meta.result_factors) &&
             writeAttribute(id, "result_decimals", meta.result_decimals) &&
-            (meta.schema < kPackedSchema || writeLaw(id, meta.law));
+            (meta.schema < kPackedSchema || writeLaw(id, meta));
   const Handle files(H5Gcreate2(file, "meta/files", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                      H5Gclose);
   for (std::size_t i = 0; ok && i < meta.files.size(); ++i) {
@@ -138,7 +195,7 @@ bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
   meta.simulated_clock = clock != 0;
   meta.uncertified = uncertified != 0;
   meta.paper = paper != 0;
-  const bool law = meta.schema < kPackedSchema || readLaw(id, meta.law);
+  const bool law = meta.schema < kPackedSchema || readLaw(id, meta);
   return ok && exercise && watched && law && readFiles(file, meta);
 }
 

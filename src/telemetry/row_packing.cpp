@@ -1,5 +1,7 @@
+#include "telemetry/grid_steps.hpp"
 #include "telemetry/prediction.hpp"
 
+#include <algorithm>
 #include <cfenv>
 
 namespace wholehand::recording {
@@ -20,12 +22,21 @@ class PlainArithmetic {
   std::fenv_t before_{};
 };
 
-// 0, -1, 1, -2 ... becomes 0, 1, 2, 3 ...: small differences have small bytes.
-std::uint64_t folded(std::uint64_t difference) {
-  return (difference << 1U) ^ (std::uint64_t{0} - (difference >> 63U));
+std::uint64_t packedNumber(const Prediction& p, std::size_t i, std::uint64_t bits,
+                           std::uint64_t expected) {
+  if (p.steps.empty()) return folded(bits - expected);
+  return GridSteps(expected, p.steps[i]).pack(bits);
 }
-std::uint64_t unfolded(std::uint64_t number) {
-  return (number >> 1U) ^ (std::uint64_t{0} - (number & 1U));
+std::uint64_t unpackedNumber(const Prediction& p, std::size_t i, std::uint64_t code,
+                             std::uint64_t expected) {
+  if (p.steps.empty()) return unfolded(code) + expected;
+  return GridSteps(expected, p.steps[i]).unpack(code);
+}
+
+std::size_t mostNumbers(const std::vector<Prediction>& predictions) {
+  std::size_t most = 0;
+  for (const Prediction& p : predictions) most = std::max(most, p.width);
+  return most;
 }
 
 }  // namespace
@@ -35,42 +46,46 @@ void packRows(const std::vector<Prediction>& predictions, const RowBytes& column
               std::uint64_t begin, std::uint64_t end, RowBytes& packed) {
   const PlainArithmetic plain;
   RowWindow window(columns, row_bytes);
-  std::vector<std::uint64_t> expected;
-  for (const Prediction& p : predictions) {
-    expected.resize(p.width);
-    std::vector<std::byte>& out = packed[p.column];
-    out.resize((end - begin) * row_bytes[p.column]);
-    std::byte* to = out.data();
-    for (std::uint64_t row = begin - begin % chunk_rows; row < end; ++row) {
-      window.moveTo(row, row % chunk_rows);
-      p.expect(window, expected.data());
+  std::vector<std::uint64_t> expected(mostNumbers(predictions));
+  for (const Prediction& p : predictions)
+    packed[p.column].resize((end - begin) * row_bytes[p.column]);
+  for (std::uint64_t row = begin - begin % chunk_rows; row < end; ++row) {
+    window.moveTo(row, row % chunk_rows);
+    for (const Prediction& p : predictions) {
+      p.expect(window, false, expected.data());
+      if (!p.later.empty()) p.expect(window, true, expected.data());
       if (row < begin) continue;  // the rule learns from it
+      std::byte* to = packed[p.column].data() + (row - begin) * row_bytes[p.column];
       for (std::size_t i = 0; i < p.width; ++i, to += sizeof(std::uint64_t)) {
         const auto bits = window.number<std::uint64_t>(p.column, i);
-        const std::uint64_t number = folded(bits - expected[i]);
+        const std::uint64_t number = packedNumber(p, i, bits, expected[i]);
         std::memcpy(to, &number, sizeof number);
       }
     }
   }
 }
 
+// Row by row: the rule of a column may need another's earlier rows.
 void unpackRows(const std::vector<Prediction>& predictions, RowBytes& columns,
                 const std::vector<std::size_t>& row_bytes, std::uint64_t chunk_rows,
                 std::uint64_t rows) {
   const PlainArithmetic plain;
   RowWindow window(columns, row_bytes);
-  std::vector<std::uint64_t> expected;
-  for (const Prediction& p : predictions) {
-    expected.resize(p.width);
-    std::byte* at = columns[p.column].data();
-    for (std::uint64_t row = 0; row < rows; ++row) {
-      window.moveTo(row, row % chunk_rows);
-      p.expect(window, expected.data());
-      for (std::size_t i = 0; i < p.width; ++i, at += sizeof(std::uint64_t)) {
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, at, sizeof bits);
-        bits = unfolded(bits) + expected[i];
-        std::memcpy(at, &bits, sizeof bits);
+  std::vector<std::uint64_t> expected(mostNumbers(predictions));
+  for (std::uint64_t row = 0; row < rows; ++row) {
+    window.moveTo(row, row % chunk_rows);
+    for (const Prediction& p : predictions) {
+      std::byte* at = columns[p.column].data() + row * row_bytes[p.column];
+      for (const bool later : {false, true}) {
+        if (later && p.later.empty()) break;
+        p.expect(window, later, expected.data());
+        for (std::size_t i = 0; i < p.width; ++i) {
+          if (!p.later.empty() && p.later[i] != later) continue;
+          std::uint64_t bits = 0;
+          std::memcpy(&bits, at + i * sizeof bits, sizeof bits);
+          bits = unpackedNumber(p, i, bits, expected[i]);
+          std::memcpy(at + i * sizeof bits, &bits, sizeof bits);
+        }
       }
     }
   }

@@ -22,6 +22,9 @@ class TableWriter {
         packed_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
+  /// Begins a chunk with every write: a chunk that grows is compressed anew, at another place of
+  /// the file. The rows in between stay unwritten.
+  void beginChunks() noexcept { begins_chunks_ = true; }
   /// Packs these columns from now on.
   void pack(std::vector<Prediction> predictions) {
     predictions_ = std::move(predictions);
@@ -66,6 +69,7 @@ class TableWriter {
   std::vector<hdf5::Handle> datasets_;
   std::uint64_t written_ = 0, pending_ = 0;
   std::uint64_t begun_ = 0;  ///< committed rows in the buffers
+  bool begins_chunks_ = false;
 };
 
 /// Creates an empty dataset, chunked and compressed.
@@ -106,6 +110,7 @@ bool TableWriter<Row>::write() {
 template <class Row>
 void TableWriter<Row>::commit() {
   written_ += pending_;
+  if (begins_chunks_) written_ += (chunk_rows_ - written_ % chunk_rows_) % chunk_rows_;
   begun_ += pending_;
   pending_ = 0;
   forget(predictions_.empty() ? begun_ : begun_ - written_ % chunk_rows_);

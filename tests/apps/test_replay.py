@@ -152,14 +152,16 @@ class BlackBox(AppTest):
         self.assertEqual(self.names_in(self.folder), ["run.h5"])
 
     def test_extract_of_a_recording_has_every_number_as_it_is(self):
-        path = self.record(duration=1.5)
-        self.expect(self.run_app("replay", path, "--extract", "plain.h5"), DONE, "plain.h5: ")
-        with read_recording(path) as packed, h5py.File(self.folder / "plain.h5", "r") as plain:
-            self.assertEqual(plain["meta"].attrs["schema_version"], 4)
-            self.assertEqual(set(packed["ticks"]), set(plain["ticks"]))
-            for name, numbers in plain["ticks"].items():  # two programs unpack alike, to the bit
-                self.assertEqual(packed["ticks/" + name][:].tobytes(), numbers[:].tobytes(), name)
-        self.expect_same_when_run_again(self.folder / "plain.h5")
+        grasp = CONFIG.parent / "data/human-motion/reach-grasp-00.csv"  # moves bodies
+        for arguments in ((), ("--exercise", "cocktail-bar"), ("--motion", grasp)):
+            path = self.record("run.h5", *arguments, duration=5 if arguments else 1.5)
+            self.expect(self.run_app("replay", path, "--extract", "plain.h5"), DONE, "plain.h5: ")
+            with read_recording(path) as packed, h5py.File(self.folder / "plain.h5", "r") as plain:
+                self.assertEqual(plain["meta"].attrs["schema_version"], 4)
+                self.assertEqual(set(packed["ticks"]), set(plain["ticks"]))
+                for name, numbers in plain["ticks"].items():  # two programs unpack alike, to the bit
+                    self.assertEqual(packed["ticks/" + name][:].tobytes(), numbers[:].tobytes(), (name, arguments))
+            self.expect_same_when_run_again(self.folder / "plain.h5")
         self.expect_refused(self.run_app("replay", path, "--extract", path), "open in another program", lines=1)
 
     def test_extract_of_a_spoiled_box_is_refused(self):

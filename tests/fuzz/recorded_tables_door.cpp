@@ -88,7 +88,11 @@ void editSizes(RecordingMeta& m, const Edit& e) {
     case 0:
       resize(m.axis_names, n % 18,
              {&m.effort_limits, &m.lever_arms_m, &m.armed_position, &law.k_pm, &law.k_dm,
-              &law.gamma, &law.filter_tau_s, &law.encoder_step});
+              &law.gamma, &law.filter_tau_s, &law.encoder_step, &law.device_damping,
+              &law.tank_capacity, &law.effort_dead, &law.effort_full, &law.phi_kept, &law.hand_axis,
+              &law.palm_contact, &law.inertia.lower, &law.inertia.upper});
+      law.inertia.degrees.resize(n % 18, 1.0);
+      law.inertia.coefficients.resize((n % 18) * (n % 18 + 1) / 2, 0.5);
       m.axis_units.resize(n % 18, "rad");
       break;
     case 1:
@@ -123,7 +127,7 @@ void editMeta(RecordingMeta& m, const Edit& e) {
       m.period_s = number(e);
       break;
     case 1:
-      m.schema = kOldestRecordingSchema + e.value % 5;
+      m.schema = kOldestRecordingSchema + e.value % 7;
       break;
     case 2:
       m.game_slots = e.value;
@@ -132,8 +136,12 @@ void editMeta(RecordingMeta& m, const Edit& e) {
       m.law.output_delay_ticks = e.value % 1002;
       break;
     case 4:
-      for (std::vector<double>* of : {&m.law.k_pm, &m.law.k_dm, &m.law.gamma, &m.law.filter_tau_s,
-                                      &m.law.theta0, &m.law.synergy, &m.law.encoder_step}) {
+      for (std::vector<double>* of :
+           {&m.law.k_pm, &m.law.k_dm, &m.law.gamma, &m.law.filter_tau_s, &m.law.theta0,
+            &m.law.synergy, &m.law.encoder_step, &m.law.device_damping, &m.law.tank_capacity,
+            &m.law.effort_dead, &m.law.effort_full, &m.law.phi_kept, &m.law.hand_axis,
+            &m.law.palm_contact, &m.law.inertia.lower, &m.law.inertia.upper, &m.law.inertia.degrees,
+            &m.law.inertia.coefficients}) {
         setOne(*of, e);
       }
       break;

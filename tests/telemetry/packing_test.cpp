@@ -29,6 +29,16 @@ void setArrays(TickRecord& r, Make make) {
   fill(r.q_m), fill(r.intention), fill(r.patient_effort), fill(r.qd_mf), fill(r.q_s), fill(r.qd_s);
   fill(r.theta), fill(r.f_s), fill(r.coupling), fill(r.phi), fill(r.damping), fill(r.rendered);
   fill(r.sent), fill(r.tank), fill(r.tank_effort), fill(r.exercise.effort);
+  fill(r.closure), fill(r.exercise.wall);
+  r.exercise.alpha = make();
+  for (int i = 0; i < r.exercise.value_count; ++i) r.exercise.values[i] = make();
+  for (int b = 0; b < r.body_count; ++b) {
+    BodyState& body = r.bodies[b];
+    body = {{make(), make(), make()},
+            {make(), make(), make(), make()},
+            {make(), make(), make()},
+            {make(), make(), make()}};
+  }
   r.palm_distance_m = make();
   r.palm_target_distance_m = make();
 }
@@ -94,6 +104,14 @@ std::vector<double> numbersOf(const TickRecord& record) {
   take(copy.q_s), take(copy.qd_s), take(copy.theta), take(copy.f_s), take(copy.coupling);
   take(copy.phi), take(copy.damping), take(copy.rendered), take(copy.sent), take(copy.tank);
   take(copy.tank_effort), take(copy.exercise.effort);
+  take(copy.closure), take(copy.exercise.wall);
+  out.push_back(copy.exercise.alpha);
+  out.insert(out.end(), copy.exercise.values.begin(),
+             copy.exercise.values.begin() + copy.exercise.value_count);
+  for (int b = 0; b < copy.body_count; ++b) {
+    const auto* numbers = reinterpret_cast<const double*>(&copy.bodies[b]);
+    out.insert(out.end(), numbers, numbers + sizeof(BodyState) / sizeof(double));
+  }
   out.push_back(copy.time_s);
   out.push_back(copy.palm_distance_m);
   out.push_back(copy.palm_target_distance_m);
@@ -233,7 +251,11 @@ TEST(Packing, TremorAndChangingInertia_TakeLessRoomThanInSchema5) {
 // of these numbers in two bytes less than schema 6.
 TEST(Packing, PatientOnAGrid_TakesLessRoomThanInSchema6) {
   const Folder folder;
-  RecordingMeta before = synthetic::meta();
+  RecordingMeta now = synthetic::meta();
+  now.law.inertia = {};  // of an avatar with another law
+  now.law.effort_dead = now.law.effort_full = now.law.phi_kept = now.law.hand_axis = {};
+  now.law.palm_contact = now.law.device_damping = now.law.tank_capacity = {};
+  RecordingMeta before = now;
   before.schema = kGridSchema - 1;
   std::vector<TickRecord> ticks = lawfulTicks(1000);
   std::mt19937_64 random(7);
@@ -249,7 +271,7 @@ TEST(Packing, PatientOnAGrid_TakesLessRoomThanInSchema6) {
       tick.patient_effort[i] = on_grid(3.0 + std::sin(turn) + noise(random), 0x1p24);
     }
   }
-  expectLessRoom(folder, synthetic::meta(), before, ticks, 6 * 2.0);
+  expectLessRoom(folder, now, before, ticks, 6 * 2.0);
 }
 
 TEST(Packing, LawOfAnotherDevice_IsRefused) {

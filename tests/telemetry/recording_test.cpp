@@ -373,10 +373,10 @@ TEST(RecordingReader, OtherHdf5AndNewerSchema_AreRefused) {
   ASSERT_EQ(python("import h5py\nh5py.File('" + other +
                    "', 'w')['x'] = 1\n"
                    "h5py.File('" +
-                   newer + "', 'r+')['meta'].attrs['schema_version'] = 8"),
+                   newer + "', 'r+')['meta'].attrs['schema_version'] = 9"),
             "");
   EXPECT_NE(refusal(other).find("no Wholehand recording"), std::string::npos) << refusal(other);
-  EXPECT_NE(refusal(newer).find("schema_version = 8: was written by a newer Wholehand"),
+  EXPECT_NE(refusal(newer).find("schema_version = 9: was written by a newer Wholehand"),
             std::string::npos)
       << refusal(newer);
 }
@@ -422,7 +422,7 @@ TEST(RecordingReader, Schema1_IsRefusedWithWhatIsRead) {
                    "h5py.File('" +
                    path + "', 'r+')['meta'].attrs['schema_version'] = 1"),
             "");
-  EXPECT_NE(refusal(path).find("this program reads schema versions 2 to 7; record anew"),
+  EXPECT_NE(refusal(path).find("this program reads schema versions 2 to 8; record anew"),
             std::string::npos)
       << refusal(path);
 }

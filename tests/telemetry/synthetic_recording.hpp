@@ -15,6 +15,25 @@ namespace wholehand::synthetic {
 
 using test::Folder;
 
+/// Of six axes, the last three rotations: M(i, i) = 2 + 0.25 x₃ (2 x₄² - 1), M(i, j) = 0.125 x₅.
+inline RecordedInertia inertia() {
+  RecordedInertia m;
+  m.lower = {0, 0, 0, -2, -2, -2};
+  m.upper = {0, 0, 0, 2, 2, 2};
+  m.degrees = {0, 0, 0, 1, 2, 0,  //
+               0, 0, 0, 0, 0, 1,  //
+               0, 0, 0, 0, 0, 0};
+  const auto matrix = [&m](double diagonal, double others) {
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j <= i; ++j) m.coefficients.push_back(i == j ? diagonal : others);
+    }
+  };
+  matrix(0.25, 0.0);
+  matrix(0.0, 0.125);
+  matrix(2.0, 0.0);
+  return m;
+}
+
 inline RecordingMeta meta() {
   RecordingMeta m;
   m.created_utc = "2026-11-20T09:38:00Z";
@@ -38,6 +57,14 @@ inline RecordingMeta meta() {
   for (int i = 0; i < 18 * 6; ++i) m.law.synergy.push_back(i % 6 == i / 18 ? 0.5 : 0.0);
   m.law.encoder_step = std::vector<double>(6, 1e-5);
   m.law.output_delay_ticks = 1;
+  m.law.device_damping = std::vector<double>(6, 0.5);
+  m.law.tank_capacity = std::vector<double>(6, 0.05);
+  m.law.effort_dead = std::vector<double>(6, 0.5);
+  m.law.effort_full = std::vector<double>(6, 5.0);
+  m.law.phi_kept = std::vector<double>(6, 0.997);
+  m.law.hand_axis = {0, 0, 0, 1, 1, 1};
+  m.law.palm_contact = {1, 1, 1, 0, 0, 0};
+  m.law.inertia = inertia();
   m.body_names = {"cube", "sphere", "cylinder", "disk"};
   m.capsule_names = {"palm", "index_proximal"};
   m.exercise = "cocktail-bar";

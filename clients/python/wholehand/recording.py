@@ -13,17 +13,19 @@ from collections.abc import Mapping
 import h5py
 import numpy
 
-from wholehand import tables
+from wholehand import learning, packing, tables
+from wholehand.packing import decayed, extrapolated
 
-FIRST_PACKED_SCHEMA, ROW_ELEMENT_SCHEMA, GRID_SCHEMA, LAST_SCHEMA = 5, 6, 7, 7
+FIRST_PACKED_SCHEMA, ROW_ELEMENT_SCHEMA, GRID_SCHEMA, STEP_SCHEMA, LAST_SCHEMA = 5, 6, 7, 8, 8
 POLYNOMIALS = {"intention": 6, "patient_effort": 5, "palm_distance_m": 5, "bodies": 1,
             "exercise_values": 1, "parameters": 1, "qd_s": 5}  # orders of the polynomials
 LATER_POLYNOMIALS = {"patient_effort": 9, "palm_distance_m": 7}  # from ROW_ELEMENT_SCHEMA on
 GRID_STEPS = {"intention": 2.0**20, "patient_effort": 2.0**24}  # of a unit, from GRID_SCHEMA on
 # Each needs of its own row only datasets that are not packed, or stand before it.
-ORDER = ("time_s", "qd_s", "q_s", "qd_mf", "theta", "f_s", "coupling", "phi", "damping", "rendered", "sent",
-         "intention", "patient_effort", "palm_distance_m", "tank", "bodies", "exercise_values", "parameters",
-         "palm_target_distance_m")
+ORDER = ("time_s", "q_m", "qd_s", "q_s", "qd_mf", "theta", "f_s", "coupling", "closure", "wall", "alpha",
+         "exercise_effort", "phi", "damping", "rendered", "sent", "tank", "intention", "patient_effort",
+         "palm_distance_m", "bodies", "parameters", "exercise_values", "palm_target_distance_m")
+MOTION = ("qd_s", "q_s", "f_s")  # from STEP_SCHEMA on, each needs rows before of the others
 
 
 class Column:
@@ -123,29 +125,84 @@ class Recording:
         return values.reshape(chunks, rows, -1)
 
     def _unpacked(self, column):
-        folded = self._plain(column)
-        difference = (folded >> numpy.uint64(1)) ^ (numpy.uint64(0) - (folded & numpy.uint64(1)))
-        values = numpy.zeros(folded.shape)
-        bits = values.view(numpy.uint64)
-        expect = self._rule(column, values)
-        with numpy.errstate(all="ignore"):
-            for row in range(folded.shape[1]):
-                expected = numpy.ascontiguousarray(numpy.broadcast_to(expect(row), values[:, row].shape))
-                before = bits[:, row - 1] if row > 0 else numpy.uint64(0)
-                expected_bits = numpy.where(numpy.isnan(expected), before, expected.view(numpy.uint64))
-                bits[:, row] = difference[:, row] + expected_bits
-        return values
+        together = MOTION if self._inertia() is not None and column in MOTION else (column,)
+        folded = {name: self._plain(name) for name in together}
+        self._blocks.update({name: numpy.zeros(numbers.shape) for name, numbers in folded.items()})
+        try:
+            rules = {name: self._rule(name, self._blocks[name]) for name in together}
+            with numpy.errstate(all="ignore"):
+                for row in range(folded[column].shape[1]):
+                    for name, rule in rules.items():
+                        self._unpack_row(name, row, folded[name][:, row], rule)
+        except BaseException:  # half unpacked numbers must not be given
+            for name in together:
+                del self._blocks[name]
+            raise
+        return self._blocks[column]
+
+    def _unpack_row(self, column, row, code, rule):
+        bits, expected = self._blocks[column].view(numpy.uint64), rule(row)
+        bits[:, row] = self._bits(column, row, code, expected)
+        later = getattr(rule, "later", None)  # numbers that need the others
+        if later is not None and later.any():
+            bits[:, row, later] = self._bits(column, row, code, rule.behind(row))[:, later]
+
+    def _bits(self, column, row, code, expected):
+        bits = self._blocks[column].view(numpy.uint64)
+        expected = numpy.ascontiguousarray(numpy.broadcast_to(expected, code.shape), numpy.float64)
+        before = bits[:, row - 1] if row > 0 else numpy.uint64(0)
+        expected_bits = numpy.where(numpy.isnan(expected), before, expected.view(numpy.uint64))
+        if self._has_steps(column):
+            return packing.unpacked_steps(code, expected_bits, packing.steps_of(column, self.meta))
+        return packing.unfolded(code) + expected_bits
+
+    def _has_steps(self, column):
+        return self.meta["schema_version"] >= STEP_SCHEMA and column in packing.STEP_POLYNOMIALS
+
+    def _inertia(self):
+        """Of a posture; None where the description does not have it."""
+        if self.meta["schema_version"] < STEP_SCHEMA or not len(self.file["meta/inertia"]):
+            return None
+        return packing.PostureInertia(self.file["meta/inertia"][:], self.meta["inertia_lower"],
+                                      self.meta["inertia_upper"])
+
+    def _law(self, column, values):
+        """As _rule, by a law that is known from STEP_SCHEMA on; None without one."""
+        at, meta, inertia = self._block, self.meta, self._inertia() if column in MOTION else None
+        if self._has_steps(column):
+            return lambda row: extrapolated(values, row, packing.STEP_POLYNOMIALS[column])
+        if column == "qd_s" and inertia is not None:
+            return packing.SteppedVelocity(at, inertia, meta, lambda row: extrapolated(values, row, 5))
+        if column == "f_s" and inertia is not None:
+            return lambda row: packing.inertial_effort(at, inertia, meta["k_pm"], meta["period_s"], row)
+        if column == "bodies":
+            return packing.BodyMotion(values, meta["period_s"])
+        if column == "alpha":
+            return lambda row: extrapolated(values, row, 4)
+        if column == "wall":
+            return lambda row: packing.wall_position(at, values, row)
+        if column == "exercise_effort":
+            return lambda row: packing.wall_effort(at, values, row)
+        if column == "phi" and len(meta["effort_dead"]):
+            return packing.ActivatedDamping(at, meta, values)
+        if column == "tank" and len(meta["device_damping"]):
+            dissipated = packing.DissipatedEnergy(at, meta)
+            return lambda row: self._whole_tank(values, row, dissipated(row))
+        return None
 
     def _rule(self, column, values):
         """What row `row` of every chunk is expected to hold, the operations in the order of the file format."""
         period_s, meta = self.meta["period_s"], self.meta
         at = self._block
+        law = self._law(column, values) if meta["schema_version"] >= STEP_SCHEMA else None
+        if law is not None:
+            return law
         later = meta["schema_version"] >= ROW_ELEMENT_SCHEMA
         if meta["schema_version"] >= GRID_SCHEMA and column in GRID_STEPS:
             steps = GRID_STEPS[column]
             return lambda row: numpy.rint(extrapolated(values, row, 3) * steps) / steps + 0.0
         if later and column == "intention":
-            return Oscillation(values)
+            return learning.Oscillation(values)
         if column in POLYNOMIALS:
             order = LATER_POLYNOMIALS.get(column, POLYNOMIALS[column]) if later else POLYNOMIALS[column]
             return lambda row: extrapolated(values, row, order)
@@ -158,7 +215,7 @@ class Recording:
         if column == "theta":
             return self._joints
         if column == "f_s" and later:
-            return CriticallyDampedEffort(self, values)
+            return learning.CriticallyDampedEffort(self, values)
         if column == "f_s":
             return lambda row: self._avatar_effort(values, row)
         if column == "coupling":
@@ -213,7 +270,14 @@ class Recording:
         return numpy.where(k_pm * stretch < most, 0.5 * k_pm * stretch * stretch,
                            most * stretch - 0.5 * most * most / k_pm)
 
-    def _tank(self, values, row):
+    def _whole_tank(self, values, row, dissipated):
+        most = self.meta["tank_capacity"]
+        energy = self._tank(values, row, dissipated, packing.wall_stored)
+        if row < int(self.meta["output_delay_ticks"]) + 2:
+            return energy
+        return numpy.where(energy > most, most, numpy.where(energy < -most, -most, energy))
+
+    def _tank(self, values, row, dissipated=0.0, wall_stored=None):
         if not len(self.meta["k_pm"]):
             return extrapolated(values, row, 2)
         delay, at = int(self.meta["output_delay_ticks"]), self._block
@@ -224,109 +288,14 @@ class Recording:
         acted = at("sent")[:, row - delay - 1]
         hidden = 0.5 * self.meta["encoder_step"] * abs(acted - at("sent")[:, row - delay - 2])
         moved = at("q_m")[:, row] - at("q_m")[:, row - 1]
-        to_person = (acted * moved + (self._stored(row) - self._stored(row - 1))) + hidden
+        stored, before = self._stored(row), self._stored(row - 1)
+        if wall_stored is not None:
+            stored, before = stored + wall_stored(at, row), before + wall_stored(at, row - 1)
+        to_person = ((acted * moved + (stored - before)) + hidden) - dissipated
         given = to_person + avatar * (at("q_s")[:, row] - at("q_s")[:, row - 1])
         return values[:, row - 1] - given
-
-
-class Oscillation:
-    """A sine on a straight line: second differences obey d = r d1 - d2, r by least squares over the chunk."""
-
-    def __init__(self, values):
-        self.values = values
-        self.products = self.squares = numpy.zeros(values[:, 0].shape)
-
-    def __call__(self, row):
-        values = self.values
-        if row < 5:
-            return extrapolated(values, row, 5)
-        last, before, first = (self._bend(row - back) for back in (1, 2, 3))
-        product, square = before * (last + first), before * before
-        learnt = numpy.isfinite(product) & numpy.isfinite(square)
-        self.products = numpy.where(learnt, self.products + product, self.products)
-        self.squares = numpy.where(learnt, self.squares + square, self.squares)
-        rate = numpy.where(self.squares > 0.0, self.products / self.squares, 2.0)
-        value = values[:, row - 1]
-        following = value + ((value - values[:, row - 2]) + (rate * last - before))
-        return numpy.where(numpy.isfinite(following), following, value)
-
-    def _bend(self, row):
-        middle = self.values[:, row - 1]
-        return (self.values[:, row] - middle) - (middle - self.values[:, row - 2])
-
-
-class CriticallyDampedEffort:
-    """Eq. (2) with a damping that is a parabola, by the last three rows, over the position of one axis or of none."""
-
-    CHOICE_ROWS, FIRST_CHOICE, JUDGED_ROWS = 25, 8, 4
-
-    def __init__(self, recording, values):
-        self.values, self.recording, self.k_pm = values, recording, recording.meta["k_pm"]
-        self.q_s = recording._block("q_s")
-        self.axes = values.shape[2]
-        self.source = numpy.tile(numpy.arange(self.axes), (len(values), 1))  # self.axes: none
-
-    def __call__(self, row):
-        if row % self.CHOICE_ROWS == self.FIRST_CHOICE:
-            self.source = self._best_sources(row)
-        damping = 0.0
-        if row > 0:
-            damping = self._damping(row - 1) if row < 3 else self._expected(row, self.source)
-        return self.k_pm * self.recording._stretch(row) + damping * self.recording._rate(row)
-
-    def _damping(self, row):
-        return quotient(self.values[:, row] - self.k_pm * self.recording._stretch(row), self.recording._rate(row))
-
-    def _expected(self, row, source):
-        d1, d2, d3 = (self._damping(row - back) for back in (1, 2, 3))
-        taken = numpy.minimum(source, self.axes - 1)
-        x, x1, x2, x3 = (numpy.take_along_axis(self.q_s[:, row - back], taken, 1) for back in range(4))
-        slope = quotient(d1 - d2, x1 - x2)
-        curve = quotient(slope - quotient(d2 - d3, x2 - x3), x1 - x3)
-        return numpy.where(source == self.axes, d1, (d1 + slope * (x - x1)) + (curve * (x - x1)) * (x - x2))
-
-    def _best_sources(self, row):
-        best = numpy.full(self.source.shape, self.axes)
-        least = self._judged(row, best)
-        for axis in range(self.axes):
-            error = self._judged(row, numpy.full(self.source.shape, axis))
-            best, least = numpy.where(error < least, axis, best), numpy.where(error < least, error, least)
-        return best
-
-    def _judged(self, row, source):
-        error = 0.0
-        for back in range(1, self.JUDGED_ROWS + 1):
-            error = error + abs(self._damping(row - back) - self._expected(row - back, source))
-        return error
-
-
-def quotient(a, b):
-    return numpy.where(b != 0.0, a / b, 0.0)
 
 
 def row_shape(dataset):
     """Shape of one row, whether it is one element of the dataset (an array) or many."""
     return (*dataset.shape[1:], *dataset.dtype.shape)
-
-
-def extrapolated(values, row, order):
-    """The polynomial through the last `order` rows, by its differences."""
-    difference = [values[:, row - 1 - k] for k in range(min(row, order))]
-    if not difference:
-        return numpy.zeros(values[:, 0].shape)
-    last = following = difference[0]
-    while len(difference) > 1:
-        difference = [a - b for a, b in zip(difference, difference[1:])]
-        following = following + difference[0]
-    return numpy.where(numpy.isfinite(following), following, last)
-
-
-def decayed(values, row):
-    """The last row, smaller by as much as it was than the one before."""
-    if row == 0:
-        return numpy.zeros(values[:, 0].shape)
-    last = values[:, row - 1]
-    if row == 1:
-        return last
-    before = values[:, row - 2]
-    return numpy.where((last == 0.0) | (before == 0.0), last, last * (last / before))
