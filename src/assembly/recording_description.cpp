@@ -100,6 +100,7 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
     meta.exercise = exercise->description().name;
     meta.level = exercise->description().level;
     meta.value_names = exercise->description().value_names;
+    meta.value_steps = exercise->description().value_steps;
     meta.event_names = exercise->description().event_names;
     for (const PanelValue& value : rig.models.exercise_panel.values) {
       if (!value.result) continue;

@@ -2,7 +2,6 @@
 
 #include "control/bilateral_coupling.hpp"
 #include "core/effort_sum.hpp"
-#include "core/value_step.hpp"
 #include "physics/body_pool.hpp"
 #include "physics/hand_probe.hpp"
 
@@ -24,8 +23,7 @@ std::vector<LiveParameter> allLiveParameters(const RendererConfig& config,
   return all;
 }
 
-/// Rounds values to their grids. They are shown and recorded; the exercise itself goes on with its
-/// own.
+/// Rounds what an exercise reports to the steps that it states; it goes on with its own numbers.
 void roundValues(const std::vector<double>& steps, ExerciseRecord& exercise) noexcept {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     double& value = exercise.values[i];
@@ -34,12 +32,10 @@ void roundValues(const std::vector<double>& steps, ExerciseRecord& exercise) noe
 }
 
 std::vector<double> valueSteps(const Exercise* exercise) {
-  std::vector<double> out;
-  if (exercise == nullptr) return out;
-  for (const std::string& name : exercise->description().value_names) {
-    if (out.size() < kMaxExerciseValues) out.push_back(valueStep(name));
-  }
-  return out;
+  if (exercise == nullptr) return {};
+  std::vector<double> steps = exercise->description().value_steps;
+  steps.resize(std::min(steps.size(), static_cast<std::size_t>(kMaxExerciseValues)));
+  return steps;
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "telemetry/prediction.hpp"
 
-#include "core/value_step.hpp"
 #include "telemetry/effort_rules.hpp"
 #include "telemetry/learning_rules.hpp"
 #include "telemetry/motion_rules.hpp"
@@ -174,8 +173,8 @@ std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
   addExtrapolated<1>(rules, "parameters");
   if (meta.schema >= kStepSchema) {
     rules.add("bodies", BodyMotion(rules, meta), {}, BodyMotion::later(meta));
-    std::vector<double> steps;
-    for (const std::string& name : meta.value_names) steps.push_back(valueStep(name));
+    std::vector<double> steps = meta.value_steps;
+    steps.resize(meta.value_names.size(), 0.0);
     addSteps<3>(rules, "exercise_values", steps);
   } else {
     addExtrapolated<1>(rules, "bodies");

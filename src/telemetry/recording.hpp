@@ -79,6 +79,7 @@ struct RecordingMeta {
   std::string exercise;  ///< empty: none
   int level = 0;
   std::vector<std::string> parameter_names, value_names, event_names;
+  std::vector<double> value_steps;  ///< grids of the values, 0 without; empty: none has one
   /// The value_names that are results: labels and units as shown, factors from value to shown
   /// number, and decimals. Empty in files older than results, and in black boxes.
   std::vector<std::string> result_names, result_labels, result_units;

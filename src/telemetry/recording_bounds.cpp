@@ -86,6 +86,9 @@ std::string unusable(const RecordingMeta& meta) {
     return "has not one value for each parameter";
   }
   if (!within(meta.value_names.size(), kMaxExerciseValues)) return "names too many values";
+  if (!meta.value_steps.empty() && meta.value_steps.size() != meta.value_names.size()) {
+    return "has not one step for each value";
+  }
   if (!(meta.period_s >= kLeastPeriod_s && meta.period_s <= kMostPeriod_s)) {
     return fmt::format("has a period of {} s; {} to {} are possible", meta.period_s, kLeastPeriod_s,
                        kMostPeriod_s);

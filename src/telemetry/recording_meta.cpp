@@ -134,6 +134,7 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
             writeAttribute(id, "parameter_names", meta.parameter_names) &&
             writeAttribute(id, "parameter_values", meta.parameter_values) &&
             writeAttribute(id, "value_names", meta.value_names) &&
+            (meta.schema < kStepSchema || writeAttribute(id, "value_steps", meta.value_steps)) &&
             writeAttribute(id, "event_names", meta.event_names) &&
             writeAttribute(id, "result_names", meta.result_names) &&
             writeAttribute(id, "result_labels", meta.result_labels) &&
@@ -168,12 +169,13 @@ bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
       readAttribute(id, "body_names", meta.body_names) &&
       readAttribute(id, "capsule_names", meta.capsule_names);
   std::uint64_t level = 0;
-  const bool exercise = readAttribute(id, "exercise", meta.exercise) &&
-                        readAttribute(id, "level", level) &&
-                        readAttribute(id, "parameter_names", meta.parameter_names) &&
-                        readAttribute(id, "parameter_values", meta.parameter_values) &&
-                        readAttribute(id, "value_names", meta.value_names) &&
-                        readAttribute(id, "event_names", meta.event_names);
+  const bool exercise =
+      readAttribute(id, "exercise", meta.exercise) && readAttribute(id, "level", level) &&
+      readAttribute(id, "parameter_names", meta.parameter_names) &&
+      readAttribute(id, "parameter_values", meta.parameter_values) &&
+      readAttribute(id, "value_names", meta.value_names) &&
+      (meta.schema < kStepSchema || readAttribute(id, "value_steps", meta.value_steps)) &&
+      readAttribute(id, "event_names", meta.event_names);
   // Before schema 3 no device was watched for lateness: to a re-simulation all were simulated.
   const bool watched = meta.schema < 3 || readAttribute(id, "simulated_device", simulated);
   std::uint64_t changed = 0;  // not said in older ones

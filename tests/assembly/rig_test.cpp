@@ -96,9 +96,10 @@ TEST(BuildRig, ModelsPushedBeyondTheTicksRoom_AreRefused) {
 /// An exercise that only describes itself.
 class Described final : public Exercise {
  public:
-  Described(std::size_t parameters, std::size_t values) {
+  Described(std::size_t parameters, std::size_t values, std::size_t steps = 0) {
     text_.parameters.resize(parameters);
     text_.value_names.resize(values);
+    text_.value_steps.resize(steps);
   }
   [[nodiscard]] const ExerciseDescription& description() const noexcept override { return text_; }
   void reset() override {}
@@ -120,6 +121,17 @@ TEST(BuildRig, ExerciseWithMoreParametersOrValuesThanATickHolds_IsRefused) {
   expectTooLarge(models, "parameters", "21");
   models.exercise = std::make_shared<Described>(0, 49);
   expectTooLarge(models, "values", "49");
+}
+
+TEST(BuildRig, ExerciseWithStepsForSomeOfItsValues_IsRefused) {
+  Models models = load(shippedFiles(kDevice));
+  Story story;
+  models.exercise = std::make_shared<Described>(0, 3, 3);
+  EXPECT_TRUE(buildRig(models, std::make_unique<WatchedDevice>(story), {}));
+  models.exercise = std::make_shared<Described>(0, 3, 2);
+  const auto rig = buildRig(models, std::make_unique<WatchedDevice>(story), {});
+  ASSERT_FALSE(rig);
+  EXPECT_EQ(rig.errors().front().key, "value_steps");
 }
 
 // The loader refuses such a file; a program may make such a model.

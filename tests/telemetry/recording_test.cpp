@@ -87,6 +87,7 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.parameter_names, want.parameter_names);
   EXPECT_EQ(got.parameter_values, want.parameter_values);
   EXPECT_EQ(got.value_names, want.value_names);
+  EXPECT_EQ(got.value_steps, want.value_steps);
   EXPECT_EQ(got.event_names, want.event_names);
   EXPECT_EQ(got.period_s, want.period_s);
   EXPECT_EQ(got.engine, want.engine);
@@ -123,6 +124,7 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
   meta.parameter_names.clear();
   meta.parameter_values.clear();
   meta.value_names.clear();
+  meta.value_steps.clear();
   TickRecord want;
   want.q_m = AxisPosition(1, 0.25);
   want.palm_distance_m = std::numeric_limits<double>::infinity();

@@ -72,6 +72,7 @@ inline RecordingMeta meta() {
   m.parameter_names = {"effort_limit_arm_n", "wall_stiffness_ratio"};
   m.parameter_values = {20.0, 1.0};
   m.value_names = {"stage", "flow_l_s", "spilt_l"};
+  m.value_steps = {0.0, 0x1p-32, 0x1p-32};
   m.event_names = {"touched", "spilt"};
   m.files = {{"config/devices/lambda-pride.toml", "kind = \"device\"\nname = \"lambda-pride\"\n"},
              {"mesh.stl", std::string("bin\0ary\xff\0", 9)},

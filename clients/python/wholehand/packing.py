@@ -9,9 +9,6 @@ STEP_CODES = 2**32  # codes below count steps of a grid
 STEP_POLYNOMIALS = {"q_m": 2, "intention": 3, "patient_effort": 4, "closure": 3, "palm_distance_m": 3,
                     "exercise_values": 3}
 STEPS = {"intention": 2.0**-20, "patient_effort": 2.0**-24, "closure": 2.0**-24, "palm_distance_m": 2.0**-24}
-VALUE_STEPS = {**dict.fromkeys(("squeeze_n", "row_y_m", "palm_distance_m"), 2.0**-24),
-               **dict.fromkeys(("flow_l_s", "poured_l", "poured_total_l", "glass_l", "spilt_l", "left_l", "layer_l"),
-                               2.0**-32)}
 
 
 def steps_of(column, meta):
@@ -20,7 +17,7 @@ def steps_of(column, meta):
         return meta["encoder_step"]
     if column != "exercise_values":
         return numpy.float64(STEPS[column])
-    return numpy.array([VALUE_STEPS.get(name.decode().partition("/")[0], 0.0) for name in meta["value_names"]])
+    return meta["value_steps"] if len(meta["value_steps"]) else numpy.zeros(len(meta["value_names"]))
 
 
 def folded(difference):
