@@ -229,10 +229,10 @@ one_at_a_time() {
   echo $$ >"$lock"
 }
 
-# Compilers at once: one a core, but at most one per 1.5 GB of free memory.
+# Compilers at once: one a core, or what $build_cores says, but at most one per 1.5 GB of free memory.
 build_jobs() {
   local cores free_kb jobs
-  cores=$(nproc)
+  cores=${build_cores:-$(nproc)}
   free_kb=$(sed -n 's/^MemAvailable: *\([0-9]*\).*/\1/p' /proc/meminfo)
   jobs=$((${free_kb:-99000000} / 1500000))
   if ((jobs < 1)); then jobs=1; fi

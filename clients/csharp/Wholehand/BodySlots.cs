@@ -23,6 +23,7 @@ namespace Wholehand
         public uint[] Shapes = new uint[0];    // WholehandClient.TryGetShapes
 
         internal long Number;                  // of the message; 0: none
+        internal bool InOrder = true;          // All; a damaged list may have its slots in any order
 
         /// <summary>Where body <paramref name="i"/> of All is: its centre of mass, in the world. False where neither the state
         /// nor the list says it at present: it stays where it was drawn.</summary>
@@ -56,7 +57,7 @@ namespace Wholehand
                 if (there.Slot < body.Slot) low = middle + 1;
                 else high = middle - 1;
             }
-            return -1;
+            return InOrder ? -1 : System.Array.FindIndex(All, 0, AllCount, there => there.Id.Slot == body.Slot && there.Id.Generation == body.Generation);
         }
 
         /// <summary>Index into Bodies, States and Shapes, of a body without a number; -1: no such body is in the
@@ -95,6 +96,7 @@ namespace Wholehand
             System.Array.Copy(other.Shapes, Shapes, Count);
             ResizeAll(other.AllCount);
             System.Array.Copy(other.All, All, AllCount);
+            InOrder = other.InOrder;
             Session = other.Session;
             SceneBodies = other.SceneBodies;
             Number = other.Number;

@@ -114,6 +114,8 @@ namespace Wholehand
                 registered[body.Id.Slot] = body;
             }
             slots.AllCount = all;
+            slots.InOrder = true;
+            for (int i = 1; i < all; ++i) slots.InOrder &= slots.All[i - 1].Id.Slot < slots.All[i].Id.Slot;
         }
 
         // Those of bodies that are in the world. gate is held.

@@ -97,7 +97,8 @@ internal static class Bodies
         }).ToList();
     }
 
-    // Those that the copy has: it knows nothing of a number that is no body's any more, or never was.
+    // Those that the copy has: it knows nothing of a number that is no body's any more, or never was. Of a number that a
+    // damaged list has twice, it has the last.
     private static void CopyRegistered(BodySlots slots, Dictionary<string, object> read)
     {
         if (!read.ContainsKey("registered")) return;
@@ -108,6 +109,7 @@ internal static class Bodies
             var name = new BodyId(Whole(told, "number"), Whole(told, "generation"));
             int found = slots.FindInAll(name);
             if (found >= 0 && name.IsNumber) all[i] = Registered(slots.All[found]);
+            else if (all.Skip(i + 1).Any(later => Whole((Dictionary<string, object>)later, "number") == name.Slot)) continue;
             else if (name.IsNumber && Whole(told, "whereabouts") != (uint)Whereabouts.Gone) throw new Exception("no body " + name.Slot);
         }
     }
