@@ -48,6 +48,7 @@ namespace Wholehand
         /// <summary>Index into All; -1: no such body is in the world.</summary>
         public int FindInAll(BodyId body)
         {
+            if (!InOrder) return FindOneByOne(body);
             int low = 0, high = AllCount - 1;
             while (low <= high)
             {
@@ -57,7 +58,7 @@ namespace Wholehand
                 if (there.Slot < body.Slot) low = middle + 1;
                 else high = middle - 1;
             }
-            return InOrder ? -1 : System.Array.FindIndex(All, 0, AllCount, there => there.Id.Slot == body.Slot && there.Id.Generation == body.Generation);
+            return -1;
         }
 
         /// <summary>Index into Bodies, States and Shapes, of a body without a number; -1: no such body is in the
@@ -67,6 +68,15 @@ namespace Wholehand
             for (int i = 0; i < Count; ++i)
             {
                 if (Bodies[i].Slot == body.Slot && Bodies[i].Generation == body.Generation) return i;
+            }
+            return -1;
+        }
+
+        private int FindOneByOne(BodyId body)
+        {
+            for (int i = 0; i < AllCount; ++i)
+            {
+                if (All[i].Id.Slot == body.Slot && All[i].Id.Generation == body.Generation) return i;
             }
             return -1;
         }
