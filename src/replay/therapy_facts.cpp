@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -65,13 +67,13 @@ void TherapyFacts::add(const TickRecord& record, bool follows) {
 }
 
 void TherapyFacts::addContacts(const TickRecord& record, bool grips) {
-  std::array<Grasp, kMaxBodies> grasps{};
+  std::vector<Grasp> grasps(std::min<std::size_t>(bodies_.size(), kMaxBodies));
   double sum_n = 0.0;
   for (int c = 0; c < record.contact_count; ++c) {
     const Contact& contact = record.contacts[c];
     const double force_n = contact.force_n.eigen().norm();
     sum_n += force_n;
-    if (contact.body < 0 || contact.body >= kMaxBodies) continue;
+    if (contact.body < 0 || std::cmp_greater_equal(contact.body, grasps.size())) continue;
     Grasp& grasp = grasps[contact.body];
     grasp.touching = true;
     grasp.force_n += force_n;
@@ -84,7 +86,7 @@ void TherapyFacts::addContacts(const TickRecord& record, bool grips) {
     largest_force_s_ = record.time_s;
   }
   const double duration_s = meta_.period_s * std::max<std::uint32_t>(record.elapsed_periods, 1);
-  for (std::size_t b = 0; b < bodies_.size() && b < grasps.size(); ++b) {
+  for (std::size_t b = 0; b < grasps.size(); ++b) {
     const Grasp& g = grasps[b];
     bodies_[b].contact(record.time_s, duration_s, g.touching, g.force_n, g.held() || grips);
     const bool in_record = static_cast<int>(b) < record.body_count;

@@ -155,8 +155,8 @@ bool RecordedTables::findRowsFrom(std::uint64_t first_row) {
       !commands_.findBlocks(end, block_)) {
     return false;
   }
+  TickRecord counts;  // large: cleared once
   for (std::uint64_t i = 0; i < rows; ++i) {
-    TickRecord counts;
     counts.contact_count = contacts[i];
     counts.exercise.event_count = events[i];
     counts.command_count = commands[i];
