@@ -9,6 +9,8 @@ namespace {
 
 using hdf5::Handle;
 
+constexpr std::size_t kConstant = 64;  ///< bytes that one byte stands for where nothing changes
+
 static_assert(std::endian::native == std::endian::little, "chunks hold little-endian numbers");
 
 H5Z_filter_t filterAt(hid_t properties, unsigned index) {
@@ -80,7 +82,21 @@ bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t f
       left_out_filters != 0) {
     return false;
   }
-  return unpackChunk(packed_, column.elementBytes(), planes_, rows);
+  // A constant column has the same few bytes in every chunk; zlib would fill them in one by one.
+  if (packed_.size() > bytes / kConstant) {
+    return unpackChunk(packed_, column.elementBytes(), planes_, rows);
+  }
+  Unpacked& last = last_[dataset];
+  if (last.packed != packed_ || last.rows.size() != bytes ||
+      last.element_bytes != column.elementBytes()) {
+    last.rows.resize(bytes);
+    last.element_bytes = column.elementBytes();
+    last.packed.clear();  // if it is damaged, nothing is kept
+    if (!unpackChunk(packed_, column.elementBytes(), planes_, last.rows.data())) return false;
+    last.packed = packed_;
+  }
+  std::copy(last.rows.begin(), last.rows.end(), rows);
+  return true;
 }
 
 }  // namespace wholehand::recording

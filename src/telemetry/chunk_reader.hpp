@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 /// Reads whole chunks directly, bypassing HDF5's pipeline, which copies every byte four times and
@@ -31,7 +32,12 @@ class ChunkReader {
             std::byte* rows);
 
  private:
+  struct Unpacked {
+    std::vector<std::byte> packed, rows;
+    std::size_t element_bytes = 0;
+  };
   std::vector<std::byte> packed_, planes_;
+  std::unordered_map<hid_t, Unpacked> last_;  ///< last chunk of few bytes, per dataset
 };
 
 }  // namespace wholehand::recording
