@@ -132,7 +132,7 @@ TEST(ReplayFigures, AnHour_OpensScrubsAndIsReported) {
   const Cost reported = report(path);
   tell("replay_report", reported);
   // Of an hour with pauses 20 s are asked for; the hand of this one never rests, which packs badly.
-  EXPECT_LT(reported.cpu_s, isFull() ? 40.0 : 2.0) << "a report costs twice what it did";
+  EXPECT_LT(reported.cpu_s, isFull() ? 30.0 : 2.0) << "a report costs twice what it did";
 }
 
 }  // namespace
