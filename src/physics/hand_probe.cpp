@@ -1,18 +1,15 @@
 #include "physics/hand_probe.hpp"
 
-#include <cmath>
+#include "core/grid.hpp"
+
 #include <limits>
 
 namespace wholehand {
 namespace {
 
-/// Steps of what is told, of a metre or radian: 0.06 µm. Finer digits are the noise of arithmetic,
-/// and fill recordings.
-constexpr double kSteps = 0x1p24;
-
-double told(double value) noexcept {
-  return std::nearbyint(value * kSteps) / kSteps + 0.0;  // infinity and NaN stay
-}
+/// Step of the distances and first touches [m or rad]: 0.06 µm. Finer digits are the noise of
+/// arithmetic, and fill recordings.
+constexpr double kStep = 0x1p-24;
 
 }  // namespace
 
@@ -25,12 +22,14 @@ HandProbe::HandProbe(const HandModel& hand, const SceneModel& scene)
 void HandProbe::look(const Pose* links, const WorldQuery& query, TickRecord& record) noexcept {
   const PalmDistance::Result palm =
       palm_distance_(links[palm_link_], record.bodies.data(), query.targets);
-  record.palm_distance_m = told(palm.any_m);
+  record.palm_distance_m = onGrid(palm.any_m, kStep);
   record.palm_body = palm.target;
-  record.palm_target_distance_m = told(palm.target_m);
+  record.palm_target_distance_m = onGrid(palm.target_m, kStep);
   axis_closure_.update(links, record.theta, record.q_s, query.closure_body, record.bodies.data(),
                        record.closure);
-  for (int i = 0; i < record.closure.size(); ++i) record.closure[i] = told(record.closure[i]);
+  for (int i = 0; i < record.closure.size(); ++i) {
+    record.closure[i] = onGrid(record.closure[i], kStep);
+  }
 }
 
 void HandProbe::clearMeasurements(TickRecord& record) const noexcept {

@@ -2,13 +2,13 @@
 
 #include "control/bilateral_coupling.hpp"
 #include "core/effort_sum.hpp"
+#include "core/grid.hpp"
 #include "physics/body_pool.hpp"
 #include "physics/hand_probe.hpp"
 
 #include <climits>
 
 #include <algorithm>
-#include <cmath>
 
 namespace wholehand {
 namespace {
@@ -27,7 +27,7 @@ std::vector<LiveParameter> allLiveParameters(const RendererConfig& config,
 void roundValues(const std::vector<double>& steps, ExerciseRecord& exercise) noexcept {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     double& value = exercise.values[i];
-    if (steps[i] > 0.0) value = std::nearbyint(value / steps[i]) * steps[i] + 0.0;
+    if (steps[i] > 0.0) value = onGrid(value, steps[i]);
   }
 }
 

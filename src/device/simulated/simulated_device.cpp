@@ -1,10 +1,10 @@
 #include "device/simulated/simulated_device.hpp"
 
+#include "core/grid.hpp"
 #include "patient/scripted_player.hpp"
 #include "patient/virtual_patient.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace wholehand {
@@ -14,12 +14,7 @@ namespace {
 // The patient is reported in steps of about 1 µm or µrad and 0.06 µN or µN·m, finer than any
 // encoder or sensor. The digits below were a quarter of a recording
 // (docs/adr/0065-patients-on-a-grid.md).
-constexpr double kPositionSteps = 0x1p20, kEffortSteps = 0x1p24;
-
-/// The nearest point of a grid. A zero is positive.
-double onGrid(double value, double steps) {
-  return std::nearbyint(value * steps) / steps + 0.0;
-}
+constexpr double kPositionStep = 0x1p-20, kEffortStep = 0x1p-24;
 
 }  // namespace
 
@@ -165,8 +160,8 @@ Fault SimulatedDevice::read(DeviceReading& reading, int elapsed_periods) noexcep
   reading.intention = q_intended_;
   reading.patient_effort = impedance();
   for (int i = 0; i < q_.size(); ++i) {
-    reading.intention[i] = onGrid(reading.intention[i], kPositionSteps);
-    reading.patient_effort[i] = onGrid(reading.patient_effort[i] + person_.end()[i], kEffortSteps);
+    reading.intention[i] = onGrid(reading.intention[i], kPositionStep);
+    reading.patient_effort[i] = onGrid(reading.patient_effort[i] + person_.end()[i], kEffortStep);
   }
   return Fault::kNone;
 }
