@@ -13,7 +13,7 @@
 namespace wholehand::test {
 namespace {
 
-DriverLocation built(const std::string& name, const std::string& settings = {}) {
+DriverLocation builtAt(const std::string& name, const std::string& settings = {}) {
   return {std::string(WHOLEHAND_BINARY_DIR) + "/drivers/" + name + ".so", "", settings};
 }
 
@@ -45,7 +45,7 @@ struct Broken {
   const char* setting;
   const char* check;
 };
-std::string nameOf(const testing::TestParamInfo<Broken>& info) {
+std::string brokenRule(const testing::TestParamInfo<Broken>& info) {
   return info.param.setting;
 }
 
@@ -59,7 +59,7 @@ TEST_P(OneRuleBroken, IsFoundByTheCheckThatIsMeantForIt) {
   // Where the machine kept a check waiting, times excuse the driver: it is asked again.
   for (int k = 0; k < (uncounted ? 1 : 5) && (k == 0 || meant->finding.outcome != Outcome::kFailed);
        ++k) {
-    results = conform(with(built("broken", GetParam().setting), id, 1.5));
+    results = conform(with(builtAt("broken", GetParam().setting), id, 1.5));
     meant = std::find_if(results.begin(), results.end(),
                          [&](const CheckResult& r) { return id == r.check->id; });
     ASSERT_NE(meant, results.end());
@@ -102,13 +102,13 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"sleepless", "watchdog.silenced"}, Broken{"tardy", "watchdog.silenced"},
         Broken{"forgiving", "watchdog.latched"}, Broken{"impatient", "watchdog.before_first"},
         Broken{"undroppable", "watchdog.dropped"}),
-    nameOf);
+    brokenRule);
 
 // What is wrong with the shared object itself; spoiled_driver.c, built so.
 class WrongObject : public testing::TestWithParam<Broken> {};
 
 TEST_P(WrongObject, IsFoundByTheCheckThatIsMeantForIt) {
-  const auto results = conform(with(built(GetParam().setting), GetParam().check));
+  const auto results = conform(with(builtAt(GetParam().setting), GetParam().check));
   ASSERT_EQ(results.size(), 1U);
   EXPECT_EQ(results[0].finding.outcome, Outcome::kFailed);
 }
@@ -118,38 +118,38 @@ INSTANTIATE_TEST_SUITE_P(Kinds, WrongObject,
                                          Broken{"other_major", "boundary.major"},
                                          Broken{"too_short", "boundary.size"},
                                          Broken{"without_write", "boundary.functions"}),
-                         nameOf);
+                         brokenRule);
 
 TEST(Conformance, DriverThatCrashes_FailsTheCheckUnderWayAndNoOtherGroup) {
-  const auto results = conform(with(built("broken", "crashes"), "samples."));
+  const auto results = conform(with(builtAt("broken", "crashes"), "samples."));
   EXPECT_NE(failures(results).find("samples.succeed: the driver ended the process"),
             std::string::npos)
       << failures(results);
   EXPECT_EQ(results.back().finding.outcome, Outcome::kSkipped);
-  EXPECT_EQ(failures(conform(with(built("broken", "crashes"), "description."))), "");
+  EXPECT_EQ(failures(conform(with(builtAt("broken", "crashes"), "description."))), "");
 }
 
 TEST(Conformance, DriverThatHangs_IsEndedAndToldOf) {
-  const auto results = conform(with(built("broken", "hangs"), "samples.", 0.5));
+  const auto results = conform(with(builtAt("broken", "hangs"), "samples.", 0.5));
   EXPECT_NE(failures(results).find("samples.succeed: the driver hangs"), std::string::npos)
       << failures(results);
 }
 
 TEST(Conformance, GoodDrivers_FailNothing) {
-  EXPECT_EQ(failures(conform(with(built("broken", "moving"), ""))), "");
-  EXPECT_EQ(failures(conform(with(built("rails"), ""))), "");
+  EXPECT_EQ(failures(conform(with(builtAt("broken", "moving"), ""))), "");
+  EXPECT_EQ(failures(conform(with(builtAt("rails"), ""))), "");
 }
 
 // It may wait, has no watchdog of its own and moves by itself: what it does without effort.
 TEST(Conformance, DriverForHosts_FailsNothingThatLooks) {
   const Folder folder;
-  ConformanceOptions options = with(built("pushed", folder.file("kept")), "");
+  ConformanceOptions options = with(builtAt("pushed", folder.file("kept")), "");
   options.allow_effort = false;
   EXPECT_EQ(failures(conform(options)), "");
 }
 
 TEST(Conformance, WithoutLeave_EnablesNothing) {
-  ConformanceOptions options = with(built("broken"), "");
+  ConformanceOptions options = with(builtAt("broken"), "");
   options.allow_effort = false;
   for (const CheckResult& r : conform(options)) {
     if (r.check->effect == Effect::kLooks) continue;

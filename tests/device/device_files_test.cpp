@@ -12,14 +12,14 @@ namespace {
 
 const std::string kRoot = WHOLEHAND_SOURCE_DIR;
 
-struct Bench {
+struct FileBench {
   DeviceModel device;
   PatientConfig patient;
   Intention intention;
 };
 
 /// A shipped device with the relaxed adult, who plays the first recording.
-Bench shipped(const std::string& device_name) {
+FileBench shipped(const std::string& device_name) {
   Expected<DeviceModel> device = loadDeviceFile(kRoot + "/config/devices/" + device_name + ".toml");
   EXPECT_TRUE(device.ok()) << (device.ok() ? "" : format(device.errors()));
   Expected<PatientConfig> patient =
@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(Files, ShippedDevice,
                                            std::pair{"wrist-9axis", 9}));
 
 TEST_P(ShippedDevice, RecordedMotion_IsFollowedInsideTheRange) {
-  const Bench s = shipped(GetParam().first);
+  const FileBench s = shipped(GetParam().first);
   ASSERT_EQ(s.device.axisCount(), GetParam().second);
   SimulatedDevice device(s.device, s.patient, s.intention, 1e-3);
   ASSERT_TRUE(device.open().ok());
@@ -66,7 +66,7 @@ TEST_P(ShippedDevice, RecordedMotion_IsFollowedInsideTheRange) {
 }
 
 TEST_P(ShippedDevice, OneAndFourKilohertz_MoveAlike) {
-  const Bench s = shipped(GetParam().first);
+  const FileBench s = shipped(GetParam().first);
   SimulatedDevice slow(s.device, s.patient, s.intention, 1e-3);
   SimulatedDevice fast(s.device, s.patient, s.intention, 0.25e-3);
   ASSERT_TRUE(slow.open().ok() && fast.open().ok());

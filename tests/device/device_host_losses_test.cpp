@@ -20,20 +20,20 @@ namespace wholehand::test {
 namespace {
 
 constexpr double kNeutralWithin_ms = 110.0;
-constexpr double kSilence_ms = 20.0;
+constexpr double kLoopSilence_ms = 20.0;
 constexpr double kPeriod_ms = 0.25;
 
 bool full() {
   return std::getenv("WHOLEHAND_FULL") != nullptr;
 }
 
-std::string deviceFile() {
+std::string desktopFile() {
   return std::string(WHOLEHAND_SOURCE_DIR) + "/config/devices/desktop-3axis.toml";
 }
 
 // x carries a weight of its own, so that neutral is not 0.
 DeviceModel weighted() {
-  DeviceModel model = orThrow(loadDeviceFile(deviceFile()));
+  DeviceModel model = orThrow(loadDeviceFile(desktopFile()));
   model.output_delay_ticks = 2;
   model.axes[0].neutral_effort = 0.5;
   return model;
@@ -160,7 +160,7 @@ TEST_P(LostLoop, IsTakenToNeutralWithin110ms) {
     neutral_ms = std::max(neutral_ms, loss.neutral_ms);
     late_ms = std::max(late_ms, loss.late_ms);
     beyond += loss.neutral_ms > kNeutralWithin_ms ? 1 : 0;
-    EXPECT_GT(loss.noticed_ms, kSilence_ms) << "an alarm too early";
+    EXPECT_GT(loss.noticed_ms, kLoopSilence_ms) << "an alarm too early";
     EXPECT_LE(loss.neutral_ms, kNeutralWithin_ms + loss.late_ms);
     ASSERT_FALSE(HasFailure()) << "loss " << k;
   }
@@ -206,7 +206,7 @@ TEST(LivingLoop, BesideBusyPrograms_IsNeverLost) {
     HostCommand last{};
     ASSERT_TRUE(host.frame().command.take(last));
     longest_ms = std::max(longest_ms, last.effort[kGapAt]);
-    if (alarm) ++(last.effort[kGapAt] > kSilence_ms ? stalls : false_alarms);
+    if (alarm) ++(last.effort[kGapAt] > kLoopSilence_ms ? stalls : false_alarms);
   }
   EXPECT_EQ(false_alarms, 0);
   const std::string what = "device host beside busy programs, " + std::to_string(seconds) + " s: ";
@@ -232,13 +232,13 @@ TEST_P(LostHost, IsAFaultWithinTheLongestGap) {
   const int losses = full() ? 1000 : 12;
   const std::string name = hostName("dies");
   const std::string path = std::string(WHOLEHAND_BINARY_DIR) + "/drivers/may_wait.so";
-  DeviceModel model = orThrow(loadDeviceFile(deviceFile()));
+  DeviceModel model = orThrow(loadDeviceFile(desktopFile()));
   model.output_delay_ticks = 2;
   int most = 0;
   std::shared_ptr<HostedDriver> driver;
   std::unique_ptr<HapticDevice> device;
   for (int k = 0, stalls = 0; k < losses; ++k) {
-    Partner host({"host", name, path, GetParam().settings, deviceFile()});
+    Partner host({"host", name, path, GetParam().settings, desktopFile()});
     // The first connects; from then on a new arming finds the new host.
     bool open = false;
     for (int i = 0; i < 5000 && !open; ++i) {
@@ -264,7 +264,7 @@ TEST_P(LostHost, IsAFaultWithinTheLongestGap) {
       since = tick - 20;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    if (any(faults & Fault::kEnableLost) && gap.longest_ms() > kSilence_ms && stalls < losses) {
+    if (any(faults & Fault::kEnableLost) && gap.longest_ms() > kLoopSilence_ms && stalls < losses) {
       ++stalls;  // the machine let this loop stand still: the host let go of it before it died
       --k;
       device->close();
@@ -295,15 +295,15 @@ INSTANTIATE_TEST_SUITE_P(Kinds, LostHost,
 // A stopped host, or one whose driver blocks for good.
 TEST(StoppedHost, KeepsNoRunFromEndingAndIsNotArmed) {
   const std::string name = hostName("stopped");
-  Partner host(
-      {"host", name, std::string(WHOLEHAND_BINARY_DIR) + "/drivers/may_wait.so", "", deviceFile()});
+  Partner host({"host", name, std::string(WHOLEHAND_BINARY_DIR) + "/drivers/may_wait.so", "",
+                desktopFile()});
   std::shared_ptr<HostedDriver> driver;
   for (int i = 0; i < 5000 && !driver; ++i) {
     if (auto connected = HostedDriver::connect(name)) driver = *connected;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   ASSERT_TRUE(driver);
-  DeviceModel model = orThrow(loadDeviceFile(deviceFile()));
+  DeviceModel model = orThrow(loadDeviceFile(desktopFile()));
   model.output_delay_ticks = 2;
   const auto device = orThrow(PluginDevice::make(driver, model, 1e-3));
   ASSERT_TRUE(device->open());

@@ -28,7 +28,7 @@ GuardConfig configAt(double rate_hz) {
   return config;
 }
 
-HostCommand commandOf(std::uint64_t sequence, std::int64_t at_ns, double x, double y, double z) {
+HostCommand commandAt(std::uint64_t sequence, std::int64_t at_ns, double x, double y, double z) {
   HostCommand command{};
   command.session = 1;
   command.sequence = sequence;
@@ -51,7 +51,7 @@ TEST(EffortGuard, EveryNewCommand_IsPassedOnInItsCycleAndClamped) {
   for (int k = 1; k < 100; ++k) {
     const std::int64_t now_ns = kStart_ns + k * kMs;
     const HostCommand command =
-        commandOf(static_cast<std::uint64_t>(k), now_ns, 0.01 * k, -9.0, 3.0);
+        commandAt(static_cast<std::uint64_t>(k), now_ns, 0.01 * k, -9.0, 3.0);
     guard = advanceGuard(guard, &command, HostReason::kNone, 1, now_ns, config);
     EXPECT_EQ(guard.phase, HostPhase::kRendering);
     EXPECT_EQ(guard.ramp.sent[0], 0.01 * k);
@@ -73,7 +73,7 @@ TEST(EffortGuard, SilentLoop_IsAtNeutralWithin110msAndOnlyFalls) {
     const auto period_ns = static_cast<std::int64_t>(1e9 / rate_hz);
     const GuardConfig config = configAt(rate_hz);
     const HostCommand last =
-        commandOf(5, kStart_ns, uniform(-8.0, 8.0), uniform(-8.0, 8.0), uniform(-8.0, 8.0));
+        commandAt(5, kStart_ns, uniform(-8.0, 8.0), uniform(-8.0, 8.0), uniform(-8.0, 8.0));
     GuardState guard = rendering(config, last);
     std::int64_t now_ns = kStart_ns;
     AxisEffort before = guard.ramp.sent;
@@ -111,22 +111,22 @@ TEST(EffortGuard, SilentLoop_IsAtNeutralWithin110msAndOnlyFalls) {
 
 TEST(EffortGuard, HostThatWasBlocked_JudgesTheLoopByItsTimeStamps) {
   const GuardConfig config = configAt(1000.0);
-  const HostCommand last = commandOf(5, kStart_ns, 4.0, 0.0, 1.5);
+  const HostCommand last = commandAt(5, kStart_ns, 4.0, 0.0, 1.5);
   const std::int64_t later_ns = kStart_ns + 50 * kMs;
   // The loop went on: its newest command is 1 ms old.
-  const HostCommand fresh = commandOf(54, later_ns - kMs, 5.0, 0.0, 1.5);
+  const HostCommand fresh = commandAt(54, later_ns - kMs, 5.0, 0.0, 1.5);
   GuardState lives =
       advanceGuard(rendering(config, last), &fresh, HostReason::kNone, 50, later_ns, config);
   EXPECT_EQ(lives.phase, HostPhase::kRendering);
   EXPECT_LT(lives.ramp.sent[0], 4.1) << "no step";
   for (int k = 1; k <= 30; ++k) {
     const HostCommand goes_on =
-        commandOf(54 + static_cast<std::uint64_t>(k), later_ns + k * kMs, 5.0, 0.0, 1.5);
+        commandAt(54 + static_cast<std::uint64_t>(k), later_ns + k * kMs, 5.0, 0.0, 1.5);
     lives = advanceGuard(lives, &goes_on, HostReason::kNone, 1, later_ns + k * kMs, config);
   }
   EXPECT_EQ(lives.ramp.sent[0], 5.0) << "blended in within 30 ms";
   // The loop died 25 ms ago: the ramp begins at what the device holds, not at what comes too late.
-  const HostCommand old = commandOf(29, later_ns - 25 * kMs, -5.0, 0.0, 1.5);
+  const HostCommand old = commandAt(29, later_ns - 25 * kMs, -5.0, 0.0, 1.5);
   const GuardState died =
       advanceGuard(rendering(config, last), &old, HostReason::kNone, 50, later_ns, config);
   EXPECT_EQ(died.phase, HostPhase::kRamping);
@@ -138,12 +138,12 @@ TEST(EffortGuard, HostThatWasBlocked_JudgesTheLoopByItsTimeStamps) {
 // A host that stood still while its loop went to neutral: the device is not dropped.
 TEST(EffortGuard, HostThatWasBlockedWhileTheLoopRamped_DoesNotDropTheEffort) {
   const GuardConfig config = configAt(1000.0);
-  GuardState guard = rendering(config, commandOf(5, kStart_ns, 8.0, 0.0, 1.5));
+  GuardState guard = rendering(config, commandAt(5, kStart_ns, 8.0, 0.0, 1.5));
   std::int64_t now_ns = kStart_ns + 200 * kMs;
   double before = guard.ramp.sent[0];
   int elapsed = 200;
   for (std::uint64_t k = 0; k < 40; ++k) {
-    const HostCommand neutral = commandOf(205 + k, now_ns - kMs, 0.0, 0.0, 1.5);
+    const HostCommand neutral = commandAt(205 + k, now_ns - kMs, 0.0, 0.0, 1.5);
     guard = advanceGuard(guard, &neutral, HostReason::kNone, elapsed, now_ns, config);
     // The steepest slope of the smoothstep over 30 ms.
     ASSERT_LE(before - guard.ramp.sent[0], 8.0 * 1.5 / 30.0 + 1e-12);
@@ -170,7 +170,7 @@ TEST(EffortGuard, AnyEffort_ChangesByNoMoreThanTheSlewLimit) {
       const int elapsed = uniform(0.0, 1.0) < 0.05 ? static_cast<int>(uniform(1.0, 60.0)) : 1;
       now_ns += elapsed * kMs;
       if (k < 150) {
-        command = commandOf(static_cast<std::uint64_t>(k) + 1, now_ns, uniform(-9.0, 9.0),
+        command = commandAt(static_cast<std::uint64_t>(k) + 1, now_ns, uniform(-9.0, 9.0),
                             uniform(-9.0, 9.0), uniform(-9.0, 9.0));
       }
       const AxisEffort before = guard.ramp.sent;
@@ -187,29 +187,29 @@ TEST(EffortGuard, AnyEffort_ChangesByNoMoreThanTheSlewLimit) {
 
 TEST(EffortGuard, StampInTheFuture_GivesNoMoreTime) {
   const GuardConfig config = configAt(1000.0);
-  const HostCommand first = commandOf(1, kStart_ns, 4.0, 0.0, 1.5);
-  const HostCommand future = commandOf(2, kStart_ns + 1'000'000 * kMs, 4.0, 0.0, 1.5);
+  const HostCommand first = commandAt(1, kStart_ns, 4.0, 0.0, 1.5);
+  const HostCommand future = commandAt(2, kStart_ns + 1'000'000 * kMs, 4.0, 0.0, 1.5);
   GuardState guard = advanceGuard(rendering(config, first), &future, HostReason::kNone, 1,
                                   kStart_ns + kMs, config);
   guard = advanceGuard(guard, &future, HostReason::kNone, 1, kStart_ns + 22 * kMs, config);
   EXPECT_EQ(guard.phase, HostPhase::kRamping);
 }
 
-struct Spoiled {
+struct SpoiledOrder {
   const char* name;
   void (*spoil)(HostCommand&);
   HostReason reason;
 };
 
-class SpoiledCommand : public testing::TestWithParam<Spoiled> {};
+class SpoiledCommand : public testing::TestWithParam<SpoiledOrder> {};
 
 TEST_P(SpoiledCommand, IsNeverSentAndEndsAtNeutral) {
   const GuardConfig config = configAt(1000.0);
-  const HostCommand first = commandOf(5, kStart_ns, 4.0, -2.0, 3.0);
+  const HostCommand first = commandAt(5, kStart_ns, 4.0, -2.0, 3.0);
   GuardState guard = rendering(config, first);
   for (int k = 1; k < 130; ++k) {
     HostCommand command =
-        commandOf(5 + static_cast<std::uint64_t>(k), kStart_ns + k * kMs, 7.0, 7.0, 7.0);
+        commandAt(5 + static_cast<std::uint64_t>(k), kStart_ns + k * kMs, 7.0, 7.0, 7.0);
     GetParam().spoil(command);
     guard = advanceGuard(guard, &command, HostReason::kNone, 1, kStart_ns + k * kMs, config);
     ASSERT_LE(guard.ramp.sent[0], 4.0) << k;
@@ -222,24 +222,26 @@ TEST_P(SpoiledCommand, IsNeverSentAndEndsAtNeutral) {
 INSTANTIATE_TEST_SUITE_P(
     Kinds, SpoiledCommand,
     testing::Values(
-        Spoiled{"not_a_number",
-                [](HostCommand& c) { c.effort[1] = std::numeric_limits<double>::quiet_NaN(); },
-                HostReason::kBadCommand},
-        Spoiled{"infinite",
-                [](HostCommand& c) { c.effort[0] = std::numeric_limits<double>::infinity(); },
-                HostReason::kBadCommand},
-        Spoiled{"of_other_axes", [](HostCommand& c) { c.axes = 6; }, HostReason::kBadCommand},
-        Spoiled{"of_absurd_axes", [](HostCommand& c) { c.axes = ~0ULL; }, HostReason::kBadCommand},
-        Spoiled{"of_another_session", [](HostCommand& c) { c.session = 0; },
-                HostReason::kLoopSilent},
-        Spoiled{"standing_still", [](HostCommand& c) { c.sequence = 5; }, HostReason::kLoopSilent},
-        Spoiled{"running_backwards", [](HostCommand& c) { c.sequence = 4 - c.sequence % 4; },
-                HostReason::kLoopSilent}),
+        SpoiledOrder{"not_a_number",
+                     [](HostCommand& c) { c.effort[1] = std::numeric_limits<double>::quiet_NaN(); },
+                     HostReason::kBadCommand},
+        SpoiledOrder{"infinite",
+                     [](HostCommand& c) { c.effort[0] = std::numeric_limits<double>::infinity(); },
+                     HostReason::kBadCommand},
+        SpoiledOrder{"of_other_axes", [](HostCommand& c) { c.axes = 6; }, HostReason::kBadCommand},
+        SpoiledOrder{"of_absurd_axes", [](HostCommand& c) { c.axes = ~0ULL; },
+                     HostReason::kBadCommand},
+        SpoiledOrder{"of_another_session", [](HostCommand& c) { c.session = 0; },
+                     HostReason::kLoopSilent},
+        SpoiledOrder{"standing_still", [](HostCommand& c) { c.sequence = 5; },
+                     HostReason::kLoopSilent},
+        SpoiledOrder{"running_backwards", [](HostCommand& c) { c.sequence = 4 - c.sequence % 4; },
+                     HostReason::kLoopSilent}),
     [](const auto& tested) { return tested.param.name; });
 
 TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
   const GuardConfig config = configAt(1000.0);
-  const HostCommand last = commandOf(5, kStart_ns, 4.0, -2.0, 3.0);
+  const HostCommand last = commandAt(5, kStart_ns, 4.0, -2.0, 3.0);
   GuardState guard = rendering(config, last);
   std::int64_t now_ns = kStart_ns;
   for (int k = 0; k < 120; ++k) {
@@ -249,7 +251,7 @@ TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
   ASSERT_EQ(guard.phase, HostPhase::kLatched);
   for (int k = 0; k < 500; ++k) {  // the loop was stopped, not killed: it goes on
     now_ns += kMs;
-    const HostCommand again = commandOf(6 + static_cast<std::uint64_t>(k), now_ns, 4.0, 4.0, 4.0);
+    const HostCommand again = commandAt(6 + static_cast<std::uint64_t>(k), now_ns, 4.0, 4.0, 4.0);
     guard = advanceGuard(guard, &again, HostReason::kNone, 1, now_ns, config);
     ASSERT_EQ(guard.phase, HostPhase::kLatched);
     ASSERT_EQ(guard.ramp.sent[0], 0.0);
@@ -258,7 +260,7 @@ TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
   guard = beginSession(2, now_ns, config);
   EXPECT_EQ(guard.phase, HostPhase::kWaiting);
   EXPECT_EQ(guard.reason, HostReason::kNone);
-  HostCommand anew = commandOf(1, now_ns + kMs, 2.0, 0.0, 1.5);
+  HostCommand anew = commandAt(1, now_ns + kMs, 2.0, 0.0, 1.5);
   anew.session = 2;
   guard = advanceGuard(guard, &anew, HostReason::kNone, 1, now_ns + kMs, config);
   EXPECT_EQ(guard.phase, HostPhase::kRendering);
@@ -267,7 +269,7 @@ TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
 
 TEST(EffortGuard, SilentWhereTheEffortIsNeutral_LatchesWithoutARamp) {
   const GuardConfig config = configAt(1000.0);
-  const HostCommand last = commandOf(5, kStart_ns, 0.0, 0.0, 1.5);
+  const HostCommand last = commandAt(5, kStart_ns, 0.0, 0.0, 1.5);
   const GuardState guard = advanceGuard(rendering(config, last), &last, HostReason::kNone, 1,
                                         kStart_ns + 21 * kMs, config);
   EXPECT_EQ(guard.phase, HostPhase::kLatched);
@@ -276,10 +278,10 @@ TEST(EffortGuard, SilentWhereTheEffortIsNeutral_LatchesWithoutARamp) {
 
 TEST(EffortGuard, ToldToLetGo_RampsWhateverTheLoopCommands) {
   const GuardConfig config = configAt(1000.0);
-  GuardState guard = rendering(config, commandOf(5, kStart_ns, 4.0, 0.0, 1.5));
+  GuardState guard = rendering(config, commandAt(5, kStart_ns, 4.0, 0.0, 1.5));
   for (int k = 1; k <= 80; ++k) {
     const HostCommand more =
-        commandOf(5 + static_cast<std::uint64_t>(k), kStart_ns + k * kMs, 4.0, 0.0, 1.5);
+        commandAt(5 + static_cast<std::uint64_t>(k), kStart_ns + k * kMs, 4.0, 0.0, 1.5);
     guard = advanceGuard(guard, &more, HostReason::kHostEnds, 1, kStart_ns + k * kMs, config);
   }
   EXPECT_EQ(guard.phase, HostPhase::kLatched);
@@ -291,9 +293,9 @@ TEST(EffortGuard, ToldToLetGo_RampsWhateverTheLoopCommands) {
 // the device has. That is no loop to be let go of, and no step for the device.
 TEST(EffortGuard, LoopThatEndedAtNeutralWhileTheHostWasBlocked_IsFollowedAndNotBlamed) {
   const GuardConfig config = configAt(1000.0);
-  const HostCommand pushes = commandOf(5, kStart_ns, 4.0, -2.0, 1.5);
+  const HostCommand pushes = commandAt(5, kStart_ns, 4.0, -2.0, 1.5);
   const std::int64_t back_ns = kStart_ns + 9 * kMs;
-  const HostCommand neutral = commandOf(12, back_ns - kMs, 0.0, 0.0, 1.5);
+  const HostCommand neutral = commandAt(12, back_ns - kMs, 0.0, 0.0, 1.5);
   GuardState guard =
       advanceGuard(rendering(config, pushes), &neutral, HostReason::kNone, 9, back_ns, config);
   ASSERT_GT(guard.ramp.sent[0], 0.0) << "else the test is about nothing";

@@ -18,7 +18,7 @@ using test::tolerance;
 using testing::nobody;
 using testing::oneAxisDevice;
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 DeviceModel twoAxes(double mass = 0.8) {
   DeviceModel device = oneAxisDevice(mass);
@@ -38,7 +38,7 @@ PatientConfig person(double stiffness, double damping = 0.0, double mass = 0.0) 
   return patient;
 }
 
-Intention stayAt(double x, double y) {
+Intention restAt(double x, double y) {
   AxisPosition q(2);
   q[0] = x;
   q[1] = y;
@@ -59,7 +59,7 @@ DeviceReading push(SimulatedDevice& device, double on_x, double on_y, int ticks)
 
 /// At rest q = q_i + K⁻¹ f; K = [200 -80; -80 200], whose inverse is [200 80; 80 200] / 33600.
 TEST(LinkedDevice, ConstantEffort_RestsWhereTheMatrixSays) {
-  SimulatedDevice device(twoAxes(), person(-80.0), stayAt(0.01, -0.02), kPeriod_s);
+  SimulatedDevice device(twoAxes(), person(-80.0), restAt(0.01, -0.02), kTick_s);
   ASSERT_TRUE(device.open().ok());
   const DeviceReading reading = push(device, 3.0, 0.0, 6000);
   EXPECT_NEAR(reading.q_m[0], 0.01 + 3.0 * 200.0 / 33600.0, tolerance(1e-9));
@@ -72,7 +72,7 @@ TEST(LinkedDevice, ConstantEffort_RestsWhereTheMatrixSays) {
 TEST(LinkedDevice, LinkedMass_MovesTheOtherAxisFromTheFirstTick) {
   PatientConfig heavy = person(0.0, 0.0, 0.5);
   for (PatientAxis& axis : heavy.axes) axis.damping = axis.stiffness = 0.0;
-  SimulatedDevice device(twoAxes(), heavy, stayAt(0.0, 0.0), kPeriod_s);
+  SimulatedDevice device(twoAxes(), heavy, restAt(0.0, 0.0), kTick_s);
   ASSERT_TRUE(device.open().ok());
   push(device, 2.0, 0.0, 1 + 100);
   const double determinant = 1.8 * 1.8 - 0.5 * 0.5;
@@ -82,10 +82,10 @@ TEST(LinkedDevice, LinkedMass_MovesTheOtherAxisFromTheFirstTick) {
 
 /// A link that is as small as rounding moves the axes as if it were not there.
 TEST(LinkedDevice, LinkNextToNothing_MovesAsSingleAxesDo) {
-  SimulatedDevice linked(twoAxes(), person(1e-13), stayAt(0.01, 0.0), kPeriod_s);
+  SimulatedDevice linked(twoAxes(), person(1e-13), restAt(0.01, 0.0), kTick_s);
   PatientConfig apart = person(0.0);
   apart.links = {};
-  SimulatedDevice single(twoAxes(), apart, stayAt(0.01, 0.0), kPeriod_s);
+  SimulatedDevice single(twoAxes(), apart, restAt(0.01, 0.0), kTick_s);
   ASSERT_TRUE(linked.open().ok() && single.open().ok());
   for (int k = 0; k < 1000; ++k) {
     push(linked, std::sin(0.02 * k), 2.0, 1);
@@ -99,7 +99,7 @@ TEST(LinkedDevice, LinkNextToNothing_MovesAsSingleAxesDo) {
 TEST(LinkedDevice, PersonWhoLetsGo_LeavesBothAxesToTheDevice) {
   PatientConfig patient = person(-80.0, -5.0, 0.3);
   patient.letting_go.after_s = 0.5;
-  SimulatedDevice device(twoAxes(), patient, stayAt(0.0, 0.0), kPeriod_s);
+  SimulatedDevice device(twoAxes(), patient, restAt(0.0, 0.0), kTick_s);
   ASSERT_TRUE(device.open().ok());
   push(device, 2.0, 0.0, 1 + 500);
   const double before = device.velocity()[1];
@@ -113,7 +113,7 @@ TEST(LinkedDevice, PersonWhoLetsGo_LeavesBothAxesToTheDevice) {
 TEST(LinkedDevice, SlammedAxis_PullsTheOtherNoMore) {
   PatientConfig patient = person(-80.0, -5.0, 0.3);
   patient.slam = {.axis = "x", .towards_upper = true, .after_s = 0.1, .speed_share = 0.01};
-  SimulatedDevice device(twoAxes(), patient, stayAt(0.0, 0.0), kPeriod_s);
+  SimulatedDevice device(twoAxes(), patient, restAt(0.0, 0.0), kTick_s);
   ASSERT_TRUE(device.open().ok());
   push(device, 0.0, 0.0, 150);
   ASSERT_FALSE(device.person().hasLetGo());
@@ -129,7 +129,7 @@ TEST(LinkedDevice, SameCallsTwice_GiveTheSameBitsAndAllocateNothing) {
   }
   PatientConfig patient = person(-80.0, -5.0, 0.3);
   patient.tremor.along = AxisEffort(2, 1.0);
-  SimulatedDevice device(model, patient, stayAt(0.0, 0.005), kPeriod_s);
+  SimulatedDevice device(model, patient, restAt(0.0, 0.005), kTick_s);
   std::vector<double> first, second;
   for (std::vector<double>* seen : {&first, &second}) {
     seen->reserve(2000);
@@ -153,11 +153,11 @@ TEST(LinkedDevice, WorkOfThePersonRoundACircle_IsWhatTheirDampersTake) {
   const double omega = 2.0 * std::numbers::pi / kTurn_s;
   const PatientConfig patient = person(-80.0, -5.0);
   double work = 0.0;
-  const int ticks = static_cast<int>(std::lround(kTurn_s / kPeriod_s));
+  const int ticks = static_cast<int>(std::lround(kTurn_s / kTick_s));
   const AxisPosition meant(2);
   const AxisVelocity meant_speed(2);
   for (int k = 0; k < ticks; ++k) {
-    const double angle = omega * (k + 0.5) * kPeriod_s;
+    const double angle = omega * (k + 0.5) * kTick_s;
     AxisPosition q(2);
     AxisVelocity qd(2);
     q[0] = kRadius_m * std::cos(angle);
@@ -165,7 +165,7 @@ TEST(LinkedDevice, WorkOfThePersonRoundACircle_IsWhatTheirDampersTake) {
     qd[0] = -omega * q[1];
     qd[1] = omega * q[0];
     const AxisEffort f = patientEffort(patient, q, qd, meant, meant_speed);
-    work += (f[0] * qd[0] + f[1] * qd[1]) * kPeriod_s;
+    work += (f[0] * qd[0] + f[1] * qd[1]) * kTick_s;
   }
   EXPECT_NEAR(work, -std::numbers::pi * kRadius_m * kRadius_m * omega * (20.0 + 20.0),
               tolerance(1e-9));

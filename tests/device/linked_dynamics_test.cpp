@@ -21,7 +21,7 @@ using test::cases;
 using test::seededRandom;
 using test::tolerance;
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kStep_s = 1e-3;
 
 struct Draw {
   std::mt19937_64 random;
@@ -119,11 +119,11 @@ TEST(LinkedDynamics, TwoMassesOnASpring_SwingAsTheirNormalModesSay) {
 TEST(LinkedDynamics, LinkedMassUnderARamp_GoesAsItsInverseSays) {
   LinkedPlant plant = freeMasses(2, 0.0);
   plant.mass << 2.0, 1.0, 1.0, 2.0;  // inverse: 2/3, -1/3
-  LinkedDynamics axes(plant, kPeriod_s);
+  LinkedDynamics axes(plant, kStep_s);
   for (int i = 0; i < 500; ++i) {
     AxisEffort begin(2), end(2);
-    begin[0] = 6.0 * i * kPeriod_s;
-    end[0] = 6.0 * (i + 1) * kPeriod_s;
+    begin[0] = 6.0 * i * kStep_s;
+    end[0] = 6.0 * (i + 1) * kStep_s;
     axes.advance(begin, end);
   }
   EXPECT_NEAR(axes.position(0), 2.0 / 3.0 * 0.125, tolerance(1e-12));
@@ -159,10 +159,10 @@ TEST_P(DiagonalMatrices, AnyEffort_MovesThemAsSingleAxes) {
       }
       single.emplace_back(AxisPlant{plant.mass(i, i), plant.damping(i, i), plant.stiffness(i, i),
                                     plant.coulomb[i], plant.lower[i], plant.upper[i]},
-                          kPeriod_s);
+                          kStep_s);
       single.back().place(0.002 * i, 0.1);
     }
-    LinkedDynamics axes(plant, kPeriod_s);
+    LinkedDynamics axes(plant, kStep_s);
     axes.place(positions({0.0, 0.002, 0.004}), velocities({0.1, 0.1, 0.1}));
     AxisEffort before(3);
     for (int k = 0; k < 1000; ++k) {
@@ -200,7 +200,7 @@ TEST(LinkedDynamics, AxesInAnotherOrder_MoveTheSame) {
       turned.lower[i] = plant.lower[at];
       turned.upper[i] = plant.upper[at];
     }
-    LinkedDynamics axes(plant, kPeriod_s), others(turned, kPeriod_s);
+    LinkedDynamics axes(plant, kStep_s), others(turned, kStep_s);
     for (int k = 0; k < 100; ++k) {
       AxisEffort f(kAxes), g(kAxes);
       for (int i = 0; i < kAxes; ++i) f[i] = draw.between(-2.0, 2.0);
@@ -231,7 +231,7 @@ TEST(LinkedDynamics, AxesTurned_MoveTheSame) {
       const AxisMatrix m = turn * plant.*member * turn.transpose();
       turned.*member = 0.5 * (m + m.transpose());
     }
-    LinkedDynamics axes(plant, kPeriod_s), others(turned, kPeriod_s);
+    LinkedDynamics axes(plant, kStep_s), others(turned, kStep_s);
     for (int k = 0; k < 200; ++k) {
       AxisEffort f(kAxes), g(kAxes);
       for (int i = 0; i < kAxes; ++i) f[i] = plant.mass(0, 0) * draw.between(-2.0, 2.0);
@@ -297,7 +297,7 @@ TEST(LinkedDynamics, StopThatIsMet_PassesItsImpulseOn) {
   LinkedPlant plant = freeMasses(2, 0.0);
   plant.mass << 2.0, 1.0, 1.0, 2.0;
   plant.upper[0] = 0.001;
-  LinkedDynamics axes(plant, kPeriod_s);
+  LinkedDynamics axes(plant, kStep_s);
   axes.place(positions({0.0005, 0.0}), velocities({1.0, 0.0}));
   axes.advance(AxisEffort(2), AxisEffort(2));
   EXPECT_EQ(axes.position(0), 0.001);
@@ -320,7 +320,7 @@ TEST(LinkedDynamics, AxisThatSticks_StaysUntilItsLinkPullsHardEnough) {
   plant.stiffness(0, 0) += 1000.0;
   plant.damping = 50.0 * AxisMatrix::Identity(2, 2);
   plant.coulomb[1] = 0.5;
-  LinkedDynamics axes(plant, kPeriod_s);
+  LinkedDynamics axes(plant, kStep_s);
   const auto pull = [&](double force) {
     AxisEffort f(2);
     f[0] = force;
@@ -335,7 +335,7 @@ TEST(LinkedDynamics, AxisThatSticks_StaysUntilItsLinkPullsHardEnough) {
 
 TEST(LinkedDynamics, Advance_AllocatesNothing) {
   Draw draw{seededRandom(405)};
-  LinkedDynamics axes(drawPlant(draw, 9), kPeriod_s);
+  LinkedDynamics axes(drawPlant(draw, 9), kStep_s);
   const AllocationScope count;
   for (int k = 0; k < 200; ++k) axes.advance(AxisEffort(9, k % 3 - 1.0), AxisEffort(9, 0.5));
   EXPECT_EQ(count.allocations(), 0U);

@@ -14,51 +14,52 @@
 namespace wholehand::test {
 namespace {
 
-std::string built(const std::string& name) {
+std::string driverFile(const std::string& name) {
   return std::string(WHOLEHAND_BINARY_DIR) + "/drivers/" + name + ".so";
 }
 
-DeviceModel desktop() {
+DeviceModel desktopInARig() {
   return load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm")).device;
 }
 
-Expected<std::shared_ptr<PluginDriver>> spoiled(const std::string& settings,
-                                                const std::string& locator = "") {
-  return PluginDriver::load({built("spoiled"), locator, settings});
+Expected<std::shared_ptr<PluginDriver>> loadSpoiled(const std::string& settings,
+                                                    const std::string& locator = "") {
+  return PluginDriver::load({driverFile("spoiled"), locator, settings});
 }
 
 std::unique_ptr<HapticDevice> deviceThat(const std::string& settings) {
-  return orThrow(PluginDevice::make(orThrow(spoiled(settings)), desktop(), 1e-3));
+  return orThrow(PluginDevice::make(orThrow(loadSpoiled(settings)), desktopInARig(), 1e-3));
 }
 
-struct Named {
+struct NamedDriver {
   const char* name;
   const char* says;
 };
-std::string nameOf(const testing::TestParamInfo<Named>& info) {
+std::string driverName(const testing::TestParamInfo<NamedDriver>& info) {
   return info.param.name;
 }
 
-class BrokenDriver : public testing::TestWithParam<Named> {};
+class BrokenDriver : public testing::TestWithParam<NamedDriver> {};
 
 TEST_P(BrokenDriver, IsRefusedByName) {
-  const auto driver = PluginDriver::load({built(GetParam().name), "", ""});
+  const auto driver = PluginDriver::load({driverFile(GetParam().name), "", ""});
   ASSERT_FALSE(driver);
   const std::string said = format(driver.errors());
   EXPECT_NE(said.find(GetParam().name), std::string::npos) << said;  // the file
   EXPECT_NE(said.find(GetParam().says), std::string::npos) << said;
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, BrokenDriver,
-                         testing::Values(Named{"no_symbol", "has no wh_plugin_v1()"},
-                                         Named{"other_major", "is built for version 2"},
-                                         Named{"too_short", "too short"},
-                                         Named{"without_write", "leaves out one of its six"},
-                                         Named{"may_wait", "WH_NEVER_WAITS"},
-                                         Named{"not_there", "cannot open shared object file"}),
-                         nameOf);
+                         testing::Values(NamedDriver{"no_symbol", "has no wh_plugin_v1()"},
+                                         NamedDriver{"other_major", "is built for version 2"},
+                                         NamedDriver{"too_short", "too short"},
+                                         NamedDriver{"without_write", "leaves out one of its six"},
+                                         NamedDriver{"may_wait", "WH_NEVER_WAITS"},
+                                         NamedDriver{"not_there",
+                                                     "cannot open shared object file"}),
+                         driverName);
 
 TEST(PluginDriver, DeviceThatIsNotFound_SaysWhereAndWhatTheDriverSaid) {
-  const auto driver = spoiled("", "nowhere");
+  const auto driver = loadSpoiled("", "nowhere");
   ASSERT_FALSE(driver);
   EXPECT_NE(format(driver.errors()).find("no device was found at nowhere: nothing answers"),
             std::string::npos)
@@ -66,26 +67,26 @@ TEST(PluginDriver, DeviceThatIsNotFound_SaysWhereAndWhatTheDriverSaid) {
 }
 
 TEST(PluginDriver, ThatKnowsItsDevice_SaysSerialFirmwareAndSdk) {
-  const auto driver = orThrow(spoiled(""));
+  const auto driver = orThrow(loadSpoiled(""));
   EXPECT_EQ(driver->identity().serial, "S-1");
   EXPECT_EQ(driver->identity().firmware, "1.0");
   EXPECT_EQ(driver->identity().sdk, "7");
-  EXPECT_EQ(orThrow(spoiled("anonymous"))->identity().serial, "");
+  EXPECT_EQ(orThrow(loadSpoiled("anonymous"))->identity().serial, "");
 }
 
 TEST(PluginDriver, BuiltWithTheHeaderOf1_0_WorksAndIsNotAskedWhoItIs) {
-  const auto driver = orThrow(PluginDriver::load({built("older"), "", ""}));
+  const auto driver = orThrow(PluginDriver::load({driverFile("older"), "", ""}));
   EXPECT_EQ(driver->identity().serial, "");
-  EXPECT_TRUE(PluginDevice::make(driver, desktop(), 1e-3).ok());
+  EXPECT_TRUE(PluginDevice::make(driver, desktopInARig(), 1e-3).ok());
 }
 
-class OtherDevice : public testing::TestWithParam<Named> {};
+class DriverOfAnotherDevice : public testing::TestWithParam<NamedDriver> {};
 
-TEST_P(OtherDevice, ThanTheFileStates_IsRefusedWithTheAxis) {
-  auto driver = spoiled(GetParam().name);
+TEST_P(DriverOfAnotherDevice, ThanTheFileStates_IsRefusedWithTheAxis) {
+  auto driver = loadSpoiled(GetParam().name);
   Diagnostics said;
   if (driver) {
-    auto device = PluginDevice::make(*driver, desktop(), 1e-3);
+    auto device = PluginDevice::make(*driver, desktopInARig(), 1e-3);
     ASSERT_FALSE(device);
     ASSERT_EQ(device.errors().size(), 1U) << format(device.errors());
     EXPECT_EQ(device.errors().front().value, "x");
@@ -96,19 +97,21 @@ TEST_P(OtherDevice, ThanTheFileStates_IsRefusedWithTheAxis) {
   EXPECT_NE(format(said).find(GetParam().says), std::string::npos) << format(said);
 }
 INSTANTIATE_TEST_SUITE_P(
-    Kinds, OtherDevice,
-    testing::Values(Named{"nameless", "has no such axis"}, Named{"turning", "has a rotation"},
-                    Named{"brake", "takes no effort there"}, Named{"short", "travel down to"},
-                    Named{"weak", "has an effort limit of 1, the file states 8"},
-                    Named{"coarse", "has steps of position of 0.001"},
-                    Named{"slow", "has a delay of 0.005, the file states 0.001"},
-                    Named{"deaf", "has no watchdog"}, Named{"many", "has 17 axes"},
-                    Named{"axisless", "has 0 axes"}),
-    nameOf);
+    Kinds, DriverOfAnotherDevice,
+    testing::Values(NamedDriver{"nameless", "has no such axis"},
+                    NamedDriver{"turning", "has a rotation"},
+                    NamedDriver{"brake", "takes no effort there"},
+                    NamedDriver{"short", "travel down to"},
+                    NamedDriver{"weak", "has an effort limit of 1, the file states 8"},
+                    NamedDriver{"coarse", "has steps of position of 0.001"},
+                    NamedDriver{"slow", "has a delay of 0.005, the file states 0.001"},
+                    NamedDriver{"deaf", "has no watchdog"}, NamedDriver{"many", "has 17 axes"},
+                    NamedDriver{"axisless", "has 0 axes"}),
+    driverName);
 
 TEST(PluginDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
-  const auto driver = orThrow(spoiled(""));
-  const auto device = orThrow(PluginDevice::make(driver, desktop(), 1e-3));
+  const auto driver = orThrow(loadSpoiled(""));
+  const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
   ASSERT_NO_FATAL_FAILURE(expectPlacesOfSpoiled(*device));
   AxisEffort effort(3);
   effort[0] = 0.5, effort[1] = -0.25, effort[2] = 2.0;
@@ -149,8 +152,8 @@ TEST(PluginDevice, NotHomedOrLocked_IsNotArmed) {
 }
 
 TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
-  const auto observed = std::make_shared<ObservedDriver>(orThrow(spoiled("silenced@3")));
-  const auto device = orThrow(PluginDevice::make(observed, desktop(), 1e-3));
+  const auto observed = std::make_shared<ObservedDriver>(orThrow(loadSpoiled("silenced@3")));
+  const auto device = orThrow(PluginDevice::make(observed, desktopInARig(), 1e-3));
   EXPECT_EQ(observed->facts().sampled_ns, 0) << "nothing was read yet";
   ASSERT_TRUE(device->open());
   DeviceReading reading;
@@ -166,13 +169,13 @@ TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
   EXPECT_FALSE(observed->facts().enabled) << "nobody reads any more";
 }
 
-struct Failing {
+struct FailingInATick {
   const char* name;
   Fault told;
   int within = 0;  ///< ticks after the sample that says so
 };
 
-class FailingDevice : public testing::TestWithParam<Failing> {};
+class FailingDevice : public testing::TestWithParam<FailingInATick> {};
 
 // A whole rig: the ramp begins in the tick whose sample says so, and ends at neutral.
 TEST_P(FailingDevice, InATick_IsToldAndRampsToNeutral) {
@@ -207,14 +210,16 @@ TEST_P(FailingDevice, InATick_IsToldAndRampsToNeutral) {
 INSTANTIATE_TEST_SUITE_P(
     Kinds, FailingDevice,
     // The sample after the first frozen one is 1 period old, and 20 ms are allowed.
-    testing::Values(Failing{"unplug", Fault::kDeviceRead}, Failing{"missing", Fault::kDeviceRead},
-                    Failing{"nan", Fault::kNonFinitePosition}, Failing{"drive", Fault::kDriveFault},
-                    Failing{"enable", Fault::kEnableLost}, Failing{"unhomed", Fault::kEnableLost},
-                    Failing{"silenced", Fault::kEnableLost}, Failing{"hot", Fault::kDriveHot},
-                    Failing{"backwards", Fault::kStaleSample},
-                    Failing{"clock", Fault::kStaleSample},
-                    Failing{"frozen", Fault::kStaleSample, 21},
-                    Failing{"refuse", Fault::kDeviceWrite}),
+    testing::Values(
+        FailingInATick{"unplug", Fault::kDeviceRead}, FailingInATick{"missing", Fault::kDeviceRead},
+        FailingInATick{"nan", Fault::kNonFinitePosition},
+        FailingInATick{"drive", Fault::kDriveFault}, FailingInATick{"enable", Fault::kEnableLost},
+        FailingInATick{"unhomed", Fault::kEnableLost},
+        FailingInATick{"silenced", Fault::kEnableLost}, FailingInATick{"hot", Fault::kDriveHot},
+        FailingInATick{"backwards", Fault::kStaleSample},
+        FailingInATick{"clock", Fault::kStaleSample},
+        FailingInATick{"frozen", Fault::kStaleSample, 21},
+        FailingInATick{"refuse", Fault::kDeviceWrite}),
     [](const auto& tested) { return tested.param.name; });
 
 }  // namespace

@@ -25,7 +25,7 @@ std::int64_t waitAMillisecond() {
   return monotonicNow_ns();
 }
 
-DeviceModel desktop() {
+DeviceModel frameModel() {
   return orThrow(
       loadDeviceFile(std::string(WHOLEHAND_SOURCE_DIR) + "/config/devices/desktop-3axis.toml"));
 }
@@ -86,7 +86,8 @@ TEST(Carriers, SameCommands_GiveTheSameSamplesOverEachOfThem) {
 TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
   for (const std::string& where : everyCarrier()) {
     FirmwareProcess firmware(where);
-    const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), desktop(), 1e-3));
+    const auto device =
+        orThrow(PluginDevice::make(frameAt(firmware.locator()), frameModel(), 1e-3));
     ASSERT_TRUE(device->open()) << where;
     ASSERT_TRUE(device->ready());
     DeviceReading reading;
@@ -116,7 +117,7 @@ TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
 
 TEST(Carriers, SerialLineUnpluggedInMidLine_IsAFaultOfReadAndWrite) {
   FirmwareProcess firmware("serial");
-  const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), desktop(), 1e-3));
+  const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), frameModel(), 1e-3));
   ASSERT_TRUE(device->open());
   DeviceReading reading;
   ASSERT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kNone);
@@ -162,7 +163,8 @@ TEST(SerialCarrier, ClosedInMidFrame_GivesWhatCameAndIsThenGone) {
 TEST(Carriers, DeviceGoneFromUdpOrMemory_IsAStaleSample) {
   for (const std::string& where : {everyCarrier()[0], everyCarrier()[2]}) {
     FirmwareProcess firmware(where);
-    const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), desktop(), 1e-3));
+    const auto device =
+        orThrow(PluginDevice::make(frameAt(firmware.locator()), frameModel(), 1e-3));
     ASSERT_TRUE(device->open());
     firmware.send(SIGKILL);
     firmware.wait();

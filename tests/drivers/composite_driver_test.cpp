@@ -23,11 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string built(const std::string& name) {
+std::string driverPath(const std::string& name) {
   return std::string(WHOLEHAND_BINARY_DIR) + "/drivers/" + name + ".so";
 }
 
-DeviceModel desktop() {
+DeviceModel desktopOnARig() {
   return load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm")).device;
 }
 
@@ -39,10 +39,10 @@ class CompositeDriver : public testing::Test {
   std::string file(const std::string& base, const std::string& hand,
                    const std::string& hand_driver = "spoiled") {
     std::ofstream(path_) << "kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.005\n"
-                         << "[[parts]]\ndriver = \"" << built("spoiled") << "\"\nsettings = \""
+                         << "[[parts]]\ndriver = \"" << driverPath("spoiled") << "\"\nsettings = \""
                          << base << "\"\naxes = [\"x\", \"y\"]\n"
-                         << "[[parts]]\ndriver = \"" << built(hand_driver) << "\"\nsettings = \""
-                         << hand << "\"\naxes = [\"z\"]\n";
+                         << "[[parts]]\ndriver = \"" << driverPath(hand_driver)
+                         << "\"\nsettings = \"" << hand << "\"\naxes = [\"z\"]\n";
     return path_.string();
   }
   Expected<std::shared_ptr<PluginDriver>> open(const std::string& file,
@@ -73,17 +73,17 @@ TEST_F(CompositeDriver, WhatDoesNotFit_IsRefusedByName) {
   const auto part = [](const std::string& driver, const std::string& axes) {
     return "[[parts]]\ndriver = \"" + driver + "\"\naxes = [" + axes + "]\n";
   };
-  const std::string good = part(built("spoiled"), "\"x\"");
+  const std::string good = part(driverPath("spoiled"), "\"x\"");
   const struct {
     std::string text, says;
   } cases[] = {
       {head + good, "parts"},
       {head + good + good, "gives x a second time"},
-      {head + good + part(built("spoiled"), "\"w\""), "w: "},
+      {head + good + part(driverPath("spoiled"), "\"w\""), "w: "},
       {head + good + part("no-such", "\"y\""), "no-such"},
-      {head + good + part(built("spoiled"), "\"y\"") + good, "third part"},
+      {head + good + part(driverPath("spoiled"), "\"y\"") + good, "third part"},
       {"kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.0\n" + good + good, "longest_skew_s"},
-      {head + "skew = 1\n" + good + part(built("spoiled"), "\"y\""), "skew"}};
+      {head + "skew = 1\n" + good + part(driverPath("spoiled"), "\"y\""), "skew"}};
   for (const auto& one : cases) {
     const std::string said = refusal(one.text);
     EXPECT_NE(said.find(one.says), std::string::npos) << one.says << " is not in: " << said;
@@ -169,7 +169,7 @@ TEST(CompositeOfFrames, FitsAndRendersOverTwoCarriers) {
   {
     const auto driver = orThrow(PluginDriver::load(
         {"composite", "", path.string()}, [&](const std::string& line) { said.push_back(line); }));
-    const auto device = orThrow(PluginDevice::make(driver, desktop(), 1e-3));
+    const auto device = orThrow(PluginDevice::make(driver, desktopOnARig(), 1e-3));
     ASSERT_TRUE(device->open());
     ASSERT_TRUE(device->ready());
     DeviceReading reading;

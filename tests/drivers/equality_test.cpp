@@ -15,7 +15,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kEqualPeriod_s = 1e-3;
 // A drive with 12 bits for its torque, sign included.
 constexpr double kTorqueSteps = 2048.0;
 
@@ -24,7 +24,7 @@ class PatientBoard : public BenchBoard {
  public:
   PatientBoard(const Models& models, const Intention& intention)
       : BenchBoard(models.device.axisCount()),
-        device(models.device, models.patient, intention, kPeriod_s) {
+        device(models.device, models.patient, intention, kEqualPeriod_s) {
     for (int a = 0; a < models.device.axisCount(); ++a) {
       const DeviceAxis& has = models.device.axes[a];
       wf_axis& axis = board.axis[a];
@@ -67,7 +67,7 @@ class LockStep final : public HapticDevice {
   explicit LockStep(const Models& models, const Intention& intention)
       : board_(models, intention),
         driver_(std::make_shared<BenchDriver>(board_)),
-        plugin_(orThrow(PluginDevice::make(driver_, models.device, kPeriod_s))) {}
+        plugin_(orThrow(PluginDevice::make(driver_, models.device, kEqualPeriod_s))) {}
   [[nodiscard]] Expected<Done> open() override {
     (void)board_.device.open();
     return plugin_->open();
@@ -118,7 +118,7 @@ TEST(FramePath, OfOnePatient_IsThatOfTheBuiltInDeviceWithinOneStep) {
   for (int tick = 0; tick < kTicks; ++tick) {
     for (TickRecord* record : {&a, &b}) {
       record->tick = static_cast<std::uint64_t>(tick);
-      record->time_s = tick * kPeriod_s;
+      record->time_s = tick * kEqualPeriod_s;
       record->command_count = 0;
     }
     built_in->renderer->tick(1, a);

@@ -19,7 +19,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kSilence_ms = 20.0;
+constexpr double kHostSilence_ms = 20.0;
 constexpr double kRamp_ms = 80.0;
 constexpr double kTick_ms = 0.25;
 constexpr double kTolerance_ms = 1.0;  // a tick is not exactly on time
@@ -61,13 +61,14 @@ TEST_P(KilledHost, FirmwareIsAtNeutralWithinItsSilenceAndTheRamp) {
     ASSERT_EQ(neutral.phase, "latched");
     const double gap_ms =
         std::max(0.0, ramping.gap_ms - kTick_ms) + std::max(0.0, neutral.gap_ms - kTick_ms);
-    EXPECT_GT(ramping.silent_ms, kSilence_ms) << "an alarm too early";
+    EXPECT_GT(ramping.silent_ms, kHostSilence_ms) << "an alarm too early";
     EXPECT_NEAR(ramping.most_effort, 6.0, 0.1) << "nothing was given: the test proves nothing";
     EXPECT_EQ(neutral.most_effort, 0.0);
-    EXPECT_LE(neutral.silent_ms, kSilence_ms + kRamp_ms + kTolerance_ms + gap_ms) << "loss " << k;
+    EXPECT_LE(neutral.silent_ms, kHostSilence_ms + kRamp_ms + kTolerance_ms + gap_ms)
+        << "loss " << k;
     latest_ms = std::max(latest_ms, neutral.silent_ms);
     longest_gap_ms = std::max(longest_gap_ms, gap_ms);
-    if (neutral.silent_ms > kSilence_ms + kRamp_ms + kTolerance_ms) ++late;
+    if (neutral.silent_ms > kHostSilence_ms + kRamp_ms + kTolerance_ms) ++late;
     ASSERT_FALSE(HasFailure()) << "loss " << k;
   }
   const std::string what =

@@ -23,12 +23,12 @@ namespace {
 
 using namespace recording;
 
-constexpr double kPeriod_s = 0.01;  // chunks of kBlockRows
+constexpr double kTablePeriod_s = 0.01;  // chunks of kBlockRows
 constexpr std::uint64_t kTicks = 30, kMostRows = 80;
 
 RecordingMeta goodMeta() {
   RecordingMeta meta = synthetic::meta();
-  meta.period_s = kPeriod_s;
+  meta.period_s = kTablePeriod_s;
   meta.files.clear();
   return meta;
 }

@@ -20,12 +20,12 @@
 namespace wholehand::test {
 namespace {
 
-std::string bytesOf(const std::string& path) {
+std::string wholeFile(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string wrongWith(const Diagnostics& refusal) {
+std::string wrongWithRefusal(const Diagnostics& refusal) {
   const Diagnostic& why = refusal.front();
   return why.problem.empty() || why.remedy.empty() ? "refused without problem or remedy" : "";
 }
@@ -69,10 +69,10 @@ Door blackBoxDoor() {
   }
   const std::string path = folder->file("forged.wbb");
   return {
-      "black-box", {bytesOf(plan.path)}, [folder, path](const std::string& bytes) -> std::string {
+      "black-box", {wholeFile(plan.path)}, [folder, path](const std::string& bytes) -> std::string {
         std::ofstream(path, std::ios::binary) << withRightChecksums(bytes);
         const auto opened = BlackBoxReader::openBox(path);
-        if (!opened) return wrongWith(opened.errors());
+        if (!opened) return wrongWithRefusal(opened.errors());
         TickInput input;
         for (int k = 0; k < 1000 && opened.value()->nextInput(input); ++k) {
           if (input.command_count < 0 || input.command_count > kMaxCommands) {
@@ -163,13 +163,13 @@ void setAttribute(hid_t file, const std::string& name, std::uint8_t place, const
 
 /// Edits of a recording's values by somebody with h5py, its checksums right: 10 bytes each, which
 /// dataset or attribute, which element, the element's new bytes.
-constexpr std::size_t kEdit = 10;
+constexpr std::size_t kBoxEdit = 10;
 
 void edit(const std::string& path, const Contents& contents, const std::string& edits) {
   const hid_t file = ::H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   const std::size_t sets = contents.datasets.size();
   const std::size_t all = sets + contents.meta_attributes.size();
-  for (std::size_t at = 0; at + kEdit <= edits.size(); at += kEdit) {
+  for (std::size_t at = 0; at + kBoxEdit <= edits.size(); at += kBoxEdit) {
     const std::size_t which = static_cast<std::uint8_t>(edits[at]) % all;
     const auto place = static_cast<std::uint8_t>(edits[at + 1]);
     const char* const value = edits.data() + at + 2;
@@ -192,10 +192,10 @@ Door recordingValuesDoor() {
     writer->close();
   }
   const Contents contents = contentsOf(whole);
-  std::vector<std::string> good = {std::string(kEdit, '\0')};
+  std::vector<std::string> good = {std::string(kBoxEdit, '\0')};
   std::mt19937_64 random(2);
   for (int i = 0; i < 8; ++i) {
-    std::string edits(4 * kEdit, '\0');
+    std::string edits(4 * kBoxEdit, '\0');
     std::generate(edits.begin(), edits.end(), [&random] { return static_cast<char>(random()); });
     good.push_back(edits);
   }
@@ -203,9 +203,9 @@ Door recordingValuesDoor() {
           [folder, whole, edited, contents](const std::string& bytes) -> std::string {
             std::filesystem::copy_file(whole, edited,
                                        std::filesystem::copy_options::overwrite_existing);
-            edit(edited, contents, bytes.substr(0, 16 * kEdit));
+            edit(edited, contents, bytes.substr(0, 16 * kBoxEdit));
             const auto opened = RecordingReader::open(edited);
-            if (!opened) return wrongWith(opened.errors());
+            if (!opened) return wrongWithRefusal(opened.errors());
             return readTicks(*opened.value());
           },
           5'000, 40};

@@ -21,7 +21,7 @@ namespace {
 
 namespace fb = wholehand::protocol;
 
-constexpr std::uint64_t kTicks = 4000;
+constexpr std::uint64_t kGameTicks = 4000;
 constexpr int kSlots = 20;  ///< one after another, for 1.5 s each
 
 /// Of one row: what there is, in words; and every shape by the id that it has there.
@@ -74,7 +74,7 @@ std::string recordedGame(const Folder& folder) {
   prepare(1, boxMesh({0.02, 0.03, 0.04}));
   std::unique_ptr<Run> run;
   RunPlan plan;
-  plan.duration_ticks = kTicks;
+  plan.duration_ticks = kGameTicks;
   plan.record = folder.file("game.h5");
   plan.simulated_clock = true;
   plan.sinks.push_back([&](const TickRecord& record) {
@@ -108,7 +108,7 @@ TEST(GameRecording, BodiesInAReport_AreThoseOfTheReplayAtEveryStateThatItShows) 
   EXPECT_EQ(at(replayed, 99), "");
   EXPECT_EQ(at(replayed, 150), "0.1 2 1 of type 1; ") << "a ball, solid";
   EXPECT_EQ(at(replayed, 250), "0.1 2 1 of type 1; 1.1 2 1 of type 4; ") << "and a mesh";
-  EXPECT_EQ(at(replayed, kTicks - 1), "");
+  EXPECT_EQ(at(replayed, kGameTicks - 1), "");
   for (const std::uint64_t long_from : {kLongRecording_ticks, std::uint64_t{0}}) {
     const nlohmann::json data = orThrow(reportData(path, "", {}, long_from));
     const auto rows = data["states"]["rows"].get<std::vector<std::uint64_t>>();

@@ -60,7 +60,7 @@ struct Cost {
   double wall_s = 0.0, cpu_s = 0.0;
 };
 
-Cost ask(ReplayedRecording& recording, const std::string& question) {
+Cost askHour(ReplayedRecording& recording, const std::string& question) {
   const std::int64_t wall_ns = monotonicNow_ns(), cpu_ns = threadCpuNow_ns();
   const ReplayAnswer answer = recording.answer(orThrow(parseReplayQuestion(question)));
   EXPECT_EQ(answer.status, 200) << answer.body.substr(0, 500);
@@ -107,7 +107,7 @@ TEST(ReplayFigures, AnHour_OpensScrubsAndIsReported) {
   ReplayedRecording recording(path);
   Cost open;
   for (const char* question : {"about", "scene", "states?tick=0&count=1&step=1"}) {
-    const Cost cost = ask(recording, question);
+    const Cost cost = askHour(recording, question);
     open.wall_s += cost.wall_s;
     open.cpu_s += cost.cpu_s;
   }
@@ -116,15 +116,15 @@ TEST(ReplayFigures, AnHour_OpensScrubsAndIsReported) {
   std::vector<Cost> states, pieces;
   for (int i = 0; i < 200; ++i) {
     const std::string row = std::to_string(random() % ticks);
-    states.push_back(ask(recording, "states?tick=" + row + "&count=1&step=1"));
+    states.push_back(askHour(recording, "states?tick=" + row + "&count=1&step=1"));
   }
   tell("replay_state_median", median(states));
   tell("replay_state_largest", median(states, true));
 
   for (int i = 0; i < 3; ++i) {
     const std::uint64_t from_s = 60 * (random() % (ticks / 60'000));
-    pieces.push_back(ask(recording, "series?from_s=" + std::to_string(from_s) +
-                                        "&to_s=" + std::to_string(from_s + 60) + "&columns=1000"));
+    pieces.push_back(askHour(recording, "series?from_s=" + std::to_string(from_s) + "&to_s=" +
+                                            std::to_string(from_s + 60) + "&columns=1000"));
   }
   tell("replay_series_of_a_minute", median(pieces));
   EXPECT_LT(median(states).cpu_s, 0.05) << "scrubbing answers within 50 ms";

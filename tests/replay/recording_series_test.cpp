@@ -25,7 +25,7 @@ namespace {
 
 using synthetic::Folder;
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kSeriesPeriod_s = 1e-3;
 
 /// Writes these ticks and reads them back.
 std::unique_ptr<RecordingReader> recorded(const Folder& folder,
@@ -46,7 +46,7 @@ std::vector<TickRecord> quietTicks(std::uint64_t count) {
   for (std::uint64_t tick = 0; tick < count; ++tick) {
     TickRecord r;
     r.tick = tick;
-    r.time_s = static_cast<double>(tick) * kPeriod_s;
+    r.time_s = static_cast<double>(tick) * kSeriesPeriod_s;
     r.q_m = AxisPosition(6, 0.1);
     r.sent = AxisEffort(6, 0.0);
     r.exercise.value_count = 3;
@@ -221,7 +221,7 @@ TEST(RecordingSeries, EventsAndMarks_AreToldOnceWhereverStretchesMeet) {
   for (const auto& mark : marks) told.emplace_back(mark["kind"], mark["time_s"]);
   const std::vector<std::pair<std::string, double>> expected = {{"armed", 0.0},
                                                                 {"controls_lost", 0.5},
-                                                                {"stop", 700 * kPeriod_s},
+                                                                {"stop", 700 * kSeriesPeriod_s},
                                                                 {"emergency_stop", 0.8},
                                                                 {"neutral", 0.9}};
   EXPECT_EQ(told, expected);
@@ -250,7 +250,7 @@ TEST(RecordingSeries, TickWhoseTimeIsNoNumber_IsUnreadableAndNothingElse) {
     for (std::uint64_t i = 0; i < reader->size(); ++i) {
       EXPECT_EQ(reader->read(i, record), i != 7 && i != 9) << i;
     }
-    const Series series = seriesOf(*reader, -kPeriod_s / 2, 19.5 * kPeriod_s, 20);
+    const Series series = seriesOf(*reader, -kSeriesPeriod_s / 2, 19.5 * kSeriesPeriod_s, 20);
     const std::size_t q_m = series.channel("q_m");
     for (std::size_t c = 0; c < 20; ++c) {
       EXPECT_EQ(std::isnan(series.low(q_m, c)), c == 7 || c == 9) << c;
@@ -267,7 +267,7 @@ TEST(RecordingReport, TicksNumberedBeyondDoubles_AreReported) {
   std::vector<TickRecord> ticks = quietTicks(2);
   for (TickRecord& tick : ticks) {
     tick.tick += std::uint64_t{1} << 60U;
-    tick.time_s = static_cast<double>(tick.tick) * kPeriod_s;
+    tick.time_s = static_cast<double>(tick.tick) * kSeriesPeriod_s;
   }
   recorded(folder, ticks);
   const auto data = reportData(folder.file("run.h5"), "");

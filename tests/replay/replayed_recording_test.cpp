@@ -66,7 +66,7 @@ ReplayAnswer ask(ReplayedRecording& recording, const std::string& question) {
   return recording.answer(orThrow(parseReplayQuestion(question)));
 }
 
-std::unique_ptr<ReplayedRecording> opened(const std::string& path) {
+std::unique_ptr<ReplayedRecording> openedAgain(const std::string& path) {
   return std::make_unique<ReplayedRecording>(path);
 }
 
@@ -110,7 +110,7 @@ class RecordedBar {
   std::vector<std::string> states;  ///< of each tick, as live clients get them
 };
 
-const RecordedBar& bar() {
+const RecordedBar& recordedBar() {
   static const RecordedBar recorded;
   return recorded;
 }
@@ -126,7 +126,7 @@ void expectFloats(const Vector* sent, const Array& recorded, const char* name) {
 
 /// The bytes of a vector of structs.
 template <class Vector>
-std::string bytesOf(const Vector* v) {
+std::string bytesOfStructs(const Vector* v) {
   return v == nullptr ? std::string("none")
                       : std::string(reinterpret_cast<const char*>(v->Data()),
                                     v->size() * sizeof(*v->Get(0)));
@@ -162,9 +162,9 @@ void expectAsInFile(const fb::WorldState& state, const TickRecord& row) {
 
 TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgram) {
   auto random = seededRandom(92);
-  const auto recording = opened(bar().path());
-  const auto file = orThrow(RecordingReader::open(bar().path()));
-  ASSERT_EQ(file->size(), bar().states.size());
+  const auto recording = openedAgain(recordedBar().path());
+  const auto file = orThrow(RecordingReader::open(recordedBar().path()));
+  ASSERT_EQ(file->size(), recordedBar().states.size());
   int with_contacts = 0;
   TickRecord row;
   for (int i = 0; i < (WHOLEHAND_SANITIZED ? 200 : 1000); ++i) {
@@ -176,10 +176,10 @@ TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgr
     const fb::WorldState& state = stateIn(messages[0]);
     ASSERT_TRUE(file->read(n, row));
     expectAsInFile(state, row);
-    const fb::WorldState& live = stateIn(bar().states[n]);
-    EXPECT_EQ(bytesOf(state.links()), bytesOf(live.links()));
-    EXPECT_EQ(bytesOf(state.bodies()), bytesOf(live.bodies()));
-    EXPECT_EQ(bytesOf(state.contacts()), bytesOf(live.contacts()));
+    const fb::WorldState& live = stateIn(recordedBar().states[n]);
+    EXPECT_EQ(bytesOfStructs(state.links()), bytesOfStructs(live.links()));
+    EXPECT_EQ(bytesOfStructs(state.bodies()), bytesOfStructs(live.bodies()));
+    EXPECT_EQ(bytesOfStructs(state.contacts()), bytesOfStructs(live.contacts()));
     EXPECT_GT(state.links()->size(), 10U);
     EXPECT_EQ(state.palm_distance_m(), live.palm_distance_m());
     EXPECT_EQ(state.run_state(), fb::RunState::Rendering);
@@ -192,13 +192,13 @@ TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgr
 }
 
 TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
-  const Json data = orThrow(reportData(bar().path(), ""));
+  const Json data = orThrow(reportData(recordedBar().path(), ""));
   const auto rows = data["states"]["rows"].get<std::vector<std::uint64_t>>();
   const auto messages = splitMessages(unpacked(data["states"]["messages"]));
   ASSERT_EQ(messages.size(), rows.size());
   EXPECT_GE(rows.size(), 500U);
   EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end()));
-  const auto file = orThrow(RecordingReader::open(bar().path()));
+  const auto file = orThrow(RecordingReader::open(recordedBar().path()));
   EXPECT_EQ(rows.front(), 0U);
   EXPECT_EQ(rows.back(), file->size() - 1);
   TickRecord row;
@@ -211,19 +211,19 @@ TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
 }
 
 TEST(RecordingReport, LongRecordingReadInTwoWays_GivesTheSamePage) {
-  const Json read_once = orThrow(reportData(bar().path(), ""));
-  const Json read_as_long = orThrow(reportData(bar().path(), "", {}, 0));
+  const Json read_once = orThrow(reportData(recordedBar().path(), ""));
+  const Json read_as_long = orThrow(reportData(recordedBar().path(), "", {}, 0));
   EXPECT_GE(read_once["states"]["rows"].size(), 500U);
   EXPECT_TRUE(read_as_long == read_once);
 }
 
 TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
-  const auto recording = opened(bar().path());
+  const auto recording = openedAgain(recordedBar().path());
   const ReplayAnswer answer = ask(*recording, "scene");
   ASSERT_EQ(answer.status, 200) << answer.body;
-  SceneFacts live = *bar().facts;
+  SceneFacts live = *recordedBar().facts;
   live.session = 1;
-  live.program_version = orThrow(RecordingReader::open(bar().path()))->meta().git_version;
+  live.program_version = orThrow(RecordingReader::open(recordedBar().path()))->meta().git_version;
   const wire::Bytes expected = wire::sceneMessage(live);
   EXPECT_TRUE(answer.body == std::string(expected.begin(), expected.end()));
   const auto* data = reinterpret_cast<const std::uint8_t*>(answer.body.data());
@@ -235,13 +235,14 @@ TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
 }
 
 TEST(ReplayedRecording, About_SaysWhatTheFileHolds) {
-  const auto recording = opened(bar().path());
+  const auto recording = openedAgain(recordedBar().path());
   const Json about = aboutOf(*recording);
   EXPECT_EQ(about["name"], "bar.h5");
   EXPECT_EQ(about["title"], "bar");
-  EXPECT_EQ(about["ticks"], bar().states.size());
+  EXPECT_EQ(about["ticks"], recordedBar().states.size());
   EXPECT_EQ(about["from_s"], 0.0);
-  EXPECT_NEAR(about["to_s"].get<double>(), 1e-3 * static_cast<double>(bar().states.size()), 1e-9);
+  EXPECT_NEAR(about["to_s"].get<double>(), 1e-3 * static_cast<double>(recordedBar().states.size()),
+              1e-9);
   EXPECT_EQ(about["device"], "lambda-pride");
   EXPECT_EQ(about["hand"], "adult-median-right");
   EXPECT_EQ(about["patient"], "relaxed-adult");
@@ -259,7 +260,7 @@ TEST(ReplayedRecording, About_SaysWhatTheFileHolds) {
 }
 
 TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {
-  const auto recording = opened(bar().path());
+  const auto recording = openedAgain(recordedBar().path());
   const auto ticksOf = [&](const std::string& question) {
     std::vector<std::uint64_t> ticks;
     for (const std::string& message : messagesIn(ask(*recording, question))) {
@@ -267,7 +268,7 @@ TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {
     }
     return ticks;
   };
-  const std::uint64_t size = bar().states.size();
+  const std::uint64_t size = recordedBar().states.size();
   EXPECT_EQ(ticksOf("states?tick=10&count=3&step=400"), (std::vector<std::uint64_t>{10, 410, 810}));
   EXPECT_EQ(ticksOf("states?tick=" + std::to_string(size - 2) + "&count=256&step=1"),
             (std::vector<std::uint64_t>{size - 2, size - 1}));
@@ -277,7 +278,7 @@ TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {
 TEST(ReplayedRecording, WithoutExerciseOrBodies_ShowsTheHandAlone) {
   const Folder folder;
   const auto recording =
-      opened(recordRest(load(shippedFiles("lambda-pride", "empty")), folder.file("rest.h5")));
+      openedAgain(recordRest(load(shippedFiles("lambda-pride", "empty")), folder.file("rest.h5")));
   const Json about = aboutOf(*recording);
   EXPECT_EQ(about["exercise"], "");
   EXPECT_EQ(about["result"], Json::array());
@@ -306,7 +307,7 @@ std::string synthetic(const Folder& folder, int ticks) {
 
 TEST(ReplayedRecording, WithoutItsFiles_HasNoPictureAndEverythingElse) {
   const Folder folder;
-  const auto recording = opened(synthetic(folder, 300));
+  const auto recording = openedAgain(synthetic(folder, 300));
   const Json about = aboutOf(*recording);
   EXPECT_EQ(about["picture"], false);
   const std::string why = about["no_picture_because"];
@@ -325,7 +326,7 @@ TEST(ReplayedRecording, WithoutItsFiles_HasNoPictureAndEverythingElse) {
 
 TEST(ReplayedRecording, OfNoTicks_IsRefused) {
   const Folder folder;
-  const ReplayAnswer refused = ask(*opened(synthetic(folder, 0)), "about");
+  const ReplayAnswer refused = ask(*openedAgain(synthetic(folder, 0)), "about");
   EXPECT_EQ(refused.status, 422);
   EXPECT_NE(Json::parse(refused.body)["error"].get<std::string>().find("holds no ticks"),
             std::string::npos);
@@ -351,7 +352,7 @@ std::string damaged(const Folder& folder, const std::string& dataset, int chunk)
 
 TEST(ReplayedRecording, DamagedEnd_IsToldWithItsTimeAndShownUpToThere) {
   const Folder folder;
-  const auto recording = opened(damaged(folder, "ticks/elapsed_periods", 7));
+  const auto recording = openedAgain(damaged(folder, "ticks/elapsed_periods", 7));
   const Json about = aboutOf(*recording);
   EXPECT_EQ(about["whole"], false);
   EXPECT_EQ(about["unreadable_from_s"], 1.75);
@@ -364,7 +365,7 @@ TEST(ReplayedRecording, DamagedEnd_IsToldWithItsTimeAndShownUpToThere) {
 TEST(ReplayedRecording, DamagedChunk_IsToldAndTheRestIsShown) {
   const Folder folder;
   constexpr std::uint64_t kBad = 750;
-  const auto recording = opened(damaged(folder, "ticks/q_m", 3));
+  const auto recording = openedAgain(damaged(folder, "ticks/q_m", 3));
   EXPECT_EQ(aboutOf(*recording)["ticks"], 2000);
   const ReplayAnswer state =
       ask(*recording, "states?tick=" + std::to_string(kBad) + "&count=1&step=1");

@@ -19,7 +19,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kSessionPeriod_s = 1e-3;
 constexpr double kAvatar_kg = 0.25;
 constexpr int kRampTicks = 80;  // NeutralRampConfig::ramp_s
 
@@ -55,13 +55,14 @@ struct Rail {
     device = std::make_unique<SimulatedDevice>(
         device_model, person,
         Intention::throughWaypoints({{0.0, AxisPosition(1, 0.0)}, {0.1, AxisPosition(1, 0.05)}}),
-        kPeriod_s);
+        kSessionPeriod_s);
     faulty = std::make_unique<FaultInjector>(*device, std::move(faults));
     RenderingConfig rendering;
     rendering.axes.resize(1);
     rendering.axes[0].k_pm = 1000.0;
     rendering.axes[0].k_dm = 10.0;
-    const auto gains = resolveGains(rendering, AxisMatrix::Constant(1, 1, kAvatar_kg), kPeriod_s);
+    const auto gains =
+        resolveGains(rendering, AxisMatrix::Constant(1, 1, kAvatar_kg), kSessionPeriod_s);
     EXPECT_TRUE(gains) << format(gains.errors());
     RendererConfig config;
     config.gains = *gains;
@@ -125,7 +126,7 @@ TEST(SimulatedSession, ForItsTime_TicksEveryPeriodAndEndsAtNeutral) {
   ASSERT_EQ(records.size(), 1500U + kRampTicks);
   for (std::size_t k = 0; k < records.size(); ++k) {
     ASSERT_EQ(records[k].tick, k);
-    ASSERT_DOUBLE_EQ(records[k].time_s, static_cast<double>(k) * kPeriod_s);
+    ASSERT_DOUBLE_EQ(records[k].time_s, static_cast<double>(k) * kSessionPeriod_s);
     ASSERT_EQ(records[k].elapsed_periods, 1U);
   }
   // At rest against the stop at 1 cm: the person's 200 N/m pulls to 5 cm, the coupling's 1000 N/m

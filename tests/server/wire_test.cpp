@@ -201,7 +201,7 @@ TEST(WireScene, ShippedHand_EveryNameAndCapsule) {
   EXPECT_EQ(s->levels(), 4);
 }
 
-Eigen::Isometry3d placed(const fb::Pose& pose) {
+Eigen::Isometry3d placedAt(const fb::Pose& pose) {
   const auto& p = pose.position_m();
   const auto& q = pose.orientation_xyzw();
   const Eigen::Quaternionf turned(q.w(), q.x(), q.y(), q.z());
@@ -221,7 +221,7 @@ std::vector<Eigen::Isometry3d> drawn(const fb::Scene& scene, const fb::WorldStat
     const Eigen::Vector3d axis = Eigen::Vector3f(along.x(), along.y(), along.z()).cast<double>();
     Eigen::Isometry3d pose =
         link->parent() < 0 ? Eigen::Isometry3d::Identity() : poses[link->parent()];
-    pose = pose * placed(*link->at_zero());
+    pose = pose * placedAt(*link->at_zero());
     if (link->type() == fb::JointType::Prismatic) pose.translate(theta * axis);
     if (link->type() == fb::JointType::Revolute) pose.rotate(Eigen::AngleAxisd(theta, axis));
     poses.push_back(pose);
@@ -249,7 +249,7 @@ TEST(WireScene, Links_LeadToWhereTheStateSaysTheyAre) {
     const auto poses = drawn(scene, state);
     for (unsigned i = 0; i < poses.size(); ++i) {
       EXPECT_EQ(scene.links()->Get(i)->name()->str(), scene.link_names()->Get(i)->str());
-      const Eigen::Isometry3d said = placed(*state.links()->Get(i));
+      const Eigen::Isometry3d said = placedAt(*state.links()->Get(i));
       EXPECT_LE((poses[i].translation() - said.translation()).norm(), 2e-6)
           << device << ", link " << i;
       EXPECT_LE((poses[i].rotation() - said.rotation()).norm(), 4e-6) << device << ", link " << i;
@@ -267,7 +267,7 @@ TEST(WireScene, Shapes_StandAboutTheCentreOfMass) {
 
 // ---- what clients say ----------------------------------------------------------------------
 
-std::string refusalOf(const wire::Bytes& bytes) {
+std::string wireRefusalOf(const wire::Bytes& bytes) {
   const auto m = wire::decode(bytes);
   return m ? "" : format(m.errors());
 }
@@ -317,24 +317,28 @@ TEST(WireDecode, EveryOrder_IsUnderstood) {
 TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
-  EXPECT_NE(refusalOf({}), "");
-  EXPECT_NE(refusalOf({1, 2, 3}), "");
-  EXPECT_NE(refusalOf(wire::Bytes(100, 0xFF)).find("not one of Wholehand's"), std::string::npos);
-  EXPECT_NE(refusalOf(wire::Bytes(wire::kLargestClientMessage + 1, 0)).find("too large"),
+  EXPECT_NE(wireRefusalOf({}), "");
+  EXPECT_NE(wireRefusalOf({1, 2, 3}), "");
+  EXPECT_NE(wireRefusalOf(wire::Bytes(100, 0xFF)).find("not one of Wholehand's"),
             std::string::npos);
-  EXPECT_NE(refusalOf(arm(1, 2)).find("schema_version = 2"), std::string::npos);
-  EXPECT_NE(refusalOf(aim(1, {0.0F, nan})).find("finite"), std::string::npos);
-  EXPECT_NE(refusalOf(aim(1, {inf})).find("finite"), std::string::npos);
-  EXPECT_NE(refusalOf(aim(1, {})).find("1 to 16 axes"), std::string::npos);
-  EXPECT_NE(refusalOf(aim(1, std::vector<float>(17))).find("1 to 16 axes"), std::string::npos);
-  EXPECT_NE(refusalOf(setParameter(1, "lead_in_m", -std::numeric_limits<double>::infinity()))
+  EXPECT_NE(wireRefusalOf(wire::Bytes(wire::kLargestClientMessage + 1, 0)).find("too large"),
+            std::string::npos);
+  EXPECT_NE(wireRefusalOf(arm(1, 2)).find("schema_version = 2"), std::string::npos);
+  EXPECT_NE(wireRefusalOf(aim(1, {0.0F, nan})).find("finite"), std::string::npos);
+  EXPECT_NE(wireRefusalOf(aim(1, {inf})).find("finite"), std::string::npos);
+  EXPECT_NE(wireRefusalOf(aim(1, {})).find("1 to 16 axes"), std::string::npos);
+  EXPECT_NE(wireRefusalOf(aim(1, std::vector<float>(17))).find("1 to 16 axes"), std::string::npos);
+  EXPECT_NE(wireRefusalOf(setParameter(1, "lead_in_m", -std::numeric_limits<double>::infinity()))
                 .find("finite"),
             std::string::npos);
-  EXPECT_NE(refusalOf(steer(1, static_cast<fb::Steering>(2))).find("steer = 2"), std::string::npos);
-  EXPECT_NE(refusalOf(setHelp(1, static_cast<fb::Help>(4))).find("help = 4"), std::string::npos);
-  EXPECT_NE(refusalOf(action(1, static_cast<fb::Act>(-1))).find("action = -1"), std::string::npos);
+  EXPECT_NE(wireRefusalOf(steer(1, static_cast<fb::Steering>(2))).find("steer = 2"),
+            std::string::npos);
+  EXPECT_NE(wireRefusalOf(setHelp(1, static_cast<fb::Help>(4))).find("help = 4"),
+            std::string::npos);
+  EXPECT_NE(wireRefusalOf(action(1, static_cast<fb::Act>(-1))).find("action = -1"),
+            std::string::npos);
   // The program's own messages are not messages of a client.
-  EXPECT_NE(refusalOf(wire::controlsMessage({true, true})).find("client may send"),
+  EXPECT_NE(wireRefusalOf(wire::controlsMessage({true, true})).find("client may send"),
             std::string::npos);
 }
 
@@ -342,7 +346,7 @@ TEST(WireDecode, OrderLeftOut_IsRefused) {
   FlatBufferBuilder b;
   fb::FinishMessageBuffer(b, fb::CreateMessage(b, wire::kSchemaVersion, fb::Payload::Command,
                                                fb::CreateCommand(b, 1, fb::Order::Aim, 0).Union()));
-  EXPECT_NE(refusalOf({b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()}), "");
+  EXPECT_NE(wireRefusalOf({b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()}), "");
 }
 
 // Never beyond the bytes (asan-ubsan runs this), and never an order with a number that is not one.

@@ -20,12 +20,12 @@ namespace {
 using synthetic::Folder;
 using test::seed;
 
-std::string bytesOf(const std::string& path) {
+std::string contentsOf(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-void writeFile(const std::string& path, const std::string& bytes) {
+void writeContents(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
@@ -41,12 +41,12 @@ void spoil(std::string& bytes, std::mt19937_64& random) {
 }
 
 /// What a process that reads damaged files tells its parent, as far as it came.
-struct Progress {
+struct CopyProgress {
   int trial = 0, refused = 0, read = 0, silent = 0;
 };
 
 /// Reads everything that can be read. Counts how it ended.
-void readAll(const std::string& path, Progress& progress) {
+void readAll(const std::string& path, CopyProgress& progress) {
   const auto opened = RecordingReader::open(path);
   if (!opened) {
     ++progress.refused;
@@ -63,8 +63,8 @@ void readAll(const std::string& path, Progress& progress) {
 
 /// Spoils and reads `whole` again and again, in a process of its own: a crash is told, not shared.
 void expectReadsOrRefuses(const std::string& whole, const std::string& path, int count) {
-  auto* const progress = static_cast<Progress*>(
-      ::mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+  auto* const progress = static_cast<CopyProgress*>(::mmap(
+      nullptr, sizeof(CopyProgress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   ASSERT_NE(static_cast<void*>(progress), MAP_FAILED);
   const pid_t child = ::fork();
   if (child == 0) {
@@ -73,7 +73,7 @@ void expectReadsOrRefuses(const std::string& whole, const std::string& path, int
       std::mt19937_64 random(seed() + static_cast<std::uint64_t>(i));
       std::string bytes = whole;
       spoil(bytes, random);
-      writeFile(path, bytes);
+      writeContents(path, bytes);
       ::alarm(20);  // a hang ends it as well; a read takes milliseconds
       readAll(path, *progress);
     }
@@ -81,8 +81,8 @@ void expectReadsOrRefuses(const std::string& whole, const std::string& path, int
   }
   int status = 0;
   ::waitpid(child, &status, 0);
-  const Progress seen = *progress;
-  ::munmap(progress, sizeof(Progress));
+  const CopyProgress seen = *progress;
+  ::munmap(progress, sizeof(CopyProgress));
   EXPECT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status) << "; again with WHOLEHAND_SEED="
                                  << seed() + static_cast<std::uint64_t>(seen.trial);
   EXPECT_EQ(seen.refused + seen.read, count);
@@ -97,7 +97,7 @@ std::string wholeRecording(const std::string& path, std::uint64_t ticks) {
   std::mt19937_64 random(1);
   for (std::uint64_t i = 0; i < ticks; ++i) writer->append(synthetic::noisy(i, random));
   writer->close();
-  return bytesOf(path);
+  return contentsOf(path);
 }
 
 TEST(RecordingReader, RandomDamageAnywhere_IsReadOrRefusedNeverACrash) {
@@ -122,7 +122,7 @@ TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
   }
   ::waitpid(child, nullptr, 0);
   ASSERT_EQ(RecordingReader::open(path).value()->size(), 60U);
-  expectReadsOrRefuses(bytesOf(path), folder.file("spoiled.h5"), test::damagedCases(60));
+  expectReadsOrRefuses(contentsOf(path), folder.file("spoiled.h5"), test::damagedCases(60));
 }
 
 // Every byte of a text that the file holds once: where HDF5 would keep texts of variable length,
@@ -132,13 +132,13 @@ TEST(RecordingReader, DamageToEveryTextOfTheDescription_IsRefused) {
   const std::string path = folder.file("whole.h5"), spoiled = folder.file("spoiled.h5");
   const RecordingMeta meta = synthetic::meta();
   RecordingWriter::create(path, meta).value()->close();
-  const std::string whole = bytesOf(path);
+  const std::string whole = contentsOf(path);
   for (const std::string& text : {meta.title, meta.git_version, meta.created_utc}) {
     const std::size_t at = whole.find(text);
     ASSERT_NE(at, std::string::npos) << text;
     std::string bytes = whole;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x20);
-    writeFile(spoiled, bytes);
+    writeContents(spoiled, bytes);
     EXPECT_FALSE(RecordingReader::open(spoiled).ok()) << text;
   }
 }

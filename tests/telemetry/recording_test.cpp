@@ -138,7 +138,7 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
 
 /// Runs `body` in a child process and returns how it ended.
 template <class Body>
-int inChild(Body body) {
+int endOfChild(Body body) {
   const pid_t child = ::fork();
   if (child == 0) {
     body();
@@ -189,7 +189,7 @@ TEST(Recording, KillMinusNine_LosesLessThanASecond) {
 TEST(Recording, SlowTicksThenKill_PartialChunkIsThere) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
-  inChild([&path] {
+  endOfChild([&path] {
     auto w = RecordingWriter::create(path, synthetic::meta()).value().release();
     std::mt19937_64 random(1);
     for (std::uint64_t i = 0; i < 30; ++i) {  // 30 ticks in 0.6 s or more: no chunk of 250
@@ -209,7 +209,7 @@ TEST(Recording, WhileItIsWritten_AnotherProcessReads) {
   auto w = writer(path);
   writeTicks(*w, 500);
   w->flush();
-  const int status = inChild([&path] {
+  const int status = endOfChild([&path] {
     auto opened = RecordingReader::open(path);
     ::_exit(opened.ok() && opened.value()->size() == 500 ? 0 : 1);
   });
@@ -352,7 +352,7 @@ TEST(RecordingReader, TruncatedAtAnyPlace_IsRefused) {
 TEST(RecordingReader, KilledAndTruncated_IsRefused) {
   const Folder folder;
   const std::string path = folder.file("a.h5"), cut = folder.file("cut.h5");
-  inChild([&path] {
+  endOfChild([&path] {
     auto w = RecordingWriter::create(path, synthetic::meta()).value().release();
     std::mt19937_64 random(1);
     for (std::uint64_t i = 0; i < 1000; ++i) w->append(synthetic::noisy(i, random));

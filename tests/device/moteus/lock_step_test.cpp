@@ -23,11 +23,11 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kLoopPeriod_s = 1e-3;
 constexpr int kTicks = 5000;
 constexpr double kTorqueStep_nm =
     0.01;  // the step of a torque as int16 (docs of moteus); in N alike
-constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr double kRev_rad = 2.0 * std::numbers::pi;
 
 Models patientOn(const std::vector<std::string>& axes) {
   Models models = load(shippedFiles());
@@ -53,7 +53,7 @@ Intention travels(const DeviceModel& device) {
 std::unique_ptr<SimulatedDevice> plantOf(const Models& models, int delay_ticks) {
   DeviceModel device = models.device;
   device.output_delay_ticks = delay_ticks;
-  return std::make_unique<SimulatedDevice>(device, models.patient, travels(device), kPeriod_s);
+  return std::make_unique<SimulatedDevice>(device, models.patient, travels(device), kLoopPeriod_s);
 }
 
 // A spring towards the middle of each axis, as stiff as takes a tenth of the effort limit at its
@@ -142,8 +142,8 @@ TEST(LockStep, ForceDimension_IsTheBuiltInDevice) {
   const Models models = patientOn({"x", "y", "z", "finger_flexion"});
   const auto built_in = plantOf(models, 1), plant = plantOf(models, 1);
   ForceDimensionDriver at;
-  const auto device =
-      orThrow(PluginDevice::make(orThrow(at.load("", kLambdaSettings)), models.device, kPeriod_s));
+  const auto device = orThrow(
+      PluginDevice::make(orThrow(at.load("", kLambdaSettings)), models.device, kLoopPeriod_s));
   ASSERT_TRUE(built_in->open() && plant->open() && device->open());
   const auto move = [&] {
     DeviceReading reading;
@@ -166,9 +166,9 @@ TEST(LockStep, ForceDimension_IsTheBuiltInDevice) {
 
 // The hand settings, by hand and the other way round: turns of the motors, and efforts of the axes.
 void place(std::vector<FakeDrive>& drives, const AxisPosition& q) {
-  drives[0].position_rev = (q[0] - 1.5) / kTurn_rad;
-  drives[1].position_rev = (1.0 - 1.5 * q[1]) / kTurn_rad;
-  drives[2].position_rev = (q[2] - 0.4 * q[1] + 0.2) / kTurn_rad;
+  drives[0].position_rev = (q[0] - 1.5) / kRev_rad;
+  drives[1].position_rev = (1.0 - 1.5 * q[1]) / kRev_rad;
+  drives[2].position_rev = (q[2] - 0.4 * q[1] + 0.2) / kRev_rad;
 }
 AxisEffort pushOf(const std::vector<FakeDrive>& drives) {
   AxisEffort effort(3);
@@ -193,7 +193,7 @@ TEST(LockStep, Moteus_IsTheBuiltInDevice) {
   }
   place(bus.drives, start);
   const auto device = orThrow(
-      PluginDevice::make(std::make_shared<MoteusInStep>(bus, time), models.device, kPeriod_s));
+      PluginDevice::make(std::make_shared<MoteusInStep>(bus, time), models.device, kLoopPeriod_s));
   ASSERT_TRUE(built_in->open() && plant->open() && device->open());
   bus.by_hand = true;
   bus.latency_ns = 0;

@@ -11,7 +11,7 @@
 namespace wholehand::test {
 namespace {
 
-std::vector<std::uint8_t> bytesOf(const std::string& hex) {
+std::vector<std::uint8_t> bytesOfHex(const std::string& hex) {
   std::vector<std::uint8_t> out;
   for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
     out.push_back(static_cast<std::uint8_t>(std::stoi(hex.substr(i, 2), nullptr, 16)));
@@ -110,7 +110,7 @@ void PtyAdapter::answer(const std::string& line) {
   if (babbles) write(slcan ? "xyz\r" : "rcv 1z\r\nhello\r\nERR what\r\nrcv 900 00\r\n");
   for (FakeDrive& drive : drives_) {
     if ((id & 0x7f) != static_cast<unsigned>(drive.id())) continue;
-    auto said = drive.take(bytesOf(hex), (id & 0x8000) != 0, now_ns_);
+    auto said = drive.take(bytesOfHex(hex), (id & 0x8000) != 0, now_ns_);
     if (!said) continue;
     const int code = padded(*said);
     char head[32];

@@ -11,13 +11,13 @@
 namespace wholehand::moteus {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using RegisterBytes = std::vector<std::uint8_t>;
 
-Bytes bytesOf(const CanFrame& frame) {
+RegisterBytes payloadOf(const CanFrame& frame) {
   return {frame.data.begin(), frame.data.begin() + frame.size};
 }
 
-Answer answerOf(const Bytes& bytes) {
+Answer answerOf(const RegisterBytes& bytes) {
   Answer answer;
   EXPECT_TRUE(readAnswer(bytes, answer));
   return answer;
@@ -29,14 +29,14 @@ TEST(FrameWriter, Floats_StandLeastSignificantByteFirst) {
   FrameWriter out(frame);
   const std::array<float, 1> one = {1.0F};
   out.writeFloat(0x022, one);
-  EXPECT_EQ(bytesOf(frame), (Bytes{0x0d, 0x22, 0x00, 0x00, 0x80, 0x3f}));
+  EXPECT_EQ(payloadOf(frame), (RegisterBytes{0x0d, 0x22, 0x00, 0x00, 0x80, 0x3f}));
 }
 
 TEST(FrameWriter, RegisterAbove127_IsTwoBytes) {
   CanFrame frame;
   FrameWriter out(frame);
   out.read(RegisterType::kInt32, 0x102, 1);
-  EXPECT_EQ(bytesOf(frame), (Bytes{0x19, 0x82, 0x02}));  // 0x102 = 2 * 128 + 2
+  EXPECT_EQ(payloadOf(frame), (RegisterBytes{0x19, 0x82, 0x02}));  // 0x102 = 2 * 128 + 2
 }
 
 TEST(FrameWriter, WhatDoesNotFit_IsToldAndLeftOut) {
@@ -55,8 +55,8 @@ TEST(FrameWriter, DiagnosticText_IsCountedAndOnChannelOne) {
   CanFrame frame;
   FrameWriter out(frame);
   out.diagnosticWrite("tel stop\n");
-  EXPECT_EQ(bytesOf(frame),
-            (Bytes{0x40, 0x01, 0x09, 't', 'e', 'l', ' ', 's', 't', 'o', 'p', '\n'}));
+  EXPECT_EQ(payloadOf(frame),
+            (RegisterBytes{0x40, 0x01, 0x09, 't', 'e', 'l', ' ', 's', 't', 'o', 'p', '\n'}));
 }
 
 TEST(ReadAnswer, LowestInteger_IsNaN) {
@@ -71,7 +71,7 @@ TEST(ReadAnswer, RefusedRegister_IsCountedAndTheRestIsRead) {
 }
 
 TEST(ReadAnswer, Malformed_IsRefused) {
-  const std::vector<Bytes> bad = {
+  const std::vector<RegisterBytes> bad = {
       {0x24},                                            // no count
       {0x24, 0x04},                                      // no register
       {0x24, 0x04, 0x00, 0x0a},                          // half a value
@@ -80,19 +80,20 @@ TEST(ReadAnswer, Malformed_IsRefused) {
       {0x20, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01, 0x00},  // a count without an end
       {0x31, 0x0f},                                      // an error without its number
   };
-  for (const Bytes& bytes : bad) {
+  for (const RegisterBytes& bytes : bad) {
     Answer answer;
     EXPECT_FALSE(readAnswer(bytes, answer)) << static_cast<int>(bytes[0]) << ", " << bytes.size();
   }
 }
 
 TEST(DiagnosticAnswer, Text_IsReadAndOthersAreNot) {
-  const Bytes text = {0x41, 0x01, 0x03, '0', '.', '1', 0x50};
+  const RegisterBytes text = {0x41, 0x01, 0x03, '0', '.', '1', 0x50};
   EXPECT_EQ(diagnosticAnswer(text), "0.1");
-  const Bytes nothing = {0x41, 0x01, 0x00};
+  const RegisterBytes nothing = {0x41, 0x01, 0x00};
   EXPECT_EQ(diagnosticAnswer(nothing), "");
-  for (const Bytes& bytes :
-       {Bytes{}, Bytes{0x41}, Bytes{0x41, 0x02, 0x00}, Bytes{0x41, 0x01, 0x09, 'a'}, Bytes{0x24}}) {
+  for (const RegisterBytes& bytes :
+       {RegisterBytes{}, RegisterBytes{0x41}, RegisterBytes{0x41, 0x02, 0x00},
+        RegisterBytes{0x41, 0x01, 0x09, 'a'}, RegisterBytes{0x24}}) {
     EXPECT_FALSE(diagnosticAnswer(bytes));
   }
 }
