@@ -1,0 +1,138 @@
+// main() of the programs whose tests see real time. A thread beside them only sleeps. A test that
+// fails while even that thread was kept waiting is named as not judged, and fails nothing; every
+// other failure does, and so do crashes, reports of sanitizers and hangs. Nothing is tried again.
+#include "support/watched_main.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
+#include <pthread.h>
+#include <string>
+#include <time.h>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kSleep_ms = 1.0;
+
+double now_ms() {
+  timespec t{};
+  ::clock_gettime(CLOCK_MONOTONIC, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+/// Sleeps a millisecond at a time. Of ordinary priority, as the threads of clients and servers in
+/// the tests are: one of real-time priority would run where these do not. It is never joined: a
+/// child that a test forks has no such thread and may end as it likes.
+class Sleeper {
+ public:
+  Sleeper() {
+    pthread_attr_t attributes;
+    ::pthread_attr_init(&attributes);
+    ::pthread_attr_setstacksize(&attributes, std::size_t{256} << 10U);  // tests lock all memory
+    ::pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
+    pthread_t thread{};
+    runs_ = ::pthread_create(&thread, &attributes, &Sleeper::sleep, this) == 0;
+    ::pthread_attr_destroy(&attributes);
+  }
+  void begin() {
+    const std::lock_guard lock(mutex_);
+    begun_ms_ = now_ms();
+    longest_ms_ = 0.0;
+  }
+  /// The longest that it was kept waiting since then. Zero where there is no such thread.
+  double longest_ms() {
+    const std::lock_guard lock(mutex_);
+    if (runs_) look();
+    return longest_ms_;
+  }
+
+ private:
+  static void* sleep(void* self) {
+    auto& sleeper = *static_cast<Sleeper*>(self);
+    for (;;) {
+      {
+        const std::lock_guard lock(sleeper.mutex_);
+        sleeper.look();
+        sleeper.asleep_ms_ = now_ms();
+      }
+      const timespec duration{0, static_cast<long>(1e6 * kSleep_ms)};
+      ::nanosleep(&duration, nullptr);
+    }
+    return nullptr;
+  }
+  /// Of a sleep that began before the test, only what reaches into the test counts.
+  void look() {
+    const double over_ms = now_ms() - std::max(asleep_ms_, begun_ms_) - kSleep_ms;
+    longest_ms_ = std::max(longest_ms_, over_ms);
+  }
+
+  std::mutex mutex_;
+  double asleep_ms_ = now_ms(), begun_ms_ = asleep_ms_, longest_ms_ = 0.0;
+  bool runs_ = false;
+};
+
+class Judge final : public testing::EmptyTestEventListener {
+ public:
+  void OnTestStart(const testing::TestInfo&) override {
+    failure_.clear();
+    excusable_ = true;
+    sleeper_.begin();
+  }
+  void OnTestPartResult(const testing::TestPartResult& part) override {
+    if (!part.failed()) return;
+    if (std::strstr(part.message(), kAlways) != nullptr) excusable_ = false;
+    if (!failure_.empty()) return;
+    const std::string said = part.message();
+    const char* file = part.file_name() != nullptr ? part.file_name() : "?";
+    failure_ =
+        file + (":" + std::to_string(part.line_number())) + ": " + said.substr(0, said.find('\n'));
+  }
+  void OnTestEnd(const testing::TestInfo& test) override {
+    if (test.result()->Skipped()) return;
+    const double waited_ms = sleeper_.longest_ms();
+    if (!test.result()->Failed() || !excusable_ || waited_ms <= kKeptWaiting_ms) {
+      ++judged_;
+      failed_ = failed_ || test.result()->Failed();
+      return;
+    }
+    ++not_judged_;
+    std::printf("not judged: %s.%s: this machine kept a sleeper waiting for %.0f ms (%s)\n",
+                test.test_suite_name(), test.name(), waited_ms, failure_.c_str());
+    std::fflush(stdout);
+  }
+  /// Outside of a test nothing is excused.
+  void OnTestSuiteEnd(const testing::TestSuite& suite) override {
+    failed_ = failed_ || suite.ad_hoc_test_result().Failed();
+  }
+  void OnTestProgramEnd(const testing::UnitTest& all) override {
+    failed_ = failed_ || all.ad_hoc_test_result().Failed();
+    std::printf("real time: %d judged, %d not judged\n", judged_, not_judged_);
+    std::fflush(stdout);
+  }
+  /// @param of_gtest what RUN_ALL_TESTS() returned
+  [[nodiscard]] int exitCode(int of_gtest) const {
+    return of_gtest == 0 || (!failed_ && not_judged_ > 0) ? 0 : 1;
+  }
+
+ private:
+  Sleeper sleeper_;
+  std::string failure_;  ///< the first of the test that runs
+  bool excusable_ = true, failed_ = false;
+  int judged_ = 0, not_judged_ = 0;
+};
+
+}  // namespace
+}  // namespace wholehand::test
+
+int main(int count, char** arguments) {
+  testing::InitGoogleTest(&count, arguments);
+  if (testing::GTEST_FLAG(list_tests)) return RUN_ALL_TESTS();
+  // Never destroyed: its thread goes on until the program ends.
+  auto* judge = new wholehand::test::Judge;
+  testing::UnitTest::GetInstance()->listeners().Append(judge);
+  return judge->exitCode(RUN_ALL_TESTS());
+}

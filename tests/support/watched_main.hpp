@@ -1,0 +1,15 @@
+#pragma once
+
+/// What watched_main.cpp, the main() of programs whose tests see real time, goes by.
+namespace wholehand::test {
+
+/// Begins the message of a failure that no machine excuses: EXPECT_LE(force_n, limit_n) << kAlways.
+/// For what holds however late anybody is: limits of effort, nothing sent after a stop.
+inline constexpr const char* kAlways = "(whatever the machine does) ";
+
+/// A machine that keeps a sleeper waiting for longer has not let the test run. The shortest time
+/// that a test counts is 10 ms (an exchange of two processes), and an idle machine wakes a sleeper
+/// within 2 ms.
+inline constexpr double kKeptWaiting_ms = 5.0;
+
+}  // namespace wholehand::test
