@@ -13,11 +13,12 @@ import time
 import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "tests/support"))
+from watched_main import ALWAYS, FULL, HANG_S, main  # noqa: E402, F401  what the tests take from here
 BINARY = pathlib.Path(os.environ.get("WHOLEHAND_BINARY", SOURCE / "build/release/wholehand")).resolve()
 sys.path.insert(0, str(BINARY.parent / "python"))  # as built: with what flatc makes of the schema
 from wholehand.recording import Recording  # noqa: E402
 
-FULL = os.environ.get("WHOLEHAND_FULL") == "1"
 SEED = int(os.environ.get("WHOLEHAND_SEED", "1"))
 CONFIG = SOURCE / "config"
 MOTION = SOURCE / "data/human-motion/reach-grasp-00.csv"
@@ -27,18 +28,6 @@ FREE_RUN = ("run", "--motion", MOTION)
 
 DONE, DIFFERENT, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
 STOP_REQUESTED = 1 << 10  # docs/recording.md, bits of `faults`
-
-STOOD_STILL_S, TRIES = 0.005, 6
-
-# Sleeps a millisecond at a time, and tells the longest that it took once its input is closed.
-SLEEPER = """
-import select, sys, time
-longest, last = 0.0, time.monotonic()
-while not select.select([sys.stdin], [], [], 0.001)[0]:
-    now = time.monotonic()
-    longest, last = max(longest, now - last), now
-print(longest)
-"""
 
 
 class Result:
@@ -61,7 +50,7 @@ class AppTest(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="wholehand-test-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
-    def run_app(self, *arguments, timeout=100, binary=BINARY, cwd=None, **how):
+    def run_app(self, *arguments, timeout=HANG_S, binary=BINARY, cwd=None, **how):
         command = [str(binary), *map(str, arguments)]
         return Result(subprocess.run(command, cwd=cwd or self.folder, timeout=timeout, text=True, errors="replace",
                                      stdin=subprocess.DEVNULL, capture_output=True, **how))
@@ -77,9 +66,9 @@ class AppTest(unittest.TestCase):
 
     def wait_until(self, run, what, say=lambda: ""):
         """Until it is true of a program in the background, or the program has ended."""
-        until = time.monotonic() + 100.0
+        until = time.monotonic() + HANG_S
         while run.poll() is None and not what():
-            self.assertLess(time.monotonic(), until, f"not within 100 s, however slow the machine\n{say()}")
+            self.assertLess(time.monotonic(), until, f"{ALWAYS}it hangs\n{say()}")
             time.sleep(0.01)
 
     def wait_until_it_catches(self, run, number):
@@ -95,7 +84,7 @@ class AppTest(unittest.TestCase):
     def expect_ended_by(self, run, number, code=INTERRUPTED):
         """Sends the signal: what the program says until it has ended with that exit code."""
         run.send_signal(number)
-        said, complained = run.communicate(timeout=100)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, code, said + complained)
         return said
 
@@ -137,38 +126,10 @@ class AppTest(unittest.TestCase):
         return sorted(str(p.relative_to(folder)) for p in pathlib.Path(folder).rglob("*"))
 
 
-class StallWatch:
-    """How long this machine let a process wait that only sleeps: the longest between two wakings [s]."""
-
-    def __init__(self):
-        self.sleeper = subprocess.Popen([sys.executable, "-c", SLEEPER], text=True, stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE)
-
-    def longest_s(self):
-        return float(self.sleeper.communicate()[0])
-
-
 class PacedTest(AppTest):
-    """A test of what counts real time: drives' watchdogs, hosts, held keys. This machine may stand still: a test that
-    fails is tried again where a process that only sleeps beside it was kept waiting, too. Nothing that
-    computes runs beside it (label `paced`)."""
+    """A test of what counts real time: drives' watchdogs, hosts, held keys (watched_main.py)."""
 
-    def _callTestMethod(self, method):
-        for tries_left in reversed(range(TRIES)):
-            watch = StallWatch()
-            try:
-                method()
-                watch.longest_s()
-                return
-            except self.failureException as failure:
-                why = str(failure)
-                stood_still_s = watch.longest_s()
-                if tries_left == 0 or stood_still_s < STOOD_STILL_S:
-                    raise
-            print(f"{self._testMethodName}: this machine stood still for {1e3 * stood_still_s:.0f} ms; tried again\n{why}", flush=True)
-            self.tearDown()
-            self.doCleanups()
-            self.setUp()
+    paced = True
 
 
 def loop_sleeps(pid):

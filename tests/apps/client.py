@@ -7,6 +7,8 @@ import threading
 import time
 import zlib
 
+from app import HANG_S
+
 # protocol/wholehand.fbs: members of the unions Order and Payload, from 1.
 ARM, STOP, EMERGENCY_STOP, AIM, STEER, ACTION, TAKE_CONTROLS, HEARTBEAT = 1, 2, 3, 6, 7, 8, 9, 11
 WORLD_STATE, SCENE, WELCOME, REPLY, COMMAND = 1, 2, 4, 6, 7
@@ -93,7 +95,7 @@ class Page:
 
     def __init__(self, port, role=None):
         path = f"/ws?role={role}" if role else "/ws"
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=HANG_S)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         key = base64.b64encode(os.urandom(16)).decode()
         self.socket.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\n"
@@ -160,22 +162,22 @@ class Page:
             self.socket.sendall(head + bytes(4) + payload)  # a mask of zeros
             return self.last
 
-    def answer(self, number, within_s=30.0):
+    def answer(self, number, within_s=HANG_S):
         with self.answered:
             self.answered.wait_for(lambda: number in self.replies, within_s)
             return self.replies.get(number)
 
     def wait_for_endings(self, count):
-        until = time.monotonic() + 90.0
+        until = time.monotonic() + HANG_S
         while self.state is None or self.state.number(ENDINGS, "I") < count:
-            assert time.monotonic() < until, f"ending {count} is not told of within 90 s"
+            assert time.monotonic() < until, f"ending {count} is not told of"
             time.sleep(0.01)
 
     def arm(self, endings_seen):
         """Whether it was accepted, and why not, once the program has told of as many endings."""
         if endings_seen > 1:
             self.wait_for_endings(endings_seen)
-        return self.answer(self.say(ARM, ("I", endings_seen)), 90)
+        return self.answer(self.say(ARM, ("I", endings_seen)))
 
     def hold_controls(self):
         assert self.answer(self.say(TAKE_CONTROLS))[0]

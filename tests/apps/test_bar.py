@@ -1,7 +1,6 @@
 """`wholehand run` at the cocktail bar: a level is played by the virtual patient, and played again."""
-import unittest
 
-from app import DONE, AppTest, read_recording
+from app import DONE, AppTest, main, read_recording
 
 LEVER_M = 0.08  # of fingers and thumb, config/devices/lambda-pride.toml
 
@@ -117,4 +116,4 @@ class Level(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

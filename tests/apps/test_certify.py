@@ -3,10 +3,9 @@ import json
 import math
 import re
 import shutil
-import unittest
 
-from app import (BAD_INPUT, BINARY, CONFIG, DONE, AppTest, expect_known_sentences, read_recording, report_data,
-                 sentences_of)
+from app import (BAD_INPUT, BINARY, CONFIG, DONE, AppTest, expect_known_sentences, main, read_recording,
+                 report_data, sentences_of)
 from device_app import passport_of
 
 DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda-pride.toml"
@@ -328,4 +327,4 @@ class Certify(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -6,12 +6,11 @@ import shutil
 import signal
 import subprocess
 import sys
-import unittest
 
 import h5py
 import numpy
 
-from app import BAD_INPUT, BINARY, CONFIG, DONE, FREE_RUN, AppTest
+from app import BAD_INPUT, BINARY, CONFIG, DONE, FREE_RUN, HANG_S, AppTest, main
 
 FAILED = 4
 NEVER = numpy.uint64(2**64 - 1)  # docs/recording.md: a tick that never reached the disk
@@ -65,7 +64,7 @@ class DamagedRecording(AppTest):
                 f["meta"].attrs[key] = value
             for arguments in self.commands(path):
                 with self.subTest(f"{key} {value} {arguments[0]}"):
-                    self.expect_refused(self.run_app(*arguments, timeout=20), "run.h5", text, lines=1)
+                    self.expect_refused(self.run_app(*arguments), "run.h5", text, lines=1)
 
 
 class Stranger(AppTest):
@@ -82,7 +81,7 @@ class Stranger(AppTest):
                                  ("large", "#" * (5 << 20), "larger than 4 MB")):
             self.write(name + ".toml", text)
             with self.subTest(name):
-                self.expect_refused(self.run_app("validate", name + ".toml", timeout=5), name + ".toml", said, lines=1)
+                self.expect_refused(self.run_app("validate", name + ".toml"), name + ".toml", said, lines=1)
         # What only looks like it, in quotes and comments.
         device = (CONFIG / "devices/lambda-pride.toml").read_text()
         self.write("quoted.toml", device + "# " + "[" * 1000 + "." * 1000 + "\n")
@@ -131,7 +130,7 @@ class Stranger(AppTest):
                                   ["validate", "gains.toml"],
                                   [*FREE_RUN, "--simulated-clock", "--duration", "0.1", "--rendering", "gains.toml"]):
                     with self.subTest(f"{key} {number} {arguments[0]}"):
-                        self.assertIn(self.run_app(*arguments, timeout=60).code, (DONE, 1, BAD_INPUT))
+                        self.assertIn(self.run_app(*arguments).code, (DONE, 1, BAD_INPUT))
 
 
 class OwnFiles(AppTest):
@@ -164,7 +163,7 @@ class OwnFiles(AppTest):
 
     def test_origin_beyond_this_machine_needs_a_token(self):
         for origin in ("https://clinic.example", "http://127.evil.example", "http://[2001:db8::1]:80"):
-            self.expect_refused(self.run_app("run", "--port", "0", "--origin", origin, timeout=20), "--origin", "--token")
+            self.expect_refused(self.run_app("run", "--port", "0", "--origin", origin), "--origin", "--token")
 
 
 class TakenAway(AppTest):
@@ -189,7 +188,7 @@ class TakenAway(AppTest):
                           ["validate", device]):
             with self.subTest(arguments[0]), open("/dev/full", "w") as full:
                 done = subprocess.run([BINARY, *arguments], cwd=self.folder, stdout=full, stderr=subprocess.PIPE,
-                                      text=True, timeout=60)
+                                      text=True, timeout=HANG_S)
                 self.assertEqual(done.returncode, BAD_INPUT)
                 self.assertIn("standard output: cannot be written: No space left on device", done.stderr)
 
@@ -199,19 +198,19 @@ class TakenAway(AppTest):
         script = "import os, sys, shutil; os.chdir(sys.argv[1]); shutil.rmtree(sys.argv[1]); os.execv(sys.argv[2], sys.argv[2:])"
         run = [*map(str, FREE_RUN), "--simulated-clock", "--duration", "0.1"]
         done = subprocess.run([sys.executable, "-c", script, gone, BINARY, *run], text=True, capture_output=True,
-                              timeout=60)
+                              timeout=HANG_S)
         self.assertIn(done.returncode, (BAD_INPUT, FAILED), done.stderr)
         self.assertIn("wholehand: ", done.stderr)
 
         def limit(mib):
             return lambda: resource.setrlimit(resource.RLIMIT_AS, (mib << 20, mib << 20))
         for mib in (*range(50, 66, 2), 100, 150, 200, 250, 300):  # below 60, Bullet's own allocator wrote to 0
-            begins = subprocess.run([BINARY, "--version"], capture_output=True, timeout=60, preexec_fn=limit(mib))
+            begins = subprocess.run([BINARY, "--version"], capture_output=True, timeout=HANG_S, preexec_fn=limit(mib))
             if begins.returncode != DONE:
                 continue  # the loader, or what C++ prepares before main(), had no memory
             with self.subTest(mib=mib):
                 done = subprocess.run([BINARY, *run, "--json", "a.json"], cwd=self.folder, text=True,
-                                      capture_output=True, timeout=60, preexec_fn=limit(mib))
+                                      capture_output=True, timeout=HANG_S, preexec_fn=limit(mib))
                 self.assertIn(done.returncode, (DONE, BAD_INPUT, FAILED), done.stderr)
                 self.assertNotIn("terminate", done.stderr)
                 if done.returncode == FAILED:
@@ -219,4 +218,4 @@ class TakenAway(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -3,12 +3,11 @@ import json
 import math
 import os
 import re
-import unittest
 import xml.dom.minidom
 
 import numpy
 
-from app import BAD_INPUT, DONE, AppTest, read_recording
+from app import BAD_INPUT, DONE, AppTest, main, read_recording
 
 NOT_ALIKE = 1
 
@@ -219,4 +218,4 @@ def file_names(recording):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

@@ -4,9 +4,8 @@ import os
 import pathlib
 import re
 import signal
-import unittest
 
-from app import CONFIG, DONE, SOURCE, AppTest
+from app import CONFIG, DONE, SOURCE, AppTest, main
 
 DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", SOURCE / "build/release/drivers"))
 DESKTOP = CONFIG / "devices/desktop-3axis.toml"
@@ -91,4 +90,4 @@ class Device(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

@@ -10,10 +10,9 @@ import signal
 import struct
 import subprocess
 import time
-import unittest
 
 import client
-from app import BINARY, FULL, read_recording
+from app import ALWAYS, BINARY, FULL, HANG_S, main, read_recording
 from device_app import DRIVERS, HARDWARE, DeviceTest
 
 STALE_SAMPLE, ENABLE_LOST = 1 << 25, 1 << 24  # docs/recording.md, bits of `faults`
@@ -98,7 +97,7 @@ class DeviceHost(DeviceTest):
         neutral = len(given)
         while neutral > 0 and given[neutral - 1][1] == (0.0, 0.0, 0.0):
             neutral -= 1
-        self.assertLess(neutral, len(given), "never neutral")
+        self.assertLess(neutral, len(given), ALWAYS + "never neutral")
         # The last command and its ramp point the same way; the commands of a living loop turn with every tick.
         last = neutral - 1
         while last > 0 and points_alike(given[last - 1][1], given[neutral - 1][1]):
@@ -110,8 +109,8 @@ class DeviceHost(DeviceTest):
         taken = span[-1][0] - span[0][0]
         for (_, before), (_, after) in zip(span, span[1:]):
             for was, now in zip(before, after):
-                self.assertLessEqual(abs(now), abs(was), "an effort rises after the loss")
-                self.assertGreaterEqual(now * was, 0.0, "an effort goes through neutral")
+                self.assertLessEqual(abs(now), abs(was), ALWAYS + "an effort rises after the loss")
+                self.assertGreaterEqual(now * was, 0.0, ALWAYS + "an effort goes through neutral")
         self.assertGreater(max(map(abs, span[0][1])), 0.05, "nothing was pushed: the test proves nothing")
         self.assertLessEqual(taken, 0.110 + late)
         self.assertGreater(given[lowered][0] - given[last][0], 0.019 - gap, "an alarm too early")
@@ -139,7 +138,7 @@ class DeviceHost(DeviceTest):
         run.send_signal(signal.SIGCONT)
         self.wait_until(host, lambda: self.host_says().endswith(": ended\n"), self.host_says)
         after = self.efforts()[before:]
-        self.assertTrue(all(e == (0.0, 0.0, 0.0) for _, e in after), "the loop is heard after the host let go")
+        self.assertTrue(all(e == (0.0, 0.0, 0.0) for _, e in after), ALWAYS + "the loop is heard after the host let go")
         self.arm_until_it_pushes(run)  # of its own will, it is served again
 
     def test_lost_host_is_a_fault_of_the_loop_and_a_new_host_serves_it(self):
@@ -157,7 +156,7 @@ class DeviceHost(DeviceTest):
         self.start_host()
         self.arm_until_it_pushes(run)
         run.send_signal(signal.SIGINT)
-        said = "".join(run.communicate(timeout=60))
+        said = "".join(run.communicate(timeout=HANG_S))
         self.assertIn("rendering -> faulted: stale sample", said)
         self.assertIn(f"pushed, 3 axes, in the host {NAME}", self.driver_line)
         recordings = sorted((self.folder / "out/recordings").glob("*.h5"))
@@ -170,19 +169,19 @@ class DeviceHost(DeviceTest):
         self.arm_until_it_pushes(run)
         before = len(self.host_says())
         run.send_signal(signal.SIGINT)
-        run.communicate(timeout=60)
+        run.communicate(timeout=HANG_S)
         self.wait_until(host, lambda: self.host_says().endswith(": ended\n"))
         self.assertNotIn("LETS GO", self.host_says()[before:])
         run = self.start_run()
         self.arm_until_it_pushes(run)
         host.terminate()
-        self.assertEqual(host.wait(timeout=60), 0, self.host_says())
+        self.assertEqual(host.wait(timeout=HANG_S), 0, self.host_says())
         self.assertIn("LETS GO: the host was told to end", self.host_says())
         self.assertEqual(self.efforts()[-1][1], (0.0, 0.0, 0.0))
         self.assertFalse(pathlib.Path("/dev/shm/wholehand-" + NAME).exists())
         time.sleep(0.3)
         run.send_signal(signal.SIGINT)
-        self.assertIn("faulted: ", "".join(run.communicate(timeout=60)))
+        self.assertIn("faulted: ", "".join(run.communicate(timeout=HANG_S)))
 
     def test_what_does_not_fit_is_refused_by_name(self):
         host = ("device-host", "--name", NAME, "--driver", DRIVERS / "rails.so")
@@ -218,4 +217,4 @@ class DeviceHost(DeviceTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

@@ -3,10 +3,9 @@ import shutil
 import signal
 import subprocess
 import time
-import unittest
 
 import client
-from app import BINARY, CONFIG, INTERRUPTED, SOURCE, AppTest, read_recording
+from app import BINARY, CONFIG, HANG_S, INTERRUPTED, SOURCE, AppTest, main, read_recording
 from device_app import DRIVERS, HARDWARE, DeviceTest
 
 DEVICE_READ = 1 << 0  # docs/recording.md, bits of `faults`
@@ -18,7 +17,7 @@ class Driver(DeviceTest):
 
     def stop(self, run):
         run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=60)
+        out, err = run.communicate(timeout=HANG_S)
         return out + err
 
     def recordings(self):
@@ -60,7 +59,7 @@ class Driver(DeviceTest):
     def test_device_that_is_unplugged_while_rendering_ends_at_a_fault_and_nothing_is_lost(self):
         run = self.start(DRIVERS / "spoiled.so", "--driver-settings", "unplug@1500")
         self.arm()
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + HANG_S
         while time.monotonic() < deadline and not self.stopped():
             time.sleep(0.1)
         said = self.stop(run)
@@ -129,7 +128,7 @@ class Commission(AppTest):
 
     def test_without_a_terminal_no_key_can_be_held_and_nothing_moves(self):
         done = subprocess.run([BINARY, *map(str, self.COMMISSION), "--driver", DRIVERS / "rails.so"], text=True,
-                              input="yes\nyes\nquit\n", capture_output=True, timeout=60)
+                              input="yes\nyes\nquit\n", capture_output=True, timeout=HANG_S)
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
         self.assertIn("Step 2 of 11: home", done.stdout)
         self.assertIn("no key can be held", done.stderr)
@@ -142,4 +141,4 @@ class Commission(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

@@ -1,8 +1,7 @@
 """`--engine`: every engine runs scenes and exercises, is named in what is written, and is run again."""
 import json
-import unittest
 
-from app import CONFIG, DONE, FREE_RUN, AppTest, read_recording
+from app import CONFIG, DONE, FREE_RUN, AppTest, main, read_recording
 
 ENGINES = ("bullet", "mujoco", "bullet-newton", "bullet-paper", "bullet-paper-gears")
 # θ = θ₀ + G q_s: what a step may leave of it before correction. Rounding; the paper's own way lets
@@ -51,4 +50,4 @@ class EveryEngine(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

@@ -3,9 +3,8 @@ import json
 import os
 import signal
 import time
-import unittest
 
-from app import CONFIG, DONE, INTERRUPTED, AppTest, expect_known_sentences, report_data
+from app import CONFIG, DONE, HANG_S, INTERRUPTED, AppTest, expect_known_sentences, main, report_data
 
 
 class Grasping(AppTest):
@@ -137,7 +136,7 @@ class Admission(AppTest):
             text += f'[[bodies]]\nname = "box-{i}"\nshape = "box"\nsize_m = [0.03, 0.03, 0.03]\nmass_kg = 0.02\n' \
                     f'position_m = [{0.04 + x:.4f}, {y:.4f}, {z:.4f}]\n'
         (self.folder / "stacks.toml").write_text(text)
-        refused = self.run_app("validate", "--admit", "stacks.toml", "--rate-hz", "8000", timeout=600)
+        refused = self.run_app("validate", "--admit", "stacks.toml", "--rate-hz", "8000")
         self.assertEqual(refused.code, 1, refused)
         self.assertRegex(refused.out, r"not admitted at 8000 Hz(.|\n)*(Remove \d+ bod|No body that could be removed)")
 
@@ -148,16 +147,16 @@ class Admission(AppTest):
         game = CONFIG / "exercises/game-scene.toml"
         text = game.read_text().replace("../scenes", str(CONFIG / "scenes"))
         (self.folder / "small.toml").write_text(text.replace("slots = 64", "slots = 2").replace("awake = 24", "awake = 1"))
-        self.expect(self.run_app("validate", "--admit", "small.toml", timeout=300),
+        self.expect(self.run_app("validate", "--admit", "small.toml"),
                     DONE, ": admitted at 1000 Hz", "1 awake and 1 fixed bodies of a game")
-        self.expect(self.run_app("validate", "--admit", game, "--rate-hz", "8000", timeout=300),
+        self.expect(self.run_app("validate", "--admit", game, "--rate-hz", "8000"),
                     1, "not admitted at 8000 Hz", "budget.awake = 24")
 
 
 class Engines(AppTest):
     def test_keys_of_the_results(self):
         self.expect(self.run_app("experiment", "engines", "--hold", "0.2", "--rates-hz", "1000,2000", "--json", "e.json",
-                                 "--out", "out", timeout=300),
+                                 "--out", "out"),
                     DONE, "bullet's tick over bullet-paper's", "at 1000 Hz", "at 2000 Hz")
         results = json.loads((self.folder / "e.json").read_text())
         engines = {engine["engine"]: engine for engine in results["engines"]}
@@ -267,11 +266,11 @@ class CocktailBar(AppTest):
         self.wait_until_it_catches(run, signal.SIGINT)
         time.sleep(1.0)
         os.killpg(run.pid, signal.SIGINT)  # as a terminal does
-        said, complained = run.communicate(timeout=100)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
         self.assertIn("Interrupted", said)
         self.assertFalse((self.folder / "c.json").exists())
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -5,12 +5,11 @@ import re
 import shutil
 import signal
 import subprocess
-import unittest
 
 import h5py
 import numpy
 
-from app import BAD_INPUT, BINARY, CONFIG, DIFFERENT, DONE, FREE_RUN, INTERRUPTED, MOTION, AppTest
+from app import BAD_INPUT, BINARY, CONFIG, DIFFERENT, DONE, FREE_RUN, HANG_S, INTERRUPTED, MOTION, AppTest, main
 
 DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", BINARY.parent / "drivers")).resolve()
 
@@ -72,7 +71,7 @@ class FileNames(AppTest):
     def copied(self, source, ending, name=EVIL):
         return self.named(ending, pathlib.Path(source).read_bytes(), name)
 
-    def said(self, *arguments, cwd=None, timeout=100):
+    def said(self, *arguments, cwd=None, timeout=HANG_S):
         """All that a command says, after a check that it is text."""
         done = subprocess.run(words(BINARY, *arguments), cwd=cwd or self.folder, timeout=timeout, stdin=subprocess.DEVNULL,
                               capture_output=True)
@@ -86,7 +85,7 @@ class FileNames(AppTest):
         self.addCleanup(run.kill)
         first = run.stdout.readline()
         run.send_signal(signal.SIGINT)
-        out, errors = run.communicate(timeout=100)
+        out, errors = run.communicate(timeout=HANG_S)
         return self.expect_text(first + out + errors, run.returncode)
 
     def expect_text(self, output, code):
@@ -259,7 +258,7 @@ class FileNames(AppTest):
         shutil.copy(BINARY, programs / "wholehand")
         with open(os.path.join(os.fsencode(programs / "drivers"), EVIL + b".so"), "wb") as driver:
             driver.write(b"no shared object")
-        done = subprocess.run([programs / "wholehand", "device", "list"], capture_output=True, timeout=30, cwd=self.folder)
+        done = subprocess.run([programs / "wholehand", "device", "list"], capture_output=True, timeout=HANG_S, cwd=self.folder)
         self.assertIn(SHOWN, self.expect_text(done.stdout + done.stderr, done.returncode))
 
     def test_a_working_folder_of_such_a_name(self):
@@ -272,4 +271,4 @@ class FileNames(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

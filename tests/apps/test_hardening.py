@@ -4,7 +4,7 @@ import re
 import subprocess
 import unittest
 
-from app import BINARY
+from app import BINARY, main
 
 BUILD = BINARY.parent
 SHIPPED = ["composite", "force_dimension", "frame", "moteus"]
@@ -48,4 +48,4 @@ class Hardening(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -7,9 +7,8 @@ import pathlib
 import shutil
 import subprocess
 import tempfile
-import unittest
 
-from app import BINARY, CONFIG, DONE, AppTest, expect_known_sentences, report_data
+from app import BINARY, CONFIG, DONE, HANG_S, AppTest, expect_known_sentences, main, report_data
 
 NOT_AS_PREDICTED = 1
 MOST_DB, MOST_DEG = 1.0, 5.0  # what is promised, from 1 to 100 Hz
@@ -37,11 +36,11 @@ class ShippedRobot(AppTest):
         where = pathlib.Path(tempfile.mkdtemp(prefix="wholehand-test-"))
         cls.addClassCleanup(shutil.rmtree, where, ignore_errors=True)
         cls.done = subprocess.run([BINARY, "certify", "--impedance", "--json", "z.json", "--charts", "z.html"], cwd=where,
-                                  stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
+                                  stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=HANG_S)
         cls.all = json.loads((where / "z.json").read_text())
         cls.impedance = cls.all["impedance"]
         cls.page = report_data(where / "z.html")
-        certificate = subprocess.run([BINARY, "certify", "--json", "c.json"], cwd=where, capture_output=True, timeout=100)
+        certificate = subprocess.run([BINARY, "certify", "--json", "c.json"], cwd=where, capture_output=True, timeout=HANG_S)
         assert certificate.returncode == DONE
         cls.gains = {a["name"]: a for a in json.loads((where / "c.json").read_text())["axes"]}
 
@@ -185,8 +184,8 @@ class OtherCases(AppTest):
                 (["--impedance", "--json", "file/z.json"], ["file"]),
         ):
             with self.subTest(arguments):
-                self.expect_refused(self.run_app("certify", *arguments, timeout=100), *texts)
+                self.expect_refused(self.run_app("certify", *arguments), *texts)
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

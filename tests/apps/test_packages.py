@@ -3,9 +3,8 @@ import json
 import pathlib
 import subprocess
 import tempfile
-import unittest
 
-from app import AppTest, BINARY, DONE, SOURCE, read_recording
+from app import BINARY, DONE, SOURCE, AppTest, main, read_recording
 
 BUILD = BINARY.parent
 
@@ -101,4 +100,4 @@ class Packages(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

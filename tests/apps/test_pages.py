@@ -5,10 +5,9 @@ import pathlib
 import signal
 import socket
 import time
-import unittest
 import urllib.request
 
-from app import CONFIG, DONE, INTERRUPTED, AppTest, read_recording
+from app import CONFIG, DONE, HANG_S, INTERRUPTED, AppTest, main, read_recording
 
 
 def inet_sockets(pid):
@@ -47,7 +46,7 @@ class Pages(AppTest):
         return run, url
 
     def health(self, url):
-        with urllib.request.urlopen(url + "healthz", timeout=30) as answer:
+        with urllib.request.urlopen(url + "healthz", timeout=HANG_S) as answer:
             self.assertEqual(answer.status, 200)
             return json.load(answer)
 
@@ -55,7 +54,7 @@ class Pages(AppTest):
         # Until it catches Ctrl-C nothing is rendered, and the signal's own end is as good.
         self.wait_until_it_catches(run, signal.SIGINT)
         run.send_signal(signal.SIGINT)
-        said, complained = run.communicate(timeout=100)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, code, said + complained)
         self.assertEqual(complained, "")
 
@@ -79,14 +78,14 @@ class Pages(AppTest):
     def test_waiting_ends_by_itself(self):
         began = time.monotonic()
         run, _ = self.start_waiting("--duration", 1)
-        said, complained = run.communicate(timeout=100)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, DONE, said + complained)
         self.assertGreater(time.monotonic() - began, 1.0)
 
     def test_ctrl_c_while_it_renders_ramps_and_closes_the_recording(self):
         run = self.start_app("run", "--port", 0, "--duration", 600, "--record", "run.h5")
         url = run.stdout.readline().strip()
-        until = time.monotonic() + 100.0
+        until = time.monotonic() + HANG_S
         while self.health(url)["ticks"] < 1000 and time.monotonic() < until:
             time.sleep(0.1)
         self.assertEqual(self.health(url)["run_state"], "rendering")
@@ -101,7 +100,7 @@ class Pages(AppTest):
         with socket.create_server(("127.0.0.1", 0)) as taken:
             port = taken.getsockname()[1]
             result = self.run_app("run", "--port", port, "--duration", 3, "--record", "kept/run.h5",
-                                  "--json", "kept/run.json", timeout=100)
+                                  "--json", "kept/run.json")
             self.expect_refused(result, "port", f"127.0.0.1:{port}", "in use", lines=1)
             self.assertEqual(result.out, "")
         self.assertEqual(self.names_in(self.folder), [])  # no folder for what was not made
@@ -118,7 +117,7 @@ class Pages(AppTest):
     def expect_no_socket(self, *arguments):
         run = self.start_app("run", *arguments, "--json", "run.json")
         looked = 0
-        until = time.monotonic() + 100.0
+        until = time.monotonic() + HANG_S
         while run.poll() is None and time.monotonic() < until:
             try:
                 found = inet_sockets(run.pid)
@@ -127,7 +126,7 @@ class Pages(AppTest):
             self.assertEqual(found, [])
             looked += 1
             time.sleep(0.01)
-        said, complained = run.communicate(timeout=100)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, DONE, said + complained)
         self.assertGreater(json.loads((self.folder / "run.json").read_text())["ticks"], 900)
         self.assertGreater(looked, 5)
@@ -156,7 +155,7 @@ class Refused(AppTest):
         ):
             for how in (["--simulated-clock"], ["--port", 0, "--wait"], ["--no-web"]):
                 with self.subTest(arguments=arguments, how=how):
-                    result = self.run_app("run", *arguments, *how, "--duration", 1, timeout=100)
+                    result = self.run_app("run", *arguments, *how, "--duration", 1)
                     self.expect_refused(result, *texts)
                     self.assertLessEqual(len(result.err.splitlines()), 2, result)
         self.assertEqual(self.names_in(self.folder), [])
@@ -166,7 +165,7 @@ class Refused(AppTest):
                      ["--token", "0123456789abcdef"]):
             for how in ("--simulated-clock", "--no-web"):
                 with self.subTest(door=door, how=how):
-                    self.expect_refused(self.run_app("run", *door, how, "--duration", 1, timeout=100),
+                    self.expect_refused(self.run_app("run", *door, how, "--duration", 1),
                                         door[0], how, lines=1)
         self.assertEqual(self.names_in(self.folder), [])
 
@@ -175,7 +174,7 @@ class Refused(AppTest):
             for token in ([], ["--token", ""], ["--token", "short"]):
                 with self.subTest(address=address, token=token):
                     result = self.run_app("run", "--wait", "--port", 0, "--address", address, *token,
-                                          "--duration", 3, timeout=100)
+                                          "--duration", 3, timeout=HANG_S)
                     self.expect_refused(result, address, "token", "16 characters", lines=1)
                     self.assertEqual(result.out, "")  # no address was printed: nothing listened
 
@@ -191,7 +190,7 @@ class Refused(AppTest):
         ):
             with self.subTest(tokens=tokens):
                 arguments = [part for token in tokens for part in ("--token", token)]
-                result = self.run_app("run", "--wait", "--port", 0, *arguments, "--duration", 1, timeout=100)
+                result = self.run_app("run", "--wait", "--port", 0, *arguments, "--duration", 1)
                 self.expect_refused(result, *texts, lines=1)
                 self.assertEqual(result.out, "")
 
@@ -199,7 +198,7 @@ class Refused(AppTest):
         run = self.start_app("run", "--wait", "--port", 0, "--address", "0.0.0.0", "--token", "0123456789abcdef")
         said = "".join(run.stdout.readline() for _ in range(4))
         run.send_signal(signal.SIGINT)
-        run.communicate(timeout=100)
+        run.communicate(timeout=HANG_S)
         self.assertRegex(said, r"^http://127\.0\.0\.1:(\d+)/\n"
                                r"  game     http://127\.0\.0\.1:\1/\?token=<token>\n"
                                r"  console  http://127\.0\.0\.1:\1/console\?token=<token>\n"
@@ -208,9 +207,9 @@ class Refused(AppTest):
     def test_port_that_is_none(self):
         for port in ("65536", "-1", "http"):
             with self.subTest(port):
-                self.expect_refused(self.run_app("run", "--port", port, "--duration", 1, timeout=100), "--port",
+                self.expect_refused(self.run_app("run", "--port", port, "--duration", 1), "--port",
                                     port)
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

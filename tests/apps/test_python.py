@@ -12,7 +12,7 @@ import time
 import unittest
 
 import numpy
-from app import BINARY, FULL, SEED, SOURCE, AppTest
+from app import BINARY, FULL, HANG_S, SEED, SOURCE, AppTest, main
 
 import wholehand
 import wholehand.protocol
@@ -38,7 +38,7 @@ class Connected(AppTest):
         self.addCleanup(self.program.close)
 
     def states_until(self, so):
-        until = time.monotonic() + 100.0
+        until = time.monotonic() + HANG_S
         while not so(self.program.next_state(timeout_s=60.0)):
             self.assertLess(time.monotonic(), until)
         return self.program.state
@@ -132,7 +132,7 @@ class ClientTest(Connected):
         self.assertTrue(self.program.controls.held_by_you)
         self.program._called_s = float("-inf")  # as after 3 s without a call
         with Client(self.address, role="watcher") as watcher:
-            until = time.monotonic() + 100.0
+            until = time.monotonic() + HANG_S
             while watcher.controls.held:
                 self.assertLess(time.monotonic(), until)
                 watcher.next_state(timeout_s=60.0)
@@ -274,7 +274,7 @@ class BodiesTest(Connected):
     def test_the_example_drops_a_ball_on_the_hand(self):
         self.program.close()
         done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples/drop_a_ball.py", "--address", self.address],
-                              cwd=SOURCE, capture_output=True, text=True, timeout=100,
+                              cwd=SOURCE, capture_output=True, text=True, timeout=HANG_S,
                               env={**os.environ, "PYTHONPATH": str(BINARY.parent / "python")})
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"solid\n(touched with [\d.]+ N·s\n)+left; it pressed with [\d.]+ N at most")
@@ -366,7 +366,7 @@ class Recordings(AppTest):
 class Examples(AppTest):
     def said(self, name, *arguments):
         done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples" / name, *map(str, arguments)],
-                              cwd=SOURCE, capture_output=True, text=True, timeout=100,
+                              cwd=SOURCE, capture_output=True, text=True, timeout=HANG_S,
                               env={**os.environ, "PYTHONPATH": str(BINARY.parent / "python")})
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
@@ -386,4 +386,4 @@ class Examples(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

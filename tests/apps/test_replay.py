@@ -5,12 +5,11 @@ import shutil
 import signal
 import struct
 import time
-import unittest
 
 import h5py
 import numpy
 
-from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FREE_RUN, FULL, AppTest, read_recording
+from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FREE_RUN, FULL, HANG_S, AppTest, main, read_recording
 
 
 def flip_last_bit(path, dataset, row, column=None):
@@ -77,7 +76,7 @@ class Same(AppTest):
             time.sleep(0.05)
             run.send_signal(signal.SIGCONT)
             time.sleep(0.2)
-        said, complained = run.communicate(timeout=100)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, DONE, said + complained)
         summary = json.loads((self.folder / "run.json").read_text())
         with read_recording(self.folder / "run.h5") as f:
@@ -111,7 +110,7 @@ class BlackBox(AppTest):
         if written is not None:
             self.wait_until(run, lambda: self.ticks_in(written) > 0)
         run.send_signal(signal.SIGSEGV)
-        said, complained = run.communicate(timeout=60)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, -signal.SIGSEGV, said + complained)
         return complained
 
@@ -359,4 +358,4 @@ class Foreign(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

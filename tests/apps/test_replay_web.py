@@ -4,13 +4,12 @@ import json
 import pathlib
 import signal
 import struct
-import unittest
 import urllib.parse
 
 import h5py
 import numpy
 
-from app import INTERRUPTED, MOTION, AppTest, lose_ticks, read_recording
+from app import HANG_S, INTERRUPTED, MOTION, AppTest, lose_ticks, main, read_recording
 
 
 class ReplayWeb(AppTest):
@@ -21,7 +20,7 @@ class ReplayWeb(AppTest):
         self.url = run.stdout.readline().strip()
         self.assertTrue(self.url.startswith("http://127.0.0.1:"), self.url)
         self.host = urllib.parse.urlsplit(self.url).netloc
-        self.connection = http.client.HTTPConnection(self.host, timeout=100)
+        self.connection = http.client.HTTPConnection(self.host, timeout=HANG_S)
         self.addCleanup(self.connection.close)
         return run
 
@@ -104,7 +103,7 @@ class Shown(ReplayWeb):
             self.assertEqual(pathlib.Path(f"/proc/{pid}/oom_score_adj").read_text(), "1000\n")
 
         run.send_signal(signal.SIGINT)
-        said, complained = run.communicate(timeout=100)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual((run.returncode, complained), (INTERRUPTED, ""), said)
 
     def test_questions_that_are_none_are_refused(self):
@@ -231,4 +230,4 @@ class Refused(ReplayWeb):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -7,13 +7,12 @@ import re
 import resource
 import shutil
 import subprocess
-import unittest
 import zlib
 
 import h5py
 import numpy
 
-from app import BINARY, DONE, FREE_RUN, SOURCE, AppTest, lose_ticks, read_recording, report_data
+from app import BINARY, DONE, FREE_RUN, HANG_S, SOURCE, AppTest, lose_ticks, main, read_recording, report_data
 
 MOST_BYTES = 2_000_000
 
@@ -195,7 +194,7 @@ class HowItGoes(ReportTest):
         path = self.record(duration=12)
         terminal, other_end = pty.openpty()
         run = subprocess.run([str(BINARY), "replay", str(path), "--report", "page.html"], cwd=self.folder,
-                             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=other_end, timeout=100)
+                             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=other_end, timeout=HANG_S)
         os.close(other_end)
         self.assertEqual(run.returncode, DONE)
         self.assertIn(b"Reading the recording: ", os.read(terminal, 10_000))
@@ -222,4 +221,4 @@ class HowItGoes(ReportTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

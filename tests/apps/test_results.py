@@ -1,8 +1,7 @@
 """What an exercise comes to in the end: in the summary, in --json, in the recording and in the report."""
 import json
-import unittest
 
-from app import DONE, FREE_RUN, AppTest, read_recording, report_data
+from app import DONE, FREE_RUN, AppTest, main, read_recording, report_data
 
 
 class Results(AppTest):
@@ -40,4 +39,4 @@ class Results(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

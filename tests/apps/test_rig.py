@@ -8,7 +8,7 @@ import time
 import unittest
 
 import numpy
-from app import BINARY, CONFIG, MOTION, SOURCE, AppTest
+from app import BINARY, CONFIG, HANG_S, MOTION, SOURCE, AppTest, main
 
 import wholehand
 from wholehand.environment import ReachEnvironment, Reaching
@@ -342,7 +342,7 @@ class Environment(unittest.TestCase):
 
     def test_a_short_training_raises_the_reward(self):
         done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples/train_a_reach.py", "--generations", "6",
-                               "--seconds", "300"], capture_output=True, text=True, timeout=600,
+                               "--seconds", "300"], capture_output=True, text=True, timeout=HANG_S,
                               env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
         self.assertEqual(done.returncode, 0, done.stderr)
         curve = [float(reward) for reward in re.findall(r" s   reward +(-[\d.]+)", done.stdout)]
@@ -381,4 +381,4 @@ class Cost(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

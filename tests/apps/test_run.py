@@ -8,8 +8,8 @@ import subprocess
 import time
 import unittest
 
-from app import (BINARY, CONFIG, DONE, FAULT, FREE_RUN, FULL, INTERRUPTED, STOP_REQUESTED, AppTest, limit_file_size,
-                 read_recording)
+from app import (BINARY, CONFIG, DONE, FAULT, FREE_RUN, FULL, HANG_S, INTERRUPTED, STOP_REQUESTED, AppTest,
+                 limit_file_size, main, read_recording)
 
 AXES = ["x", "y", "z", "finger_flexion", "thumb_circumduction", "thumb_flexion"]
 
@@ -79,7 +79,7 @@ class WhatItWrites(AppTest):
     def test_two_runs_at_once_keep_their_outputs_apart(self):
         runs = [self.start_app(*FREE_RUN, "--simulated-clock", "--duration", "0.3") for _ in range(2)]
         for run in runs:
-            said, complained = run.communicate(timeout=60)
+            said, complained = run.communicate(timeout=HANG_S)
             self.assertEqual(run.returncode, DONE, said + complained)
         self.assertEqual(len(os.listdir(self.folder / "out")), 2)
 
@@ -113,7 +113,7 @@ class WhatItWrites(AppTest):
             "k_pm_nm_rad = 4.0", "k_pm_nm_rad = 4.0\narmature_kg_m2 = 0.0008").replace(
             "k_pm_nm_rad = 1.5", "k_pm_nm_rad = 1.5\narmature_kg_m2 = 0.0003"))
         result = self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.001", "--rate-hz", "100",
-                              "--rendering", slow, "--uncertified", "--json", "run.json", timeout=100)
+                              "--rendering", slow, "--uncertified", "--json", "run.json")
         self.expect(result, DONE, "Done after")
 
 
@@ -124,7 +124,7 @@ class HowItEnds(AppTest):
         self.wait_until_it_renders(run)
         time.sleep(2.0)
         run.send_signal(how)
-        said, complained = run.communicate(timeout=100)
+        said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
         self.assertIn("Interrupted after", said)
         self.assertIn("run.h5", said)
@@ -239,7 +239,7 @@ class HowItEnds(AppTest):
             except OSError:  # the other end is closed
                 break
         os.close(ours)
-        self.assertEqual(run.wait(timeout=100), DONE, said)
+        self.assertEqual(run.wait(timeout=HANG_S), DONE, said)
         # One line, drawn again in place, several times a second; it says the seven things.
         drawn = re.findall(r"\r\x1b\[K *([\d.]+) s +([\d.]+) Hz  tick (\d+)/(\d+)/(\d+) µs  "
                            r"missed (\d+)  (\d+) contacts?  largest force \S", said.decode())
@@ -253,7 +253,7 @@ class HowItEnds(AppTest):
         run = self.start_app(*FREE_RUN, "--simulated-clock", "--record", "run.h5")
         run.stdout.readline()
         run.stdout.close()
-        run.wait(timeout=60)
+        run.wait(timeout=HANG_S)
         run.stdout = None
         self.expect_same_when_run_again("run.h5")
 
@@ -325,4 +325,4 @@ class WhatSurvives(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

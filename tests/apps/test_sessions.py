@@ -5,11 +5,10 @@ import re
 import signal
 import socket
 import time
-import unittest
 import urllib.request
 
 import client
-from app import FULL, INTERRUPTED, AppTest, limit_file_size, read_recording
+from app import FULL, HANG_S, INTERRUPTED, AppTest, limit_file_size, main, read_recording
 
 TICK, RUN_STATE = 1, 4  # fields of WorldState
 RENDERING = 1           # RunState
@@ -36,18 +35,18 @@ class Running(AppTest):
         self.page.wait_for_endings(self.endings)
 
     def listed(self):
-        with urllib.request.urlopen(self.url + "api/recordings", timeout=20) as answer:
+        with urllib.request.urlopen(self.url + "api/recordings", timeout=HANG_S) as answer:
             return json.load(answer)["recordings"]
 
     def end(self, run):
         self.page.socket.close()
         run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=60)
+        out, err = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, out + err)
         return out
 
     def dropped(self):
-        metrics = urllib.request.urlopen(self.url + "metrics", timeout=20).read().decode()
+        metrics = urllib.request.urlopen(self.url + "metrics", timeout=HANG_S).read().decode()
         return int(re.search(r"dropped_records_total (\d+)", metrics)[1])
 
 
@@ -88,7 +87,7 @@ class Sessions(Running):
         self.session(run, 4.0, lambda: self.dropped() > 100)
         ended = time.time()
         entry, = self.listed()
-        metrics = urllib.request.urlopen(self.url + "metrics", timeout=20).read().decode()
+        metrics = urllib.request.urlopen(self.url + "metrics", timeout=HANG_S).read().decode()
         said = self.end(run)
         recording = self.folder / "out/recordings" / entry["name"]
         with read_recording(recording) as f:
@@ -104,13 +103,13 @@ class Sessions(Running):
 
 class Crowd(Running):
     def half_open(self, port):
-        line = socket.create_connection(("127.0.0.1", port), timeout=30)
+        line = socket.create_connection(("127.0.0.1", port), timeout=HANG_S)
         line.sendall(b"GET / HT")
         return line
 
     def mute(self, port):
         """A WebSocket that reads nothing."""
-        line = socket.create_connection(("127.0.0.1", port), timeout=30)
+        line = socket.create_connection(("127.0.0.1", port), timeout=HANG_S)
         line.sendall(f"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                      "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode())
         return line
@@ -129,7 +128,7 @@ class Crowd(Running):
             crowd.append((self.mute if i % 2 else self.half_open)(port))
             if i % (5 if FULL else 20):  # 200 samples of each make a 99th percentile
                 continue
-            timed("health", lambda: urllib.request.urlopen(self.url + "healthz", timeout=20).read())
+            timed("health", lambda: urllib.request.urlopen(self.url + "healthz", timeout=HANG_S).read())
             page = timed("newcomer", lambda: client.Page(port))
             accepted, reason = timed("stop", lambda: page.answer(page.say(client.EMERGENCY_STOP)))
             self.assertTrue(accepted, reason)
@@ -147,4 +146,4 @@ class Crowd(Running):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -12,7 +12,7 @@ import unittest
 
 import h5py
 
-from app import BAD_INPUT, BINARY, CONFIG, DONE, FAULT, FULL, INTERRUPTED, AppTest
+from app import BINARY, CONFIG, DONE, FAULT, FULL, HANG_S, INTERRUPTED, AppTest, main
 
 GRID = """kind = "sweep"
 version = 1
@@ -68,7 +68,7 @@ class Sweep(AppTest):
                      "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_ARRAY_TASK_STEP": "2"}
             self.sweep("array.h5", "--array", env={**os.environ, **array})
         ranks = subprocess.run(["mpirun", "--oversubscribe", "-n", "2", BINARY, "sweep", "grid.toml", "--out", "ranks.h5"],
-                               cwd=self.folder, env={**os.environ, **ROOT}, capture_output=True, text=True, timeout=300)
+                               cwd=self.folder, env={**os.environ, **ROOT}, capture_output=True, text=True, timeout=HANG_S)
         self.assertEqual(ranks.returncode, 0, ranks.stdout + ranks.stderr)
         files = [self.folder / f"{name}.h5" for name in ("one", "two", "shares", "array", "ranks")]
         self.assertEqual({digest(path) for path in files}, {digest(files[0])})
@@ -276,4 +276,4 @@ class Sweep(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

@@ -1,9 +1,8 @@
 """The command line: help, usage errors, places that cannot be written, doctor, users and folders."""
 import os
 import shutil
-import unittest
 
-from app import BINARY, CONFIG, DONE, FREE_RUN, SOURCE, AppTest, ordinary_user
+from app import BINARY, CONFIG, DONE, FREE_RUN, SOURCE, AppTest, main, ordinary_user
 
 # Of every subcommand, what its --help must mention: the contract of the command line.
 OPTIONS = {
@@ -112,7 +111,7 @@ class PlacesThatCannotBeWritten(AppTest):
 
     def expect_nothing_ran(self, *arguments, place):
         before = self.names_in(self.folder)
-        result = self.expect_refused(self.run_app(*arguments, timeout=100), place)
+        result = self.expect_refused(self.run_app(*arguments), place)
         self.assertNotIn("ticks", result.out, "it ran first")
         self.assertEqual(self.names_in(self.folder), before)
 
@@ -223,4 +222,4 @@ class UsersAndFolders(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -2,9 +2,8 @@
 import json
 import re
 import shutil
-import unittest
 
-from app import CONFIG, DONE, MOTION, SOURCE, AppTest, read_recording
+from app import CONFIG, DONE, MOTION, SOURCE, AppTest, main, read_recording
 from device_app import passport_of, sealed
 
 DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda-pride.toml"
@@ -180,7 +179,7 @@ class Mistakes(AppTest):
         for name in ("missing.toml", "missing.csv", "folder.toml", "folder.csv", "empty.toml",
                      "garbage.toml", "big.toml", "other.toml"):
             with self.subTest(name):
-                result = self.expect_refused(self.run_app("validate", name, timeout=100), name)
+                result = self.expect_refused(self.run_app("validate", name), name)
                 self.assertLessEqual(len(result.err.splitlines()), 2, result)
                 self.assertRegex(result.err, r"; \S+", "no remedy")
 
@@ -336,4 +335,4 @@ class RunRefuses(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

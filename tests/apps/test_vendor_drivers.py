@@ -5,9 +5,8 @@ import re
 import signal
 import subprocess
 import time
-import unittest
 
-from app import BINARY, CONFIG, INTERRUPTED, SOURCE
+from app import ALWAYS, BINARY, CONFIG, HANG_S, INTERRUPTED, SOURCE, main
 from device_app import DRIVERS, DeviceTest
 
 BUILT = DRIVERS.parent
@@ -39,18 +38,18 @@ class VendorDrivers(DeviceTest):
     def test_program_that_is_killed_is_let_go_by_the_moteus_drives(self):
         run = self.start_run(*self.moteus(self.start_hand()))
         self.assertIn("moteus drives, 3 axes", self.driver_line)
-        self.assertEqual(self.modes(), {}, "nothing moves before somebody arms")
+        self.assertEqual(self.modes(), {}, ALWAYS + "nothing moves before somebody arms")
         self.arm()
         self.wait_until(run, lambda: len(self.modes()) == 3)
         self.assertEqual({mode for mode, *_ in self.modes().values()}, {10})
         self.wait_until_it_renders(run)
         run.send_signal(signal.SIGKILL)
         run.wait()
-        until = time.monotonic() + 20
+        until = time.monotonic() + HANG_S
         while time.monotonic() < until and {mode for mode, *_ in self.modes().values()} != {11}:
             time.sleep(0.05)
         for drive, (mode, _, silent, gap) in self.modes().items():
-            self.assertEqual(mode, 11, f"drive {drive}")
+            self.assertEqual(mode, 11, f"{ALWAYS}drive {drive}")
             # 20 ms by the drive's clock, as often as this machine runs the drive.
             self.assertLessEqual(silent, 21.0 + 2 * gap)
             print(f"figure: drive {drive} lets go after {silent:.1f} ms (longest gap of the drive {gap:.1f} ms)")
@@ -60,9 +59,9 @@ class VendorDrivers(DeviceTest):
         self.arm()
         self.wait_until(run, lambda: len(self.modes()) == 3)
         run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=60)
+        out, err = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, out + err)
-        until = time.monotonic() + 20
+        until = time.monotonic() + HANG_S
         while time.monotonic() < until and {mode for mode, *_ in self.modes().values()} != {0}:
             time.sleep(0.05)
         self.assertEqual({mode for mode, *_ in self.modes().values()}, {0})
@@ -94,9 +93,9 @@ class VendorDrivers(DeviceTest):
         time.sleep(0.5)
         self.assertEqual(run.poll(), None)
         run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=60)
+        out, err = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, out + err + said())
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

@@ -6,7 +6,7 @@ import signal
 import unittest
 
 from faulty_disk import LIBRARY, FaultyDisk
-from app import FREE_RUN, INTERRUPTED, AppTest, loop_sleeps, read_recording
+from app import FREE_RUN, HANG_S, INTERRUPTED, AppTest, loop_sleeps, main, read_recording
 
 NEVER = 2**64 - 1  # docs/recording.md: a tick that never reached the disk
 SOUND_TICKS = 1500  # before the disk fails; and, where it mends, after that
@@ -37,7 +37,7 @@ class FailingDisk(AppTest):
             disk.fail(0)
         self.wait_for_ticks(run)
         run.send_signal(signal.SIGTERM)
-        rest, complained = run.communicate(timeout=100)
+        rest, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, said + rest + complained)
         ticks = set()  # the chunk that failed may lie in the file and in its next part
         for name in self.names_in(self.folder / "rec"):
@@ -73,4 +73,4 @@ class FailingDisk(AppTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -3,12 +3,11 @@ import json
 import resource
 import signal
 import socket
-import unittest
 import urllib.request
 
 import faulty_disk  # noqa: F401  the way to what follows
 import client
-from app import BAD_INPUT, DONE, FREE_RUN, INTERRUPTED, AppTest
+from app import BAD_INPUT, DONE, FREE_RUN, HANG_S, INTERRUPTED, AppTest, main
 
 FAILED = 4
 
@@ -41,7 +40,7 @@ class Limits(AppTest):
         self.assertTrue(accepted, reason)
         others = []
         for _ in range(60):
-            other = socket.create_connection(("127.0.0.1", port), timeout=10)
+            other = socket.create_connection(("127.0.0.1", port), timeout=HANG_S)
             other.sendall(b"GET /healthz HTTP/1.1\r\n")  # never ends
             others.append(other)
         self.assertTrue(page.answer(page.say(client.EMERGENCY_STOP))[0])
@@ -52,7 +51,7 @@ class Limits(AppTest):
 
         def somebody_new_gets_in():
             try:
-                with urllib.request.urlopen(f"http://127.0.0.1:{port}/healthz", timeout=10) as answer:
+                with urllib.request.urlopen(f"http://127.0.0.1:{port}/healthz", timeout=HANG_S) as answer:
                     healthy.append(json.load(answer))
             except OSError:
                 pass
@@ -60,7 +59,7 @@ class Limits(AppTest):
         self.wait_until(run, somebody_new_gets_in)
         self.assertTrue(healthy)
         run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=100)
+        out, err = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, out + err)
 
     def test_no_memory_for_a_thread_is_a_sentence(self):
@@ -70,9 +69,9 @@ class Limits(AppTest):
             with self.subTest(more=more):
                 result = self.run_app(*FREE_RUN, "--duration", "0.2", "--record", "run.h5", *more, preexec_fn=no_stack)
                 self.expect_a_sentence(result)
-        result = self.run_app("run", "--port", 0, "--wait", timeout=60, preexec_fn=no_stack)
+        result = self.run_app("run", "--port", 0, "--wait", timeout=HANG_S, preexec_fn=no_stack)
         self.expect(result, FAILED, "a thread could not be started", "ulimit -a")
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -1,0 +1,103 @@
+"""main() of the tests in Python. A test whose class says `paced = True` sees real time: a process that only sleeps runs
+beside it. One that fails while even that was kept waiting is named as not judged, and fails nothing; nothing is tried
+again. Errors, crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
+
+A test whose name ends in _slow runs where WHOLEHAND_FULL=1, or where it is asked for by its name."""
+import os
+import pathlib
+import subprocess
+import sys
+import traceback
+import unittest
+
+FULL = os.environ.get("WHOLEHAND_FULL") == "1"
+ALWAYS = "(whatever the machine does) "
+KEPT_WAITING_S = 0.005  # watched_main.hpp says why
+HANG_S = 300.0  # ends what hangs, not what is slow
+
+# Sleeps a millisecond at a time; tells at every line how much longer than that it took at most, so far.
+SLEEPER = """
+import select, sys, time
+longest, last = 0.0, time.monotonic()
+while True:
+    asked = select.select([sys.stdin], [], [], 0.001)[0]
+    now = time.monotonic()
+    longest, last = max(longest, now - last - 0.001), now
+    if asked:
+        if not sys.stdin.readline():
+            break
+        print(longest, flush=True)
+"""
+
+
+class Sleeper:
+    """How long this machine let a process wait that only sleeps."""
+
+    def __init__(self):
+        self.process = subprocess.Popen([sys.executable, "-ISc", SLEEPER], text=True, stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE)
+        self.longest_s()  # from here on
+
+    def longest_s(self):
+        self.process.stdin.write("\n")
+        self.process.stdin.flush()
+        return float(self.process.stdout.readline())
+
+    def end(self):
+        self.process.communicate()
+
+
+class Judge(unittest.TextTestResult):
+    judged, not_judged, sleeper = 0, 0, None
+
+    def startTest(self, test):
+        super().startTest(test)
+        if getattr(test, "paced", False):
+            self.sleeper, self.excused = Sleeper(), False
+
+    def stopTest(self, test):
+        super().stopTest(test)
+        if self.sleeper:
+            self.sleeper.end()
+            self.sleeper = None
+            self.judged, self.not_judged = self.judged + (not self.excused), self.not_judged + self.excused
+
+    def excuses(self, test, error):
+        """And says so."""
+        kind, failure, trace = error
+        if not self.sleeper or not issubclass(kind, test.failureException) or ALWAYS in str(failure):
+            return False
+        waited_s = self.sleeper.longest_s()
+        if waited_s <= KEPT_WAITING_S:
+            return False
+        place = next(frame for frame in reversed(traceback.extract_tb(trace)) if "unittest" not in frame.filename)
+        reason = (str(failure).splitlines() or [""])[0]
+        name = ".".join(test.id().split(".")[-2:])
+        print(f"not judged: {name}: this machine kept a sleeper waiting for {1e3 * waited_s:.0f} ms "
+              f"({pathlib.Path(place.filename).name}:{place.lineno}: {reason})", flush=True)
+        self.excused = True
+        return True
+
+    def addFailure(self, test, err):
+        if not self.excuses(test, err):
+            super().addFailure(test, err)
+
+    def addSubTest(self, test, subtest, err):
+        if err is None or not self.excuses(test, err):
+            super().addSubTest(test, subtest, err)
+
+
+class Names(unittest.TestLoader):
+    def getTestCaseNames(self, of):
+        return [name for name in super().getTestCaseNames(of) if FULL or not name.endswith("_slow")]
+
+
+def main(arguments=None):
+    """@param arguments of unittest; None: the program's own"""
+    program = unittest.main("__main__", argv=[sys.argv[0], *(sys.argv[1:] if arguments is None else arguments)],
+                            testLoader=Names(), exit=False,
+                            testRunner=unittest.TextTestRunner(resultclass=Judge, verbosity=2))
+    result = program.result
+    if result.judged + result.not_judged > 0:
+        print(f"real time: {result.judged} judged, {result.not_judged} not judged", flush=True)
+    sys.exit(not result.wasSuccessful())
