@@ -44,17 +44,11 @@ std::vector<TickRecord> ticksWithGaps(std::uint64_t count) {
   return ticks;
 }
 
-void write(RecordingWriter& writer, const std::vector<TickRecord>& ticks) {
-  for (const TickRecord& record : ticks) ASSERT_TRUE(writer.append(record));
-}
-
 struct BlockIndexTest : testing::Test {
   static void SetUpTestSuite() {
     folder = std::make_unique<Folder>();
     ticks = ticksWithGaps(kTicks);
-    const auto writer = RecordingWriter::create(folder->file("a.h5"), synthetic::meta()).value();
-    write(*writer, ticks);
-    writer->close();
+    synthetic::writeRecording(folder->file("a.h5"), ticks);
   }
   static void TearDownTestSuite() {
     ticks.clear();
@@ -65,24 +59,21 @@ struct BlockIndexTest : testing::Test {
   static std::string edited(const std::string& name, const std::string& edit) {
     const std::string path = folder->file(name);
     std::filesystem::copy_file(folder->file("a.h5"), path);
-    EXPECT_EQ(python("import h5py\n"
-                     "path = '" +
-                     path +
-                     "'\n"
-                     "def spoil(dataset, chunk):\n"
-                     "  where = f[dataset].id.get_chunk_info(chunk)\n"
-                     "  places.append((where.byte_offset, where.size))\n"
-                     "places = []\n"
-                     "with h5py.File(path, 'r+') as f:\n"
-                     "  index = f['index/blocks']\n"
-                     "  " +
-                     edit +
-                     "\n"
-                     "with open(path, 'r+b') as raw:\n"
-                     "  for offset, size in places:\n"
-                     "    raw.seek(offset + size // 3)\n"
-                     "    raw.write(b'spoiled' * (size // 21))\n"),
-              "");
+    const std::string script = R"(
+import h5py
+def spoil(dataset, chunk):
+  where = f[dataset].id.get_chunk_info(chunk)
+  places.append((where.byte_offset, where.size))
+places = []
+with h5py.File(path, 'r+') as f:
+  index = f['index/blocks']
+  EDIT
+with open(path, 'r+b') as raw:
+  for offset, size in places:
+    raw.seek(offset + size // 3)
+    raw.write(b'spoiled' * (size // 21)))";
+    const std::size_t at = script.find("EDIT");
+    EXPECT_EQ(python("path = '" + path + "'" + std::string(script).replace(at, 4, edit)), "");
     return path;
   }
   static std::unique_ptr<RecordingReader> opened(const std::string& path) {
@@ -150,20 +141,17 @@ TEST_F(BlockIndexTest, RandomTicks_AreThoseWrittenWithAndWithoutIt) {
 }
 
 TEST_F(BlockIndexTest, WrittenFile_DescribesEachWholeChunkOfTicks) {
-  EXPECT_EQ(
-      python("import h5py\n"
-             "f = h5py.File('" +
-             folder->file("a.h5") +
-             "', 'r')\n"
-             "print(len(f['index/blocks']), *f['index/blocks'].attrs['labels'])\n"
-             "rows, block = 29 * 250, f['index/blocks'][28]\n"
-             "owners = f['contacts/row'][:block[3]]\n"  // between chunks there are rows of none
-             "assert owners[-1] < rows and f['contacts/row'][block[3]] >= rows\n"
-             "print(*block[:3], sum(owners < rows), *block[4:])\n"
-             "print(*[sum(f['ticks/' + n][:rows]) for n in\n"
-             "        ('contact_count', 'event_count', 'command_count')])\n"),
-      "64 b'first_tick' b'last_tick' b'missing' b'contacts' b'events' b'commands'\n" +
-          describedBlock28());
+  EXPECT_EQ(python("path = '" + folder->file("a.h5") + R"('
+import h5py
+f = h5py.File(path, 'r')
+print(len(f['index/blocks']), *f['index/blocks'].attrs['labels'])
+rows, block = 29 * 250, f['index/blocks'][28]
+owners = f['contacts/row'][:block[3]]  # between chunks there are rows of none
+assert owners[-1] < rows and f['contacts/row'][block[3]] >= rows
+print(*block[:3], sum(owners < rows), *block[4:])
+print(*[sum(f['ticks/' + n][:rows]) for n in ('contact_count', 'event_count', 'command_count')]))"),
+            "64 b'first_tick' b'last_tick' b'missing' b'contacts' b'events' b'commands'\n" +
+                describedBlock28());
 }
 
 TEST_F(BlockIndexTest, DamagedChunkOfIt_IsReadFromTheTicks) {
@@ -245,13 +233,9 @@ TEST_F(BlockIndexTest, RecordingThatIsWrittenAndThenKilled_IsReadAsFarAsItIsTher
 
 TEST(BlockIndex, TicksThatDoNotRise_AreReadWithoutIt) {
   const Folder folder;
-  std::mt19937_64 random(1);
-  std::vector<TickRecord> ticks;
-  for (std::uint64_t i = 0; i < 17'000; ++i) ticks.push_back(synthetic::noisy(i, random));
+  std::vector<TickRecord> ticks = synthetic::noisyTicks(17'000);
   std::swap(ticks[600], ticks[610]);
-  const auto writer = RecordingWriter::create(folder.file("a.h5"), synthetic::meta()).value();
-  write(*writer, ticks);
-  writer->close();
+  synthetic::writeRecording(folder.file("a.h5"), ticks);
   const auto reader = RecordingReader::open(folder.file("a.h5")).value();
   ASSERT_EQ(reader->size(), ticks.size());
   TickRecord got;

@@ -1,24 +1,24 @@
 // What the avatar and the bodies do without contact follows from the rows before: it takes little
 // room since schema 8, to the same bits.
-#include "telemetry/recording.hpp"
-#include "telemetry/synthetic_recording.hpp"
+#include "telemetry/round_trip.hpp"
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
-#include <filesystem>
-#include <numbers>
 #include <vector>
 
 namespace wholehand {
 namespace {
 
+using synthetic::expectLessRoom;
 using synthetic::Folder;
+using synthetic::ofSchema;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kInertiaPeriod_s = 1e-3;
 
 /// M_r of synthetic::inertia(), by its formula.
 Matrix6 inertiaAt(const Vector6& q) {
@@ -54,61 +54,28 @@ std::vector<TickRecord> avatarTicks(std::uint64_t count, std::uint64_t touch) {
       r.q_s[i] = q[i];
       r.qd_s[i] = v[i];
       const double k = 900.0 / m(i, i);
-      const double damping = m(i, i) * (2.0 * std::sqrt(k) - k * kPeriod_s);
+      const double damping = m(i, i) * (2.0 * std::sqrt(k) - k * kInertiaPeriod_s);
       r.f_s[i] = 900.0 * (r.q_m[i] - q[i]) + damping * (r.qd_mf[i] - v[i]);
       force[i] = r.f_s[i];
       if (touches && i < 3) force[i] += 0.1 * noise(random);
     }
-    v += kPeriod_s * m.llt().solve(force);
-    q += kPeriod_s * v;
+    v += kInertiaPeriod_s * m.llt().solve(force);
+    q += kInertiaPeriod_s * v;
     ticks.push_back(r);
   }
   return ticks;
 }
 
-double bytesInFile(const std::string& path) {
-  return static_cast<double>(std::filesystem::file_size(path));
-}
-
-/// Bytes a tick of the ticks under a description; they are read again.
-double bytesIn(const RecordingMeta& meta, const std::vector<TickRecord>& ticks) {
-  const Folder folder;
-  const std::string path = folder.file("a.h5");
-  auto writer = RecordingWriter::create(path, meta).value();
-  for (const TickRecord& tick : ticks) EXPECT_TRUE(writer->append(tick));
-  writer->close();
-  auto reader = RecordingReader::open(path).value();
-  EXPECT_EQ(reader->size(), ticks.size());
-  TickRecord got;
-  for (std::size_t i = 0; i < ticks.size() && reader->read(i, got); ++i) {
-    EXPECT_TRUE(synthetic::identical(got, ticks[i])) << "tick " << i;
-    if (testing::Test::HasFailure()) break;
-  }
-  return bytesInFile(path) / static_cast<double>(ticks.size());
-}
-
-double bytesInSchema7(const std::vector<TickRecord>& ticks) {
-  RecordingMeta meta = synthetic::meta();
-  meta.schema = kStepSchema - 1;
-  return bytesIn(meta, ticks);
-}
-
 // q̇_s, f_s and q_m of six axes: of the 18 numbers at least 3.5 bytes each.
 TEST(InertiaPacking, FreeAvatar_TakesLessRoomThanInSchema7) {
-  const std::vector<TickRecord> ticks = avatarTicks(1000, 1000);
-  const double now = bytesIn(synthetic::meta(), ticks), before = bytesInSchema7(ticks);
-  std::printf("figure: %.0f bytes a tick, %.0f in schema 7\n", now, before);
-  EXPECT_LT(now, before - 18 * 3.5);
+  expectLessRoom(avatarTicks(1000, 1000), synthetic::meta(), ofSchema(kStepSchema - 1), 18 * 3.5);
 }
 
 // Of the hand axes' three velocities, at least 3 bytes each.
 TEST(InertiaPacking, TouchedPalm_TellsWhatTheFingersDo) {
-  const std::vector<TickRecord> ticks = avatarTicks(1000, 0);
   RecordingMeta no_fingers = synthetic::meta();
   no_fingers.law.hand_axis.assign(6, 0.0);
-  const double now = bytesIn(synthetic::meta(), ticks), without = bytesIn(no_fingers, ticks);
-  std::printf("figure: %.0f bytes a tick, %.0f without this rule\n", now, without);
-  EXPECT_LT(now, without - 3 * 3.0);
+  expectLessRoom(avatarTicks(1000, 0), synthetic::meta(), no_fingers, 3 * 3.0);
 }
 
 // A body that tumbles: 7 numbers of position and orientation, at least 6 bytes each.
@@ -122,8 +89,8 @@ TEST(InertiaPacking, TumblingBodies_TakeLessRoomThanInSchema7) {
       const double phase = 1e-2 * static_cast<double>(t) + static_cast<double>(b);
       const Eigen::Vector3d v(std::sin(phase), 0.5 * std::cos(phase), 0.1);
       const Eigen::Vector3d spin(3.0 * std::cos(phase), 5.0, std::sin(2 * phase));
-      place[b] += kPeriod_s * v;
-      const double angle = spin.norm() * kPeriod_s;
+      place[b] += kInertiaPeriod_s * v;
+      const double angle = spin.norm() * kInertiaPeriod_s;
       turn[b] = Eigen::Quaterniond(Eigen::AngleAxisd(angle, spin.normalized())) * turn[b];
       turn[b].normalize();
       BodyState& body = ticks[t].bodies[b];
@@ -133,9 +100,7 @@ TEST(InertiaPacking, TumblingBodies_TakeLessRoomThanInSchema7) {
       body.orientation_xyzw = {turn[b].x(), turn[b].y(), turn[b].z(), turn[b].w()};
     }
   }
-  const double now = bytesIn(synthetic::meta(), ticks), before = bytesInSchema7(ticks);
-  std::printf("figure: %.0f bytes a tick, %.0f in schema 7\n", now, before);
-  EXPECT_LT(now, before - (18 * 5.0 + 4 * 7 * 6.0));
+  expectLessRoom(ticks, synthetic::meta(), ofSchema(kStepSchema - 1), 18 * 5.0 + 4 * 7 * 6.0);
 }
 
 TEST(InertiaPacking, InertiaOfAnotherDevice_IsRefused) {

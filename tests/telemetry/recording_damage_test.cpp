@@ -1,3 +1,4 @@
+#include "support/file_bytes.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 #include "telemetry/recording.hpp"
@@ -6,8 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <signal.h>
 #include <string>
 #include <sys/mman.h>
@@ -18,16 +17,9 @@ namespace wholehand {
 namespace {
 
 using synthetic::Folder;
+using test::bytesOfFile;
 using test::seed;
-
-std::string contentsOf(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-void writeContents(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
+using test::writeBytes;
 
 /// One byte (half of the trials) or up to eight places of up to 64 bytes get other contents.
 void spoil(std::string& bytes, std::mt19937_64& random) {
@@ -73,7 +65,7 @@ void expectReadsOrRefuses(const std::string& whole, const std::string& path, int
       std::mt19937_64 random(seed() + static_cast<std::uint64_t>(i));
       std::string bytes = whole;
       spoil(bytes, random);
-      writeContents(path, bytes);
+      writeBytes(path, bytes);
       ::alarm(20);  // a hang ends it as well; a read takes milliseconds
       readAll(path, *progress);
     }
@@ -93,20 +85,16 @@ void expectReadsOrRefuses(const std::string& whole, const std::string& path, int
 
 /// A recording that was closed properly.
 std::string wholeRecording(const std::string& path, std::uint64_t ticks) {
-  auto writer = RecordingWriter::create(path, synthetic::meta()).value();
-  std::mt19937_64 random(1);
-  for (std::uint64_t i = 0; i < ticks; ++i) writer->append(synthetic::noisy(i, random));
-  writer->close();
-  return contentsOf(path);
+  synthetic::writeRecording(path, synthetic::noisyTicks(ticks));
+  return bytesOfFile(path);
 }
 
 TEST(RecordingReader, RandomDamageAnywhere_IsReadOrRefusedNeverACrash) {
   const Folder folder;
   const std::string path = folder.file("a.h5"), spoiled = folder.file("spoiled.h5");
-  expectReadsOrRefuses(wholeRecording(path, 60), spoiled,
-                       test::damagedCases(300));  // most of it meta
-  expectReadsOrRefuses(wholeRecording(path, 600), spoiled,
-                       test::damagedCases(60));  // most of it ticks
+  // Most of the first is meta, most of the second ticks.
+  expectReadsOrRefuses(wholeRecording(path, 60), spoiled, test::damagedCases(300));
+  expectReadsOrRefuses(wholeRecording(path, 600), spoiled, test::damagedCases(60));
 }
 
 TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
@@ -115,14 +103,13 @@ TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
   const pid_t child = ::fork();
   if (child == 0) {
     auto writer = RecordingWriter::create(path, synthetic::meta()).value().release();
-    std::mt19937_64 random(1);
-    for (std::uint64_t i = 0; i < 60; ++i) writer->append(synthetic::noisy(i, random));
+    for (const TickRecord& tick : synthetic::noisyTicks(60)) writer->append(tick);
     writer->flush();
     ::kill(::getpid(), SIGKILL);
   }
   ::waitpid(child, nullptr, 0);
   ASSERT_EQ(RecordingReader::open(path).value()->size(), 60U);
-  expectReadsOrRefuses(contentsOf(path), folder.file("spoiled.h5"), test::damagedCases(60));
+  expectReadsOrRefuses(bytesOfFile(path), folder.file("spoiled.h5"), test::damagedCases(60));
 }
 
 // Every byte of a text that the file holds once: where HDF5 would keep texts of variable length,
@@ -132,13 +119,13 @@ TEST(RecordingReader, DamageToEveryTextOfTheDescription_IsRefused) {
   const std::string path = folder.file("whole.h5"), spoiled = folder.file("spoiled.h5");
   const RecordingMeta meta = synthetic::meta();
   RecordingWriter::create(path, meta).value()->close();
-  const std::string whole = contentsOf(path);
+  const std::string whole = bytesOfFile(path);
   for (const std::string& text : {meta.title, meta.git_version, meta.created_utc}) {
     const std::size_t at = whole.find(text);
     ASSERT_NE(at, std::string::npos) << text;
     std::string bytes = whole;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x20);
-    writeContents(spoiled, bytes);
+    writeBytes(spoiled, bytes);
     EXPECT_FALSE(RecordingReader::open(spoiled).ok()) << text;
   }
 }

@@ -1,5 +1,6 @@
 #include "telemetry/recording.hpp"
 
+#include "support/file_bytes.hpp"
 #include "support/python.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
@@ -8,6 +9,7 @@
 #include <chrono>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <signal.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
@@ -20,6 +22,7 @@ namespace {
 
 using synthetic::Folder;
 using synthetic::identical;
+using synthetic::noisyTicks;
 using test::python;
 
 std::unique_ptr<RecordingWriter> writer(const std::string& path,
@@ -35,14 +38,26 @@ std::unique_ptr<RecordingReader> reader(const std::string& path) {
   return opened.ok() ? std::move(opened).value() : nullptr;
 }
 
-std::string refusal(const std::string& path) {
+void expectRefused(const std::string& path, const std::string& why) {
   const auto opened = RecordingReader::open(path);
-  return opened.ok() ? "opened" : format(opened.errors());
+  ASSERT_FALSE(opened.ok()) << path;
+  EXPECT_NE(format(opened.errors()).find(why), std::string::npos) << format(opened.errors());
 }
 
-void writeTicks(RecordingWriter& w, std::uint64_t count, std::uint64_t seed = 1) {
-  std::mt19937_64 random(seed);
-  for (std::uint64_t i = 0; i < count; ++i) ASSERT_TRUE(w.append(synthetic::noisy(i, random)));
+/// So many rows, all of synthetic::noisy() in rising order; `change` makes of a tick what is read.
+void expectTrueTicks(
+    RecordingReader& r, std::uint64_t rows,
+    const std::function<void(TickRecord&)>& change = [](TickRecord&) {}) {
+  ASSERT_EQ(r.size(), rows);
+  std::mt19937_64 random(1);
+  TickRecord got, want;
+  for (std::uint64_t i = 0, tick = 0; i < rows; ++i) {
+    ASSERT_TRUE(r.read(i, got));
+    do want = synthetic::noisy(tick, random);
+    while (tick++ < got.tick);
+    change(want);
+    ASSERT_TRUE(identical(want, got)) << "row " << i;
+  }
 }
 
 TEST(Recording, EveryField_ComesBackBitForBit) {
@@ -50,20 +65,13 @@ TEST(Recording, EveryField_ComesBackBitForBit) {
   const std::string path = folder.file("a.h5");
   constexpr std::uint64_t kTicks = 1103;  // no multiple of a chunk
   auto w = writer(path);
-  writeTicks(*w, kTicks);
+  for (const TickRecord& tick : noisyTicks(kTicks)) ASSERT_TRUE(w->append(tick));
   w->close();
   EXPECT_EQ(w->written(), kTicks);
   EXPECT_EQ(w->dropped(), 0U);
-
   auto r = reader(path);
-  ASSERT_EQ(r->size(), kTicks);
-  std::mt19937_64 random(1);
+  expectTrueTicks(*r, kTicks);
   TickRecord got;
-  for (std::uint64_t i = 0; i < kTicks; ++i) {
-    const TickRecord want = synthetic::noisy(i, random);
-    ASSERT_TRUE(r->read(i, got));
-    ASSERT_TRUE(identical(want, got)) << "tick " << i;
-  }
   EXPECT_FALSE(r->read(kTicks, got));
   ASSERT_TRUE(r->read(3, got)) << "backwards";
   EXPECT_EQ(got.tick, 3U);
@@ -178,12 +186,7 @@ TEST(Recording, KillMinusNine_LosesLessThanASecond) {
   ASSERT_NE(r, nullptr);
   EXPECT_GE(r->size() + 1000, last + 1);
   EXPECT_GT(r->size(), 600U);
-  std::mt19937_64 random(1);
-  TickRecord got;
-  for (std::uint64_t i = 0; i < r->size(); ++i) {
-    ASSERT_TRUE(r->read(i, got));
-    ASSERT_TRUE(identical(synthetic::noisy(i, random), got)) << "tick " << i;
-  }
+  expectTrueTicks(*r, r->size());
 }
 
 TEST(Recording, SlowTicksThenKill_PartialChunkIsThere) {
@@ -191,9 +194,8 @@ TEST(Recording, SlowTicksThenKill_PartialChunkIsThere) {
   const std::string path = folder.file("a.h5");
   endOfChild([&path] {
     auto w = RecordingWriter::create(path, synthetic::meta()).value().release();
-    std::mt19937_64 random(1);
-    for (std::uint64_t i = 0; i < 30; ++i) {  // 30 ticks in 0.6 s or more: no chunk of 250
-      w->append(synthetic::noisy(i, random));
+    for (const TickRecord& tick : noisyTicks(30)) {  // in 0.6 s or more: no chunk of 250
+      w->append(tick);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
     ::kill(::getpid(), SIGKILL);
@@ -207,7 +209,7 @@ TEST(Recording, WhileItIsWritten_AnotherProcessReads) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   auto w = writer(path);
-  writeTicks(*w, 500);
+  for (const TickRecord& tick : noisyTicks(500)) ASSERT_TRUE(w->append(tick));
   w->flush();
   const int status = endOfChild([&path] {
     auto opened = RecordingReader::open(path);
@@ -245,31 +247,34 @@ void expectSound(const std::string& path, const FullDisk& disk) {
   EXPECT_EQ(disk.after, 600U);
   EXPECT_EQ(disk.written, disk.accepted + disk.after);
   EXPECT_EQ(disk.dropped, disk.refused);
-  auto r = reader(path);
+  const auto r = reader(path);
   ASSERT_NE(r, nullptr);
-  ASSERT_EQ(r->size(), disk.written);
-  std::mt19937_64 random(1);
-  TickRecord got, want;
-  for (std::uint64_t i = 0, tick = 0; i < r->size(); ++i) {
-    ASSERT_TRUE(r->read(i, got));
-    do want = synthetic::noisy(tick, random);
-    while (tick++ < got.tick);
-    ASSERT_TRUE(identical(want, got)) << "row " << i;
-  }
+  expectTrueTicks(*r, disk.written);
 }
+
+/// No file of this process may be larger, until it is lifted.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit tight{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &tight);
+  }
+  ~FileSizeLimit() { lift(); }
+  void lift() const { ::setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
 
 TEST(Recording, FileSizeLimit_DropsCountsAndGoesOnSilently) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
-  ::signal(SIGXFSZ, SIG_IGN);
-  rlimit before{};
-  ::getrlimit(RLIMIT_FSIZE, &before);
-  rlimit tight = before;
-  tight.rlim_cur = std::uint64_t{4} << 20U;
   testing::internal::CaptureStderr();
   auto w = writer(path);
-  ::setrlimit(RLIMIT_FSIZE, &tight);
-  const FullDisk disk = fillDisk(*w, [&before] { ::setrlimit(RLIMIT_FSIZE, &before); });
+  const FileSizeLimit limit(rlim_t{4} << 20U);
+  const FullDisk disk = fillDisk(*w, [&limit] { limit.lift(); });
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   expectSound(path, disk);
 }
@@ -304,83 +309,68 @@ TEST(RecordingWriter, NoRoomForTheDescription_KeepsTheOldFile) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   writer(path)->close();
-  std::ifstream old(path);
-  const std::string before_it(std::istreambuf_iterator<char>(old), {});
-  RecordingMeta meta = synthetic::meta();
-  ::signal(SIGXFSZ, SIG_IGN);
-  rlimit before{};
-  ::getrlimit(RLIMIT_FSIZE, &before);
-  rlimit tight = before;
-  tight.rlim_cur = 4096;
-  ::setrlimit(RLIMIT_FSIZE, &tight);
-  const auto created = RecordingWriter::create(path, meta);
-  ::setrlimit(RLIMIT_FSIZE, &before);
+  const std::string before_it = test::bytesOfFile(path);
+  const FileSizeLimit limit(4096);
+  const auto created = RecordingWriter::create(path, synthetic::meta());
+  limit.lift();
   ASSERT_FALSE(created.ok());
   EXPECT_NE(format(created.errors()).find("disk is full"), std::string::npos);
-  std::ifstream in(path);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), before_it);
+  EXPECT_EQ(test::bytesOfFile(path), before_it);
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
 
 TEST(RecordingReader, ForeignFiles_AreRefusedWithTheReason) {
   const Folder folder;
-  EXPECT_NE(refusal(folder.file("none.h5")).find("No such file"), std::string::npos);
-  EXPECT_NE(refusal(folder.path()).find("no regular file"), std::string::npos);
-  std::ofstream(folder.file("empty.h5"));
-  EXPECT_NE(refusal(folder.file("empty.h5")).find("is empty"), std::string::npos);
-  std::ofstream(folder.file("text.h5")) << "time,x,y\n0,1,2\n";
-  EXPECT_NE(refusal(folder.file("text.h5")).find("is no HDF5 file"), std::string::npos);
+  expectRefused(folder.file("none.h5"), "No such file");
+  expectRefused(folder.path(), "no regular file");
+  test::writeBytes(folder.file("empty.h5"), "");
+  expectRefused(folder.file("empty.h5"), "is empty");
+  test::writeBytes(folder.file("text.h5"), "time,x,y\n0,1,2\n");
+  expectRefused(folder.file("text.h5"), "is no HDF5 file");
+}
+
+/// A copy of which the end is missing.
+std::string cutAt(double share, const std::string& whole) {
+  const auto bytes = static_cast<double>(std::filesystem::file_size(whole));
+  std::filesystem::copy_file(whole, whole + ".cut",
+                             std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::resize_file(whole + ".cut", static_cast<std::uintmax_t>(share * bytes));
+  return whole + ".cut";
 }
 
 TEST(RecordingReader, TruncatedAtAnyPlace_IsRefused) {
   const Folder folder;
-  const std::string whole = folder.file("whole.h5"), cut = folder.file("cut.h5");
-  auto w = writer(whole);
-  writeTicks(*w, 700);
-  w->close();
-  const auto bytes = std::filesystem::file_size(whole);
-  for (const double share : {0.0001, 0.01, 0.3, 0.6, 0.9, 0.999}) {
-    std::filesystem::copy_file(whole, cut, std::filesystem::copy_options::overwrite_existing);
-    std::filesystem::resize_file(cut,
-                                 static_cast<std::uintmax_t>(share * static_cast<double>(bytes)));
-    EXPECT_NE(refusal(cut).find("truncated"), std::string::npos) << share << ": " << refusal(cut);
-  }
-  std::filesystem::resize_file(cut, 6);
-  EXPECT_NE(refusal(cut).find("is no HDF5 file"), std::string::npos) << refusal(cut);
-}
-
-TEST(RecordingReader, KilledAndTruncated_IsRefused) {
-  const Folder folder;
-  const std::string path = folder.file("a.h5"), cut = folder.file("cut.h5");
-  endOfChild([&path] {
-    auto w = RecordingWriter::create(path, synthetic::meta()).value().release();
-    std::mt19937_64 random(1);
-    for (std::uint64_t i = 0; i < 1000; ++i) w->append(synthetic::noisy(i, random));
+  const std::string whole = folder.file("whole.h5"), killed = folder.file("killed.h5");
+  synthetic::writeRecording(whole, noisyTicks(700));
+  endOfChild([&killed] {
+    auto w = RecordingWriter::create(killed, synthetic::meta()).value().release();
+    for (const TickRecord& tick : noisyTicks(1000)) w->append(tick);
     ::kill(::getpid(), SIGKILL);
   });
-  EXPECT_EQ(reader(path)->size(), 1000U);
-  const auto bytes = std::filesystem::file_size(path);
-  for (const double share : {0.05, 0.4, 0.8}) {
-    std::filesystem::copy_file(path, cut, std::filesystem::copy_options::overwrite_existing);
-    std::filesystem::resize_file(cut,
-                                 static_cast<std::uintmax_t>(share * static_cast<double>(bytes)));
-    EXPECT_NE(refusal(cut).find("truncated"), std::string::npos) << share << ": " << refusal(cut);
+  EXPECT_EQ(reader(killed)->size(), 1000U);
+  for (const double share : {0.0001, 0.01, 0.3, 0.6, 0.9, 0.999}) {
+    expectRefused(cutAt(share, whole), "truncated");
   }
+  for (const double share : {0.05, 0.4, 0.8}) expectRefused(cutAt(share, killed), "truncated");
+  std::filesystem::resize_file(whole, 6);
+  expectRefused(whole, "is no HDF5 file");
 }
 
-TEST(RecordingReader, OtherHdf5AndNewerSchema_AreRefused) {
+/// What Python says to lines of h5py; f is the file.
+std::string withH5py(const std::string& path, const std::string& lines, const char* mode = "r+") {
+  return python("import h5py, numpy\nf = h5py.File('" + path + "', '" + mode + "')\n" + lines);
+}
+
+TEST(RecordingReader, OtherHdf5AndOtherSchemas_AreRefused) {
   const Folder folder;
-  const std::string other = folder.file("other.h5"), newer = folder.file("newer.h5");
-  writer(newer)->close();
-  ASSERT_EQ(python("import h5py\nh5py.File('" + other +
-                   "', 'w')['x'] = 1\n"
-                   "h5py.File('" +
-                   newer + "', 'r+')['meta'].attrs['schema_version'] = 9"),
-            "");
-  EXPECT_NE(refusal(other).find("no Wholehand recording"), std::string::npos) << refusal(other);
-  EXPECT_NE(refusal(newer).find("schema_version = 9: was written by a newer Wholehand"),
-            std::string::npos)
-      << refusal(newer);
+  const std::string other = folder.file("other.h5"), path = folder.file("a.h5");
+  writer(path)->close();
+  ASSERT_EQ(withH5py(other, "f['x'] = 1", "w"), "");
+  expectRefused(other, "no Wholehand recording");
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 9"), "");
+  expectRefused(path, "schema_version = 9: was written by a newer Wholehand");
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 1"), "");
+  expectRefused(path, "this program reads schema versions 2 to 8; record anew");
 }
 
 // What a program of before schema 3 wrote: the same file without what schema 3 brought.
@@ -389,67 +379,33 @@ TEST(RecordingReader, Schema2_IsReadWithoutSafetyStateAndFaultAxis) {
   const std::string path = folder.file("old.h5");
   RecordingMeta plain = synthetic::meta();
   plain.schema = kPackedSchema - 1;
-  auto w = writer(path, plain);
-  writeTicks(*w, 300);
-  w->close();
-  ASSERT_EQ(python("import h5py\n"
-                   "f = h5py.File('" +
-                   path +
-                   "', 'r+')\n"
-                   "f['meta'].attrs['schema_version'] = 2\n"
-                   "del f['meta'].attrs['simulated_device']\n"
-                   "del f['ticks/safety_state'], f['ticks/fault_axis']"),
+  synthetic::writeRecording(path, noisyTicks(300), plain);
+  ASSERT_EQ(withH5py(path,
+                     "f['meta'].attrs['schema_version'] = 2\n"
+                     "del f['meta'].attrs['simulated_device']\n"
+                     "del f['ticks/safety_state'], f['ticks/fault_axis']"),
             "");
   auto r = reader(path);
   ASSERT_NE(r, nullptr);
   EXPECT_EQ(r->meta().schema, 2U);
   EXPECT_TRUE(r->meta().simulated_device);
-  ASSERT_EQ(r->size(), 300U);
-  std::mt19937_64 random(1);
-  TickRecord got;
-  for (std::uint64_t i = 0; i < 300; ++i) {
-    TickRecord want = synthetic::noisy(i, random);
+  expectTrueTicks(*r, 300, [](TickRecord& want) {
     want.safety_state = SafetyState::kDisarmed;
     want.fault_axis = -1;
-    ASSERT_TRUE(r->read(i, got));
-    ASSERT_TRUE(identical(want, got)) << "tick " << i;
-  }
-}
-
-TEST(RecordingReader, Schema1_IsRefusedWithWhatIsRead) {
-  const Folder folder;
-  const std::string path = folder.file("old.h5");
-  writer(path)->close();
-  ASSERT_EQ(python("import h5py\n"
-                   "h5py.File('" +
-                   path + "', 'r+')['meta'].attrs['schema_version'] = 1"),
-            "");
-  EXPECT_NE(refusal(path).find("this program reads schema versions 2 to 8; record anew"),
-            std::string::npos)
-      << refusal(path);
+  });
 }
 
 TEST(RecordingReader, TextsOfVariableLengthAndEndlessTicks_AreRefused) {
   const Folder folder;
-  const std::string edited = folder.file("edited.h5"), endless = folder.file("endless.h5");
-  writer(edited)->close();
+  const std::string path = folder.file("edited.h5"), endless = folder.file("endless.h5");
+  writer(path)->close();
   writer(endless)->close();
-  ASSERT_EQ(python("import h5py, numpy\n"
-                   "f = h5py.File('" +
-                   edited +
-                   "', 'r+')\n"
-                   "f['meta'].attrs['title'] = 'Edited'\n"  // h5py writes it with variable length
-                   "f = h5py.File('" +
-                   endless +
-                   "', 'r+')\n"
-                   "[t.resize(2**50, axis=0) for t in f['ticks'].values()]"),
-            "");
-  EXPECT_NE(refusal(edited).find("texts of variable length"), std::string::npos) << refusal(edited);
-  EXPECT_NE(refusal(endless).find("claims more ticks"), std::string::npos) << refusal(endless);
-  ASSERT_EQ(python("import h5py, numpy\nh5py.File('" + edited +
-                   "', 'r+')['meta'].attrs['title'] = numpy.bytes_('Edited')"),
-            "");
-  EXPECT_EQ(reader(edited)->meta().title, "Edited");  // as docs/recording.md advises
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['title'] = 'Edited'"), "");  // of variable length
+  expectRefused(path, "texts of variable length");
+  ASSERT_EQ(withH5py(endless, "[t.resize(2**50, axis=0) for t in f['ticks'].values()]"), "");
+  expectRefused(endless, "claims more ticks");
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['title'] = numpy.bytes_('Edited')"), "");
+  EXPECT_EQ(reader(path)->meta().title, "Edited");  // as docs/recording.md advises
 }
 
 /// The lines that docs/recording.md gives to users of h5py, taken from that file.
@@ -467,15 +423,10 @@ std::string documentedPython() {
 
 TEST(Recording, DocumentedPythonLines_ReadWhatWasWritten) {
   const Folder folder;
-  auto w = writer(folder.file("run.h5"));
-  std::mt19937_64 random(1);
+  const std::vector<TickRecord> ticks = noisyTicks(400);
+  synthetic::writeRecording(folder.file("run.h5"), ticks);
   double sum = 0.0;
-  for (std::uint64_t i = 0; i < 400; ++i) {
-    const TickRecord r = synthetic::noisy(i, random);
-    sum += r.sent[3];
-    ASSERT_TRUE(w->append(r));
-  }
-  w->close();
+  for (const TickRecord& tick : ticks) sum += tick.sent[3];
   const std::string lines = documentedPython();
   ASSERT_NE(lines.find("wholehand.open("), std::string::npos);
   const std::string out = python(

@@ -9,7 +9,9 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace wholehand::synthetic {
 
@@ -168,6 +170,24 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
     r.exercise.events[c] = {whole(2), whole(4) - 1, n(random)};
   }
   return r;
+}
+
+/// So many of them, one after another.
+inline std::vector<TickRecord> noisyTicks(std::uint64_t count, std::uint64_t seed = 1) {
+  std::mt19937_64 random(seed);
+  std::vector<TickRecord> ticks;
+  for (std::uint64_t i = 0; i < count; ++i) ticks.push_back(noisy(i, random));
+  return ticks;
+}
+
+/// A whole recording of these ticks, closed.
+inline void writeRecording(const std::string& path, const std::vector<TickRecord>& ticks,
+                           const RecordingMeta& description = meta()) {
+  const auto writer = RecordingWriter::create(path, description).value();
+  for (const TickRecord& tick : ticks) {
+    if (!writer->append(tick)) throw std::runtime_error("no room on the disk");
+  }
+  writer->close();
 }
 
 /// Byte for byte, so that NaN equals itself; but for the four bytes before the commands, which are
