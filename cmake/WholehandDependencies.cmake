@@ -58,10 +58,8 @@ target_link_libraries(wholehand_options INTERFACE Threads::Threads)
 # `hardening` reads it from the program, scripts/hardening_cost.py measures what it costs.
 option(WHOLEHAND_HARDENED "Harden release builds; off only to measure what that costs" ON)
 if(WHOLEHAND_HARDENED)
-  set(unoptimised $<BOOL:$<TARGET_PROPERTY:WHOLEHAND_UNOPTIMISED>>)  # a function so hardened needs -O
   target_compile_options(wholehand_options INTERFACE
-    $<$<CONFIG:Release>:-U_FORTIFY_SOURCE -fstack-protector-strong>
-    $<$<AND:$<CONFIG:Release>,$<NOT:${unoptimised}>>:-D_FORTIFY_SOURCE=2>)
+    $<$<CONFIG:Release>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -fstack-protector-strong>)
   target_link_options(wholehand_options INTERFACE
     $<$<CONFIG:Release>:-Wl,-z,relro,-z,now>)
 else()
@@ -76,11 +74,7 @@ set(tick_modules core dynamics control safety patient exercise physics ${engine_
 # Products of small matrices and little else: at -O3 they are inlined, to the same bits. Without
 # precompiled headers, which would bring their own -O2 along.
 set(arithmetic_modules dynamics)
-# AddressSanitizer's build is libFuzzer's, too: it counts which branches of what reads strangers' bytes
-# an input takes.
-if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize=address")
-  set(WHOLEHAND_SANITIZED_ADDRESSES ON)
-endif()
+option(WHOLEHAND_FUZZ "For libFuzzer, under AddressSanitizer: count which branches of what reads strangers' bytes an input takes" OFF)
 # Under a sanitizer the compiler takes half as long without optimisation, and what computes little
 # runs as fast. Only what computes at length is optimised (docs/adr/0066): these modules, and the targets
 # of which wholehand_computes() says so.
@@ -95,13 +89,8 @@ endif()
 function(wholehand_computes)
   set_target_properties(${ARGN} PROPERTIES WHOLEHAND_COMPUTES ON)
 endfunction()
-# The sources of most tests are not optimised in a release build either; what they test is.
-function(wholehand_unoptimised)
-  set_target_properties(${ARGN} PROPERTIES WHOLEHAND_UNOPTIMISED ON)
-  target_compile_options(${ARGN} PRIVATE -O0)
-endfunction()
 function(wholehand_checked target)
-  if(WHOLEHAND_SANITIZED_ADDRESSES)
+  if(WHOLEHAND_FUZZ)
     target_compile_options(${target} PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
   endif()
   if(WHOLEHAND_HARDENED)
@@ -144,17 +133,13 @@ if(WHOLEHAND_PRECOMPILED)
   wholehand_all_precompiled_headers("")
   if(WHOLEHAND_SANITIZED)
     wholehand_all_precompiled_headers(_unoptimised)
-  elseif(WHOLEHAND_BUILD_TESTS)
-    wholehand_precompiled_tests(_unoptimised)
-    wholehand_unoptimised(wholehand_precompiled_tests_unoptimised)
   endif()
 endif()
 
 # wholehand_read_precompiled(<target> <headers>): of its own optimisation. After wholehand_computes().
 function(wholehand_read_precompiled target headers)
   get_target_property(computes ${target} WHOLEHAND_COMPUTES)
-  get_target_property(unoptimised ${target} WHOLEHAND_UNOPTIMISED)
-  if((WHOLEHAND_SANITIZED AND NOT computes) OR unoptimised)
+  if(WHOLEHAND_SANITIZED AND NOT computes)
     string(APPEND headers _unoptimised)
   endif()
   if(WHOLEHAND_PRECOMPILED)

@@ -64,60 +64,72 @@ function(wholehand_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# wholehand_test(<name> SOURCES a.cpp ... USES core ... [LABEL unit] [TIMEOUT seconds] [SHARDS count]
-#                [THREADED] [COMPUTES] [COMPUTES_IN_RELEASE])
+# wholehand_test_program(<name> [LABEL unit] [SHARDS 2] [WATCHED]): the gtest program test_<name>, to which
+# folders of tests/ add their sources with wholehand_tests(<name> ...).
 #
-# SHARDS: its tests wait more than they compute; so many of them run at once.
-# COMPUTES: its own sources do long arithmetic, and are optimised. COMPUTES_IN_RELEASE: they are in a
-# release build, and a sanitizer's run of them is drawn shorter. So are labels that measure.
-# THREADED: ./check runs it under ThreadSanitizer too. LABEL realtime: it measures in real time, nothing
-# runs beside it. LABEL paced: it runs in real time and mostly sleeps; compilers of the lowest priority
-# may run beside it. LABEL figure: it measures at length what other tests drive through the same code; no
-# sanitizer sees it.
-function(wholehand_test name)
-  cmake_parse_arguments(arg "THREADED;COMPUTES;COMPUTES_IN_RELEASE" "LABEL;TIMEOUT;SHARDS" "SOURCES;USES;VENDOR" ${ARGN})
-  add_executable(test_${name} ${arg_SOURCES})
-  target_link_libraries(test_${name} PRIVATE wholehand_options GTest::gtest GTest::gtest_main
-                                             ${arg_VENDOR})
-  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  if(arg_COMPUTES)
-    wholehand_computes(test_${name})
-  elseif(CMAKE_BUILD_TYPE STREQUAL Release AND NOT arg_COMPUTES_IN_RELEASE AND NOT arg_LABEL MATCHES "realtime|paced|figure")
-    wholehand_unoptimised(test_${name})
+# LABEL: who runs it.
+#   unit      ./check under AddressSanitizer and UndefinedBehaviorSanitizer, --full in the release build too
+#   figure    release: it measures at length what other tests drive through the same code
+#   sessions  release, on the real clock, and it mostly sleeps
+#   realtime  release, on the real clock, and nothing runs beside it
+# SHARDS: so many processes share its tests.
+# WATCHED: it sees the real clock. A failure while the machine kept even a sleeper waiting is not judged
+# (tests/support/watched_main.cpp).
+function(wholehand_test_program name)
+  cmake_parse_arguments(arg "WATCHED" "LABEL;SHARDS" "" ${ARGN})
+  set(target test_${name})
+  add_executable(${target})
+  target_link_libraries(${target} PRIVATE wholehand_options GTest::gtest)
+  if(arg_WATCHED)
+    target_sources(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/watched_main.cpp)
+  else()
+    target_link_libraries(${target} PRIVATE GTest::gtest_main)
   endif()
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(${target} PRIVATE WHOLEHAND_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                               WHOLEHAND_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  wholehand_read_precompiled(${target} wholehand_precompiled_tests)
+  set(filter "-*_slow*")
+  if(WHOLEHAND_FULL_TESTS)
+    set(filter "*")
+  endif()
+  math(EXPR last "${arg_SHARDS} - 1")
+  foreach(shard RANGE ${last})
+    set(test ${name})
+    if(arg_SHARDS GREATER 1)
+      math(EXPR number "${shard} + 1")
+      set(test ${name}/${number})
+    endif()
+    add_test(NAME ${test} COMMAND ${target} --gtest_filter=${filter})
+    # The time ends what hangs, not what is slow on a full machine.
+    set_tests_properties(${test} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${WHOLEHAND_TEST_TIMEOUT_S}
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${shard};${WHOLEHAND_TEST_ENVIRONMENT}")
+    if(arg_LABEL STREQUAL realtime)
+      set_tests_properties(${test} PROPERTIES RUN_SERIAL ON)
+    endif()
+  endforeach()
+endfunction()
+
+# wholehand_tests(<program> SOURCES a.cpp ... [USES core ...] [VENDOR lib ...]): sources of this folder, and
+# the modules that they use.
+function(wholehand_tests program)
+  cmake_parse_arguments(arg "" "" "SOURCES;USES;VENDOR" ${ARGN})
+  target_sources(test_${program} PRIVATE ${arg_SOURCES})
   foreach(used IN LISTS arg_USES)
     string(REPLACE "/" "_" used ${used})
-    target_link_libraries(test_${name} PRIVATE wholehand::${used})
+    target_link_libraries(test_${program} PRIVATE wholehand::${used})
   endforeach()
-  target_compile_definitions(test_${name} PRIVATE WHOLEHAND_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                                                  WHOLEHAND_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  wholehand_read_precompiled(test_${name} wholehand_precompiled_tests)
-  if(NOT arg_LABEL)
-    set(arg_LABEL unit)
-  endif()
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 300)  # ends what hangs, not what is slow on a full machine
-  endif()
-  if(WHOLEHAND_FULL_TESTS)
-    math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 30")
-  endif()
-  if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize|--coverage")
-    math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 5")
-  endif()
-  if(arg_SHARDS)
-    add_test(NAME ${name} COMMAND ${PROJECT_SOURCE_DIR}/cmake/run_shards.sh ${arg_SHARDS}
-                                  $<TARGET_FILE:test_${name}>)
-  else()
-    add_test(NAME ${name} COMMAND test_${name})
-  endif()
-  set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT})
-  if(arg_LABEL STREQUAL realtime)
+  target_link_libraries(test_${program} PRIVATE ${arg_VENDOR})
+endfunction()
+
+# wholehand_script_test(<name> LABEL <label> COMMAND ... [TIMEOUT seconds] [ENVIRONMENT ...] [SERIAL]):
+# a test that is a script. 77: a tool is not installed.
+function(wholehand_script_test name)
+  cmake_parse_arguments(arg "SERIAL" "" "LABEL;COMMAND;ENVIRONMENT" ${ARGN})
+  add_test(NAME ${name} COMMAND ${arg_COMMAND} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES LABELS "${arg_LABEL}" TIMEOUT ${WHOLEHAND_TEST_TIMEOUT_S}
+    SKIP_RETURN_CODE 77 ENVIRONMENT "${arg_ENVIRONMENT};${WHOLEHAND_TEST_ENVIRONMENT}")
+  if(arg_SERIAL)
     set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)
-  endif()
-  if(WHOLEHAND_FULL_TESTS)
-    set_tests_properties(${name} PROPERTIES ENVIRONMENT WHOLEHAND_FULL=1)
-  endif()
-  if(arg_THREADED)
-    set_property(TEST ${name} APPEND PROPERTY LABELS threaded)
   endif()
 endfunction()

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Runs clang-tidy over every .cpp file of some folders, each by itself.
 
-usage: tidy.py BUILD_FOLDER JOBS FOLDER ...      exit code 0: clean, 1: faults, on stdout
+usage: tidy.py [--changed] BUILD_FOLDER JOBS FOLDER ...      exit code 0: clean, 1: faults, on stdout
+
+--changed: only what was changed, or reads a header that was changed, since the commit in
+scripts/clean_commit; everything where the rules have changed or the commit is not known.
 
 The build joins sources and precompiles headers: a source that forgets an #include is found here. A
 file that was clean is looked at again when it, a header of the repository that it reads, its
@@ -27,6 +30,8 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from shutil import which
+
+import changes
 
 ROOT = Path(__file__).resolve().parents[1]
 RULES = ROOT / ".clang-tidy"
@@ -230,19 +235,36 @@ def look_at(build, jobs, commands, clean, includes):
         return {source: said for source, said in zip(commands, pool.map(tidy, commands)) if said}
 
 
+def sources_changed(every, includes):
+    """Of these sources, those that are not as they were when everything was clean."""
+    names = changes.changed_files()
+    if names is None:
+        return set(every)
+    changed = {ROOT / name for name in names}
+    if not changed.isdisjoint({RULES, PLUGIN, Path(__file__).resolve()}) or any(name.startswith("protocol/") for name in names):
+        return set(every)
+    return {source for source, command in every.items()
+            if source in changed or not changed.isdisjoint(includes.of(source, own_folders(command, source))[0])}
+
+
 def main():
-    if len(sys.argv) < 4:
+    arguments = sys.argv[1:]
+    only_changed = arguments[:1] == ["--changed"]
+    if only_changed:
+        del arguments[0]
+    if len(arguments) < 3:
         sys.exit(__doc__)
-    build, jobs = Path(sys.argv[1]).resolve(), int(sys.argv[2])
-    folders = [Path(folder).resolve() for folder in sys.argv[3:]]
+    build, jobs = Path(arguments[0]).resolve(), int(arguments[1])
+    folders = [Path(folder).resolve() for folder in arguments[2:]]
     every = read_commands(build, folders)
     unknown = {file for folder in folders for file in folder.rglob("*.cpp")} - every.keys()
     if unknown or not every:
-        names = " ".join(str(file) for file in sorted(unknown)) or " ".join(sys.argv[3:])
+        names = " ".join(str(file) for file in sorted(unknown)) or " ".join(arguments[2:])
         sys.exit(f"{build / 'compile_commands.json'} knows nothing of: {names}")
     includes = Includes()
     clean = CleanFiles(build, every, includes)
-    commands = {source: every[source] for source in every if not clean.has(source)}
+    wanted = sources_changed(every, includes) if only_changed else set(every)
+    commands = {source: every[source] for source in every if source in wanted and not clean.has(source)}
     faults = look_at(build, jobs, commands, clean, includes) if commands else {}
     for words in faults.values():
         print(words)
