@@ -5,6 +5,7 @@ using System.Threading;
 using System.Threading.Tasks;
 using Wholehand;
 using wholehand.protocol;
+using static Answers;
 
 /// <summary>The client against a running process: udp_stand_in, which is the program's own server and
 /// UDP bridge with records at 1 kHz. What its values mean: tests/server/udp_fake_backend.hpp.</summary>
@@ -21,25 +22,6 @@ public static class LiveTests
         });
         client.Connect();
         return client;
-    }
-
-    private static CommandReply Ended(Task<CommandReply> command)
-    {
-        Check.True(command.Wait(20000), "the command is answered");
-        return command.Result;
-    }
-
-    private static void Accepted(Task<CommandReply> command)
-    {
-        CommandReply reply = Ended(command);
-        Check.True(reply.Accepted, "refused: " + reply.Reason);
-    }
-
-    private static string Refused(Task<CommandReply> command)
-    {
-        CommandReply reply = Ended(command);
-        Check.True(!reply.Accepted && reply.Reason != "", "accepted, or refused without a reason");
-        return reply.Reason;
     }
 
     // Polls, so that polled clients live, until the state says so.

@@ -2,9 +2,9 @@ using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Linq;
-using System.Threading.Tasks;
 using Wholehand;
 using wholehand.protocol;
+using static Answers;
 
 /// <summary>Bodies of a game against the program itself, in a scene that has bodies of its own (game_table.toml): the
 /// table's top is at z = 0.02 m.</summary>
@@ -87,18 +87,6 @@ public static class RealBodyTests
             Client.Dispose();
             program.Dispose();
         }
-    }
-
-    private static CommandReply Ended(Task<CommandReply> command)
-    {
-        Check.True(command.Wait(20000), "the command is answered");
-        return command.Result;
-    }
-
-    private static void Accepted(Task<CommandReply> command)
-    {
-        CommandReply reply = Ended(command);
-        Check.True(reply.Accepted, reply.Reason);
     }
 
     public static void Ball_ThatFallsOnTheHandTellsItsTouch()
