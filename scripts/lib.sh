@@ -202,6 +202,32 @@ needs_pages() {
   ((!scene || port))
 }
 
+# answer_at_once <arguments of ./start>: --help, and an option that `wholehand run` does not have, need no
+# build. The options are read where the program declares them.
+answer_at_once() {
+  local argument options
+  options=$(grep -ohE '"--[a-z][a-z-]*' "$root"/apps/wholehand/{run_line.cpp,engine_option.hpp} | tr -d '"' | sort -u)
+  for argument in "$@"; do
+    argument=${argument%%=*}
+    case $argument in
+      -h | --help)
+        say "usage: ./start [options of \`wholehand run\`]: installs what is missing, builds, opens the cocktail bar."
+        if [[ -x $root/build/release/wholehand ]]; then exec "$root/build/release/wholehand" run --help; fi
+        say 'What each option does is told once the program is built, by ./start --help, and by docs/program.md:'
+        # shellcheck disable=SC2086
+        printf '  %s\n' $options
+        exit 0
+        ;;
+      -*)
+        if [[ ! $argument =~ ^-[0-9.] ]] && ! grep -qxF -- "$argument" <<<"$options"; then
+          say "./start: \`wholehand run\` has no option $argument. It has: ${options//$'\n'/ }" >&2
+          exit 2
+        fi
+        ;;
+    esac
+  done
+}
+
 cannot_write="Cannot write to $root/build. Clone as the user who builds, or: chown -R \"\$USER\" \"$root\""
 disk_is_full="the disk of $root/build is full. Make room and start again: what is done is kept."
 make_log() {
@@ -261,34 +287,30 @@ configure() {
   fi
 }
 
-# show_progress <what> <jobs>: one line that counts up on a terminal; elsewhere a line every tenth of
-# the way.
+# show_progress <what>: one line that counts up on a terminal; elsewhere a line every tenth of the way. How
+# long it will take is said once a minute of compiling tells how fast this machine is.
 show_progress() {
-  local line done_ of name tenth last=-1 terminal=0 compiling=0 left=""
-  local start=$SECONDS
+  local line done_ of name tenth last=-1 terminal=0 compiling=0 told=0 left=""
+  local start=$SECONDS took
   [[ -t 1 ]] && terminal=1
   while IFS= read -r line; do
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
     # Looking up the version of the sources, as every build does, is nothing to speak of.
     if ((!compiling)) && [[ $line == *'] Building '* ]]; then
-      compiling=1
-      # A step takes a core about 1.7 seconds.
-      left=$((17 * (BASH_REMATCH[2] - BASH_REMATCH[1] + 1) / (10 * $2) + 1))
-      say "$1: ${BASH_REMATCH[2]} steps, about $(duration "$left") ..."
+      compiling=1 start=$SECONDS
+      say "$1: ${BASH_REMATCH[2]} steps ..."
     fi
     done_=${BASH_REMATCH[1]} of=${BASH_REMATCH[2]} tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
-    if ((!compiling)); then
-      continue
-    elif ((terminal)); then
+    if ((!compiling)); then continue; fi
+    took=$((SECONDS - start))
+    if ((took >= 60)); then left=", about $(duration $((took * (of - done_) / done_))) left"; fi
+    if ((terminal)); then
       name=${line##*/}
-      left=""
-      if ((10 * done_ > of)); then
-        left=", $(duration $(((SECONDS - start) * (of - done_) / done_))) left"
-      fi
       printf '\r%s: %d of %d%s, %.40s\033[K' "$1" "$done_" "$of" "$left" "${name%.o}"
-    elif ((tenth != last && of > 10)); then
-      printf '%s: %d of %d\n' "$1" "$done_" "$of"
+    elif ((of > 10 && tenth != last || took >= 60 && !told)); then
+      printf '%s: %d of %d%s\n' "$1" "$done_" "$of" "$left"
     fi
+    if ((took >= 60)); then told=1; fi
     last=$tenth
   done
   if ((terminal)); then printf '\r\033[K'; fi
@@ -301,7 +323,7 @@ build() {
   make_log "$log"
   jobs=$(build_jobs)
   if ! ninja -C "$root/build/$preset" -j "$jobs" "$@" 2>&1 | tee "$log" |
-    show_progress "Building $preset" "$jobs"; then
+    show_progress "Building $preset"; then
     if out_of_space "$log"; then fail "Building $preset failed: $disk_is_full Full log: $log"; fi
     grep -vE '^(\[|ninja: )' "$log" | grep -E -A12 -m3 '^FAILED|error|Error' >&2 ||
       tail -n 30 "$log" >&2

@@ -8,12 +8,14 @@ repo=$tree/repo bin=$tree/bin
 mkdir -p "$repo/scripts" "$repo/protocol" "$repo/web/src" "$repo/build/release" "$bin"
 cp start "$repo/"
 cp scripts/lib.sh scripts/packages.txt "$repo/scripts/"
+mkdir -p "$repo/apps/wholehand"
+cp apps/wholehand/run_line.cpp apps/wholehand/engine_option.hpp "$repo/apps/wholehand/"
 
 stand_in() { # <program>, its script on standard input
   { echo '#!/bin/bash' && cat; } >"$bin/$1"
   chmod +x "$bin/$1"
 }
-for tool in bash env sed tr grep dirname readlink mkdir chmod cat tail tee touch nproc awk find flock; do
+for tool in bash env sed tr grep dirname readlink mkdir chmod cat tail tee touch nproc awk find flock sort; do
   ln -s "$(command -v "$tool")" "$bin/$tool" 2>/dev/null || true
 done
 # Knows as installed what the file says; one package was removed once.
@@ -60,6 +62,16 @@ if ((EUID == 0)); then
 else
   expect_line 'They need root and there is no sudo here. As root: apt-get install --no-install-recommends libfmt-dev zlib1g-dev'
 fi
+
+# Help and a wrong option are answered before anything is asked for or built.
+start --help || wrong "--help ended with $?"
+expect '--exercise'
+refuse 'Missing packages'
+if start --no-such-option; then wrong "a wrong option was taken"; fi
+expect 'has no option --no-such-option. It has: --address'
+refuse 'Missing packages'
+if start --seed -1 --port=0; then wrong "./start went on without packages"; fi
+expect 'Missing packages'
 
 # From here on all of [run] is there and the program is built: it says with what it was started.
 packages_of run >"$tree/installed"
