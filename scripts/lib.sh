@@ -194,7 +194,7 @@ needs_pages() {
   local argument scene=0 port=0
   for argument in "$@"; do
     case $argument in
-      -h | --help | --no-web | --simulated-clock) return 1 ;;
+      --no-web | --simulated-clock) return 1 ;;
       --scene | --scene=* | --motion | --motion=*) scene=1 ;;
       --port | --port=*) port=1 ;;
     esac

@@ -168,7 +168,7 @@ expect_line "Without one: copy the folder web/dist from a machine where these so
 packages_of run >"$tree/installed"
 
 afresh # what opens no port needs no pages; --port opens one even with a scene
-for arguments in --simulated-clock '--scene a.toml' --scene=a.toml '--motion a.csv' --no-web --help -h; do
+for arguments in --simulated-clock '--scene a.toml' --scene=a.toml '--motion a.csv' --no-web; do
   read -ra words <<<"$arguments"
   went_on "${words[@]}"
   [[ $said == "wholehand run $arguments" ]] || wrong "./start $arguments needs no pages"
