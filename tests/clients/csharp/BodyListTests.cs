@@ -91,9 +91,7 @@ public static class BodyListTests
             var all = new List<string>();
             for (int i = 0; i < Slots.AllCount; ++i)
             {
-                Vector at;
-                Rotation turn;
-                string where = Slots.TryGetPlace(i, World, out at, out turn) ? ((int)at.X).ToString() : "?";
+                string where = Slots.TryGetPlace(i, World, out Vector at, out Rotation turn) ? ((int)at.X).ToString() : "?";
                 all.Add(Slots.All[i].Id.Slot + " " + Slots.All[i].Id.Generation + ": " + where);
             }
             return string.Join(", ", all.ToArray());
@@ -101,8 +99,7 @@ public static class BodyListTests
 
         public bool HasShapes()
         {
-            GameShapes found;
-            return Client.TryGetShapes(3, out found);
+            return Client.TryGetShapes(3, out GameShapes found);
         }
 
         public void Dispose()
@@ -223,9 +220,7 @@ public static class BodyListTests
                 Check.True(game.Client.TryGetBodies(game.Slots), "a list");
                 for (int i = 0; i < game.Slots.AllCount; ++i)
                 {
-                    Vector at;
-                    Rotation turn;
-                    if (game.Slots.TryGetPlace(i, game.World, out at, out turn)) sum += at.X;
+                    if (game.Slots.TryGetPlace(i, game.World, out Vector at, out Rotation turn)) sum += at.X;
                 }
                 if (sum != 1000 * 999 / 2) throw new Failure("places: " + sum);
             }

@@ -68,8 +68,7 @@ public static class ClientTests
             program.Say(DatagramKind.State, 1, MadeUpProgram.StateMessage(8));
             Check.Until(() => client.TryGetState(state) && state.Tick == 8, "a state by datagram");
             client.Aim(new[] { 0.5f });
-            Command command;
-            program.HearA(DatagramKind.Command, out command);
+            program.HearA(DatagramKind.Command, out Command command);
             Check.Equal(Order.Aim, command.OrderType, "an aim by datagram");
         }
     }

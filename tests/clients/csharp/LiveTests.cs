@@ -37,7 +37,7 @@ public static class LiveTests
 
     public static void AtOneKilohertz_StatesComeCompleteAndInOrder()
     {
-        int seconds = Runner.Full ? 60 : 5;
+        int seconds = Runner.Full ? 60 : 2;
         using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
         {

@@ -164,8 +164,7 @@ internal sealed class MadeUpProgram : IDisposable
             EndPoint from = new IPEndPoint(IPAddress.Any, 0);
             int size = Socket.ReceiveFrom(buffer, ref from);
             Client = from;
-            DatagramHeader header;
-            Check.Equal(DatagramFlaw.None, Datagram.Read(buffer, size, out header), "the client's datagram");
+            Check.Equal(DatagramFlaw.None, Datagram.Read(buffer, size, out DatagramHeader header), "the client's datagram");
             Check.Equal(Key, header.Key, "key");
             Check.True(header.Sequence > Sequence, "numbers rise");
             Sequence = header.Sequence;
@@ -181,8 +180,7 @@ internal sealed class MadeUpProgram : IDisposable
 
     public DatagramHeader HearAlive()
     {
-        Command ignored;
-        return HearA(DatagramKind.Alive, out ignored);
+        return HearA(DatagramKind.Alive, out Command ignored);
     }
 
     public static byte[] Finished(FlatBufferBuilder b, Payload type, int payload, ushort schema = 1)

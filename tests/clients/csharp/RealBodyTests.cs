@@ -26,7 +26,7 @@ public static class RealBodyTests
 
         public Play(bool armed = true)
         {
-            program = new RealProgram("--udp 0 --port 0 --no-rehearsal --wait --exercise \""
+            program = new RealProgram("--udp 0 --port 0 --wait --exercise \""
                 + Environment.GetEnvironmentVariable("WHOLEHAND_GAME_TABLE") + "\"");
             Client = new WholehandClient(new ClientOptions { Port = program.Port });
             Client.BodyEventReceived += events.Enqueue;
@@ -62,12 +62,11 @@ public static class RealBodyTests
         /// <summary>The same by the list of all bodies.</summary>
         public bool TryGetPlace(BodyId body, out Vector position)
         {
-            Rotation turn;
             position = new Vector();
             Client.TryGetBodies(Slots);
             Client.TryGetWorld(World);
             int found = Slots.FindInAll(body);
-            return found >= 0 && Slots.TryGetPlace(found, World, out position, out turn);
+            return found >= 0 && Slots.TryGetPlace(found, World, out position, out Rotation turn);
         }
 
         public Whereabouts WhereIs(BodyId body)
@@ -122,8 +121,7 @@ public static class RealBodyTests
             int falling = 0, resting = 0;
             Check.Until(() =>
             {
-                Vector at;
-                if (!play.TryGetPosition(ball.Id, out at)) return false;
+                if (!play.TryGetPosition(ball.Id, out Vector at)) return false;
                 // Free fall, z = z0 - g t² / 2, until the ball touches the table; a tick is 1.5 mm of way at most. A program
                 // that is held up skips ticks: the ball is then higher.
                 double fallen = (play.World.Tick - (double)solid.Tick) * period, free = Above.Z - 0.5 * 9.81 * fallen * fallen;
@@ -144,8 +142,7 @@ public static class RealBodyTests
             Check.True(lowest > TopM + RadiusM - 0.005, "the table holds it");
             Check.Equal(1, play.Slots.Count, "bodies of the game");
             Check.Equal(SlotState.Solid, play.Slots.States[play.Slots.Find(ball.Id)], "state");
-            GameShapes shapes;
-            Check.True(play.Client.TryGetShapes(play.Slots.Shapes[0], out shapes), "its shapes");
+            Check.True(play.Client.TryGetShapes(play.Slots.Shapes[0], out GameShapes shapes), "its shapes");
             Check.Equal(ShapeType.Sphere, shapes.Pieces(0).Value.Type, "type");
             Check.Near(RadiusM, shapes.Pieces(0).Value.RadiusM, 1e-9, "radius");
             uint id = play.Slots.Shapes[0];
@@ -171,16 +168,14 @@ public static class RealBodyTests
             {
                 play.Client.BodyTargets(new BodyAt(body.Id, goal, turned));
                 System.Threading.Thread.Sleep(15);
-                Vector at;
-                return play.TryGetPosition(body.Id, out at) && Distance(at, goal) < 0.002
+                return play.TryGetPosition(body.Id, out Vector at) && Distance(at, goal) < 0.002
                     && Math.Abs(play.World.BodyOrientations[play.Slots.PoseOf(5)].Z - turned.Z) < 0.01;
             }, "the target is reached");
             Accepted(play.Client.SetOwner(new BodyOwnerChange(body.Id, BodyOwner.Fixed)));
             Accepted(play.Client.Teleport(new BodyAt(body.Id, Above)));
             Check.Until(() =>
             {
-                Vector at;
-                return play.TryGetPosition(body.Id, out at) && Distance(at, Above) < 1e-6;
+                return play.TryGetPosition(body.Id, out Vector at) && Distance(at, Above) < 1e-6;
             }, "it stands where it is put");
         }
     }

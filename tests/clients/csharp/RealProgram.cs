@@ -4,7 +4,7 @@ using System.Globalization;
 using System.Text.RegularExpressions;
 using System.Threading;
 
-/// <summary>`wholehand run`, played by its virtual patient; it ends with this process, whatever becomes of
+/// <summary>`wholehand run`, played by its virtual patient, without a rehearsal; it ends with this process, whatever becomes of
 /// the test.</summary>
 public sealed class RealProgram : IDisposable
 {
@@ -13,7 +13,7 @@ public sealed class RealProgram : IDisposable
     public RealProgram(string arguments = "--udp 0 --port 0")
     {
         process = Process.Start(new ProcessStartInfo("setpriv",
-            "--pdeathsig KILL \"" + Runner.Program + "\" run " + arguments)
+            "--pdeathsig KILL \"" + Runner.Program + "\" run --no-rehearsal " + arguments)
         {
             UseShellExecute = false, RedirectStandardOutput = true, RedirectStandardInput = true
         });

@@ -3,7 +3,6 @@ using System.Collections.Generic;
 using System.Threading;
 using Wholehand;
 using wholehand.protocol;
-using static Answers;
 
 /// <summary>The client against the program itself: `wholehand run --udp`, the cocktail bar, played by its
 /// virtual patient.</summary>
@@ -43,7 +42,7 @@ public static class RealTests
 
     public static void CocktailBar_ReachesTheGameCompleteAndInOrder()
     {
-        int seconds = Runner.Full ? 60 : 5;
+        int seconds = Runner.Full ? 60 : 2;
         using (var program = new RealProgram())
         using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))
         {
@@ -81,34 +80,6 @@ public static class RealTests
             Check.Equal(0L, disorder + backwards, "out of order");
             Check.True(received + skipped > 0.9 * 1000 * seconds, "less than 900 ticks a second");
             Latency.Judge(p99, late);
-        }
-    }
-
-    public static void Commands_AreObeyedAndBadOnesRefusedWithTheReason()
-    {
-        using (var program = new RealProgram())
-        using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))
-        {
-            client.Connect();
-            var state = new HandState();
-            Check.Until(() => client.LatestScene.HasValue && client.TryGetState(state)
-                && state.RunState == RunState.Rendering, "it renders");
-            Parameter parameter = client.LatestScene.Value.Parameters(0).Value;
-            Refused(client.SetParameter(parameter.Name, parameter.Lower)); // needs the controls
-            Accepted(client.TakeControls());
-            Accepted(client.SetParameter(parameter.Name, (parameter.Lower + parameter.Upper) / 2));
-            Check.True(Refused(client.SetParameter(parameter.Name, parameter.Upper + 1e6)).Contains(parameter.Name), "names it");
-            Refused(client.LoadExercise("no-such-exercise"));
-            Accepted(client.Steer(Steering.Person));
-            Check.Until(() => client.TryGetState(state) && state.Steering == Steering.Person, "steers");
-            Accepted(client.EmergencyStop());
-            Check.Until(() => client.TryGetState(state) && state.RunState == RunState.Stopped && state.Authority == 0,
-                "neutral");
-            Refused(client.Arm(1)); // pressed before the stop was shown
-            Accepted(client.Arm(state.Endings));
-            Check.Until(() => client.TryGetState(state) && state.RunState == RunState.Rendering
-                && state.Session == 2, "a second session");
-            Check.Until(() => client.LatestScene.Value.Session == 2, "its scene");
         }
     }
 }

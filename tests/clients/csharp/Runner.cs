@@ -75,8 +75,7 @@ public static class Runner
     {
         get
         {
-            long seed;
-            return long.TryParse(Environment.GetEnvironmentVariable("WHOLEHAND_SEED"), out seed) ? (int)(seed % 1000000) : 1;
+            return long.TryParse(Environment.GetEnvironmentVariable("WHOLEHAND_SEED"), out long seed) ? (int)(seed % 1000000) : 1;
         }
     }
 

@@ -45,7 +45,7 @@ public static class ComponentTests
 
     public static void SceneOfEveryShape_HasItsBodiesCapsulesAndLimits()
     {
-        using (var program = new RealProgram("--udp 0 --port 0 --no-rehearsal --scene " + Environment.GetEnvironmentVariable("WHOLEHAND_CONFIG") + "/scenes/table.toml"))
+        using (var program = new RealProgram("--udp 0 --port 0 --scene " + Environment.GetEnvironmentVariable("WHOLEHAND_CONFIG") + "/scenes/table.toml"))
         using (var truth = new Truth(program.Port))
         using (var game = new Game(program.Port, true))
         {
@@ -160,7 +160,7 @@ public static class ComponentTests
 
     public static void Bar_TakesTheControlsArmsStopsAndLoadsAnotherScene()
     {
-        using (var program = new RealProgram("--udp 0 --port 0 --no-rehearsal --wait"))
+        using (var program = new RealProgram("--udp 0 --port 0 --wait"))
         {
             try
             {

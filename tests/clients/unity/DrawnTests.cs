@@ -100,8 +100,7 @@ public static class DrawnTests
         public void Add(Truth truth, ulong tick, Truth.Frame[] drawn, Func<Truth.Place, Truth.Frame[]> of)
         {
             Truth.Place before, after;
-            float share;
-            if (!truth.Around(p => (long)p.Tick, 1000, (long)tick, out before, out after, out share)) return;
+            if (!truth.Around(p => (long)p.Tick, 1000, (long)tick, out before, out after, out float share)) return;
             off.Add(Furthest(drawn, of(before), of(after), share));
             if (before.Tick != tick && after.Tick != tick) return;
             ++ofTheTick;
@@ -130,7 +129,7 @@ public static class DrawnTests
 
     public static void Hand_IsWhereTheProgramSaysItIs()
     {
-        using (var program = new RealProgram("--udp 0 --port 0 --no-rehearsal"))
+        using (var program = new RealProgram())
         using (var truth = new Truth(program.Port))
         using (var game = new Game(program.Port))
         {
@@ -154,8 +153,7 @@ public static class DrawnTests
         foreach (Drawn drawn in frames)
         {
             Truth.Place before, after;
-            float share;
-            if (truth.Around(p => p.SentNs, 1e9, drawn.AtNs, out before, out after, out share))
+            if (truth.Around(p => p.SentNs, 1e9, drawn.AtNs, out before, out after, out float share))
             {
                 off.Add(Furthest(drawn.Links, before.Links, after.Links, share));
             }
@@ -166,7 +164,7 @@ public static class DrawnTests
 
     public static void PredictedHand_IsWhereItIsNow()
     {
-        using (var program = new RealProgram("--udp 0 --port 0 --no-rehearsal"))
+        using (var program = new RealProgram())
         using (var truth = new Truth(program.Port))
         using (var game = new Game(program.Port))
         {
@@ -196,7 +194,7 @@ public static class DrawnTests
 
     public static void ManyBodies_AreWhereTheProgramSaysTheyAreAndAllocateNothing()
     {
-        using (var program = new RealProgram("--udp 0 --port 0 --no-rehearsal --scene " + ManyBodies()))
+        using (var program = new RealProgram("--udp 0 --port 0 --scene " + ManyBodies()))
         using (var truth = new Truth(program.Port))
         using (var game = new Game(program.Port, true))
         {

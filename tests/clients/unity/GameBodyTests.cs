@@ -24,7 +24,7 @@ public static class GameBodyTests
 
         public Play(bool physics = false, string exercise = null)
         {
-            program = new RealProgram("--udp 0 --port 0 --no-rehearsal --wait --exercise \""
+            program = new RealProgram("--udp 0 --port 0 --wait --exercise \""
                 + (exercise ?? Environment.GetEnvironmentVariable("WHOLEHAND_GAME_TABLE")) + "\"");
             Game = new Game(program.Port, physics);
             Game.Connection.BodyEventReceived += Events.Add;
@@ -206,8 +206,7 @@ public static class GameBodyTests
     // What the program made of the shapes, by volume: a box in closed form, and one of 12 triangles with 8 corners.
     private static void ExpectPieces(Play play)
     {
-        GameShapes shapes;
-        Check.True(play.Game.Connection.Client.TryGetShapes(play.Game.Connection.Bodies.Shapes[0], out shapes), "shapes");
+        Check.True(play.Game.Connection.Client.TryGetShapes(play.Game.Connection.Bodies.Shapes[0], out GameShapes shapes), "shapes");
         Shape box = shapes.Pieces(0).Value, mesh = shapes.Pieces(1).Value;
         Check.Near(0.015, box.HalfExtentsM.Value.X, 1e-6, "away from the person: Unity's z");
         Check.Near(0.02, box.HalfExtentsM.Value.Y, 1e-6, "left: Unity's -x");

@@ -12,8 +12,7 @@ internal static class Datagrams
         byte[][] conversation = ((List<object>)told["conversation"]).Select(Golden.BytesOf).ToArray();
         byte[] last = conversation.Last();
         var answer = new Dictionary<string, object>();
-        DatagramHeader header;
-        DatagramFlaw flaw = Datagram.Read(last, last.Length, out header);
+        DatagramFlaw flaw = Datagram.Read(last, last.Length, out DatagramHeader header);
         if (flaw != DatagramFlaw.None) answer["flaw"] = Snake(flaw.ToString());
         else
         {

@@ -43,8 +43,7 @@ internal sealed class Form
         if (value == null) return true;
         if (kind == "string") return (string)value == "";
         if (kind == "vector") return ((IList)value).Count == 0;
-        object byDefault;
-        return field.TryGetValue("default", out byDefault) && Json.Write(value) == Json.Write(byDefault);
+        return field.TryGetValue("default", out object byDefault) && Json.Write(value) == Json.Write(byDefault);
     }
 
     private static object Get(object table, string field)

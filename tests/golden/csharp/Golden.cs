@@ -157,9 +157,8 @@ public static class Golden
         };
         foreach (Dictionary<string, object> field in form.FieldsOf("WorldState"))
         {
-            object copy;
             var name = (string)field["name"];
-            if (!copies.TryGetValue(name, out copy)) continue;
+            if (!copies.TryGetValue(name, out object copy)) continue;
             var numbers = copy as Array;
             object value = numbers == null ? Form.Scalar(copy) : numbers.Cast<object>().Select(Form.Scalar).ToList();
             if (Form.IsDefault(field, (string)field["kind"], value)) read.Remove(name);
@@ -234,8 +233,7 @@ public static class Golden
 
     private static object Given(Type type, Dictionary<string, object> field, Dictionary<string, object> fields)
     {
-        object value;
-        if (!fields.TryGetValue((string)field["name"], out value)) field.TryGetValue("default", out value);
+        if (!fields.TryGetValue((string)field["name"], out object value)) field.TryGetValue("default", out value);
         if (type == typeof(string)) return value ?? "";
         if (type == typeof(float[])) return ((List<object>)value ?? new List<object>()).Select(Single).ToArray();
         if (type == typeof(double)) return BitConverter.Int64BitsToDouble(Convert.ToInt64((string)value, 16));
