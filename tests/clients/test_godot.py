@@ -44,7 +44,7 @@ def setUpModule():
         shutil.copyfile(file, PROJECT / file.name)
 
 
-class InGodot(unittest.TestCase):
+class PlayedInGodot:
     def start(self, test, port, **more):
         home = tempfile.mkdtemp(prefix="wholehand-test-")
         self.addCleanup(shutil.rmtree, home)
@@ -69,25 +69,36 @@ class InGodot(unittest.TestCase):
         self.assertEqual([error for error in errors if not re.match(expected, error)], [], said)
         return errors
 
-    def run_against(self, test, *arguments):
+
+def of_run_gd(test, *arguments):
+    def run(self):
         self.finish(self.start(test, Program(self, *arguments).port))
+    return run
 
 
-class Drawn(InGodot):
-    def test_hand_and_bodies_are_drawn_where_the_program_says(self):
-        self.run_against("drawn_where_the_program_says")
+TABLE = ("--exercise", str(SOURCE / "tests/clients/game_table.toml"))  # a scene that has bodies of its own
+AGAINST_THE_PROGRAM = {
+    "drawn_where_the_program_says": (),
+    "a_predicted_hand_is_ahead_of_the_state": (),
+    "every_shape_has_its_mesh": ("--scene", str(SOURCE / "config/scenes/table.toml")),
+    "states_are_cheap": (),
+    "damaged_messages_are_ignored": (),
+    "commands_are_obeyed_or_refused_with_the_reason": ("--wait",),
+    "a_game_that_hangs_loses_the_controls": ("--wait",),
+    "a_ball_falls_rests_and_is_removed": ("--wait", *TABLE),
+    "a_ball_that_falls_on_the_hand_tells_its_touch": ("--wait", *TABLE),
+    "a_driven_body_follows_its_target": ("--wait", *TABLE),
+    "bodies_beyond_the_slots_are_one_node_in_and_out_of_reach": ("--wait", *TABLE),
+    "a_thousand_bodies_are_cheap": ("--wait", *TABLE),
+    "refused_orders_say_why": ("--wait", *TABLE),
+}
+AgainstTheProgram = type("AgainstTheProgram", (PlayedInGodot, unittest.TestCase), {
+    f"test_{name}": of_run_gd(name, *arguments) for name, arguments in AGAINST_THE_PROGRAM.items()})
 
-    def test_a_predicted_hand_is_ahead_of_the_state(self):
-        self.run_against("a_predicted_hand_is_ahead_of_the_state")
 
-    def test_every_shape_has_its_mesh(self):
-        self.run_against("every_shape_has_its_mesh", "--scene", str(SOURCE / "config/scenes/table.toml"))
-
+class OtherWays(PlayedInGodot, unittest.TestCase):
     def test_axes_are_godots(self):
         self.finish(self.start("axes_are_godots", 1))
-
-    def test_states_are_cheap(self):
-        self.run_against("states_are_cheap")
 
     def test_nodes_without_connection_say_what_to_do(self):
         errors = self.finish(self.start("a_hand_without_connection_says_what_to_do", 1), "ERROR: call: Wholehand ")
@@ -95,41 +106,9 @@ class Drawn(InGodot):
         for error, node in zip(errors, ("hand LostHand", "world LostWorld")):
             self.assertIn(f"Wholehand {node} has no connection: set connection_path", error)
 
+    def test_nobody_there_is_told_once(self):
+        self.finish(self.start("nobody_there_is_told_once", 1))
 
-class Commands(InGodot):
-    def test_commands_are_obeyed_or_refused_with_the_reason(self):
-        self.run_against("commands_are_obeyed_or_refused_with_the_reason", "--wait")
-
-    def test_a_game_that_hangs_loses_the_controls(self):
-        self.run_against("a_game_that_hangs_loses_the_controls", "--wait")
-
-
-class BodiesOfAGame(InGodot):
-    """In a scene that has bodies of its own."""
-
-    def play(self, test):
-        self.run_against(test, "--wait", "--exercise", str(SOURCE / "tests/clients/game_table.toml"))
-
-    def test_a_ball_falls_rests_and_is_removed(self):
-        self.play("a_ball_falls_rests_and_is_removed")
-
-    def test_a_ball_that_falls_on_the_hand_tells_its_touch(self):
-        self.play("a_ball_that_falls_on_the_hand_tells_its_touch")
-
-    def test_a_driven_body_follows_its_target(self):
-        self.play("a_driven_body_follows_its_target")
-
-    def test_bodies_beyond_the_slots_are_one_node_in_and_out_of_reach(self):
-        self.play("bodies_beyond_the_slots_are_one_node_in_and_out_of_reach")
-
-    def test_a_thousand_bodies_are_cheap(self):
-        self.play("a_thousand_bodies_are_cheap")
-
-    def test_refused_orders_say_why(self):
-        self.play("refused_orders_say_why")
-
-
-class Line(InGodot):
     def test_a_program_that_is_restarted_is_found_again(self):
         program = Program(self, "--wait")
         game = self.start("a_program_that_is_restarted_is_found_again", program.port)
@@ -144,12 +123,6 @@ class Line(InGodot):
         program = Program(self, "--wait", "--token", token)
         self.finish(self.start("a_token_opens_the_program", program.port, WHOLEHAND_TOKEN=token),
                     "ERROR: (_verify_headers|_do_handshake): Invalid")
-
-    def test_nobody_there_is_told_once(self):
-        self.finish(self.start("nobody_there_is_told_once", 1))
-
-    def test_damaged_messages_are_ignored(self):
-        self.run_against("damaged_messages_are_ignored")
 
 
 class Addon(unittest.TestCase):

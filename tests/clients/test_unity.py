@@ -45,18 +45,12 @@ def setUpModule():
 class Package(unittest.TestCase):
     """scripts/unity_package.py."""
 
-    def setUp(self):
-        self.package = BUILD / NAME
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="wholehand-test-"))
-        self.addCleanup(shutil.rmtree, self.folder)
-        self.copy = self.folder / NAME
-        shutil.copytree(self.package, self.copy)
+    package = property(lambda self: BUILD / NAME)
 
-    def expect_refused(self, *texts):
-        faults = unity_package.faults_of(self.copy, unity_package.project_version())
-        self.assertEqual(len(faults), 1, faults)
-        for text in texts:
-            self.assertIn(text, faults[0])
+    def copied(self):
+        folder = tempfile.TemporaryDirectory(prefix="wholehand-test-")
+        self.addCleanup(folder.cleanup)
+        return shutil.copytree(self.package, pathlib.Path(folder.name) / NAME)
 
     def test_the_package_is_sound(self):
         for package in (self.package, SOURCE / "clients/unity" / NAME):
@@ -79,47 +73,37 @@ class Package(unittest.TestCase):
                 self.assertIn(f"{name}.meta", files)
 
     def test_made_twice_it_has_the_same_bytes(self):
-        made = package_script("make", self.folder / "again")
+        made = package_script("make", self.copied().parent / "again")
         self.assertEqual(pathlib.Path(made.stdout.strip()).read_bytes(), ARCHIVE.read_bytes())
 
-    def test_a_missing_meta_is_refused(self):
-        (self.copy / "Runtime/WholehandHand.cs.meta").unlink()
-        checked = package_script("check", self.copy)
+    def test_a_package_that_is_unsound_is_refused_by_name(self):
+        meta, other = "Runtime/WholehandBody.cs.meta", "Runtime/WholehandWorld.cs.meta"
+        for name, change, texts in (
+                ("Runtime/WholehandHand.cs.meta", None, ("Runtime/WholehandHand.cs", "WholehandHand.cs.meta is missing",
+                                                         "unity_package.py meta")),
+                ("Runtime/Protocol.meta", None, ("Runtime/Protocol: its file Protocol.meta is missing",)),
+                ("Editor/WholehandMenu.cs", None, ("WholehandMenu.cs.meta: there is no WholehandMenu.cs",)),
+                ("package.json", lambda text: text.replace('"version": "0', '"version": "7', 1),
+                 ("package.json: version is '7", "CMakeLists.txt")),
+                ("package.json", lambda _: "{", ("package.json", "a package needs a manifest in JSON")),
+                (other, lambda _: (self.package / meta).read_text(),
+                 ("WholehandWorld.cs.meta: guid", "is that of Runtime/WholehandBody.cs, too")),
+                (meta, lambda text: re.sub("guid: .*", "guid: " + "0" * 32, text),
+                 ("WholehandBody.cs.meta: guid 0000", "is not the one of this path")),
+                (meta, lambda text: re.sub("guid: .*", "guid: 12", text), ("guid is '12', not 32 hexadecimal digits",))):
+            with self.subTest(texts[-1]):
+                copy = self.copied()
+                if change:
+                    (copy / name).write_text(change((copy / name).read_text()))
+                else:
+                    (copy / name).unlink()
+                faults = unity_package.faults_of(copy, unity_package.project_version())
+                self.assertEqual(len(faults), 1, faults)
+                for text in texts:
+                    self.assertIn(text, faults[0])
+        checked = package_script("check", copy)  # the last of them
         self.assertEqual(checked.returncode, 1)
         self.assertEqual(len(checked.stderr.splitlines()), 1, checked.stderr)
-        self.expect_refused("Runtime/WholehandHand.cs", "WholehandHand.cs.meta is missing", "unity_package.py meta")
-
-    def test_a_meta_of_a_folder_counts_too(self):
-        (self.copy / "Runtime/Protocol.meta").unlink()
-        self.expect_refused("Runtime/Protocol: its file Protocol.meta is missing")
-
-    def test_a_meta_without_its_file_is_refused(self):
-        (self.copy / "Editor/WholehandMenu.cs").unlink()
-        self.expect_refused("WholehandMenu.cs.meta: there is no WholehandMenu.cs")
-
-    def test_another_version_than_the_projects_is_refused(self):
-        manifest = self.copy / "package.json"
-        manifest.write_text(manifest.read_text().replace('"version": "0', '"version": "7', 1))
-        self.expect_refused("package.json: version is '7", "CMakeLists.txt")
-
-    def test_a_guid_that_is_used_twice_is_refused(self):
-        one, other = self.copy / "Runtime/WholehandBody.cs.meta", self.copy / "Runtime/WholehandWorld.cs.meta"
-        shutil.copyfile(one, other)
-        self.expect_refused("WholehandWorld.cs.meta: guid", "is that of Runtime/WholehandBody.cs, too")
-
-    def test_a_guid_that_changed_is_refused(self):
-        meta = self.copy / "Runtime/WholehandBody.cs.meta"
-        meta.write_text(re.sub("guid: .*", "guid: " + "0" * 32, meta.read_text()))
-        self.expect_refused("WholehandBody.cs.meta: guid 0000", "is not the one of this path")
-
-    def test_a_guid_that_is_none_is_refused(self):
-        meta = self.copy / "Runtime/WholehandBody.cs.meta"
-        meta.write_text(re.sub("guid: .*", "guid: 12", meta.read_text()))
-        self.expect_refused("guid is '12', not 32 hexadecimal digits")
-
-    def test_a_manifest_that_is_no_json_is_refused(self):
-        (self.copy / "package.json").write_text("{")
-        self.expect_refused("package.json", "a package needs a manifest in JSON")
 
 
 class Assemblies(unittest.TestCase):
