@@ -1,11 +1,24 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
 namespace wholehand {
+
+/// The kind of a fault, for programs and tests: the words are for people and may change.
+enum class DiagnosticCode : std::uint8_t {
+  kInvalid,     ///< breaks a rule that is none of the following
+  kMissing,     ///< a key, a file or a part of it is not there
+  kUnknown,     ///< a key or a name that the program does not know
+  kType,        ///< another type, kind or shape of value is expected
+  kRange,       ///< a number outside of its range, or not finite
+  kSyntax,      ///< not the language that the file should be in
+  kUnreadable,  ///< the file cannot be opened, or is damaged
+  kVersion,     ///< of a version that the program does not read
+};
 
 /// One fault of one file or of the command line, with a remedy.
 struct Diagnostic {
@@ -15,6 +28,7 @@ struct Diagnostic {
   std::string value;    ///< the value found; empty when there is none
   std::string problem;  ///< what is wrong: "is not finite"
   std::string remedy;   ///< allowed range or what to do: "must be in [0.1, 50] N"
+  DiagnosticCode code = DiagnosticCode::kInvalid;
 };
 using Diagnostics = std::vector<Diagnostic>;
 

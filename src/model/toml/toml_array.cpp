@@ -14,7 +14,7 @@ std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count,
   if (node == nullptr) return out;
   const toml::array* array = node->as_array();
   if (array == nullptr || array->size() != count) {
-    state_->report(key, nodeText(*node),
+    state_->report(key, DiagnosticCode::kType, nodeText(*node),
                    array == nullptr ? typeProblem(*node)
                                     : "has " + std::to_string(array->size()) +
                                           (array->size() == 1 ? " element" : " elements"),
@@ -28,7 +28,7 @@ std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count,
       continue;
     }
     const std::string which = "element " + std::to_string(i) + " ";
-    state_->report(key, nodeText(*node),
+    state_->report(key, value ? DiagnosticCode::kRange : DiagnosticCode::kType, nodeText(*node),
                    which + (value ? numberProblem(*value) : typeProblem((*array)[i])),
                    "each " + rule.remedy());
     break;
@@ -54,7 +54,7 @@ std::vector<double> TomlTable::numbersUpTo(std::string_view key, std::size_t mos
   node = state_->require(key, shape + "; each " + rule.remedy());
   if (node == nullptr) return {};
   state_->report(
-      key, nodeText(*node),
+      key, DiagnosticCode::kType, nodeText(*node),
       array == nullptr ? typeProblem(*node) : "has " + std::to_string(array->size()) + " elements",
       shape);
   return {};
@@ -68,7 +68,7 @@ std::vector<double> TomlTable::matrix(std::string_view key, std::size_t size,
   const toml::node* node = state_->require(key, shape + "; each " + rule.remedy());
   if (node == nullptr) return out;
   const auto refuse = [&](const std::string& problem, const std::string& remedy) {
-    state_->report(key, nodeText(*node), problem, remedy);
+    state_->report(key, DiagnosticCode::kType, nodeText(*node), problem, remedy);
     return out;
   };
   const toml::array* rows = node->as_array();
@@ -113,14 +113,15 @@ std::vector<std::string> TomlTable::texts(std::string_view key) {
   if (node == nullptr) return out;
   const toml::array* array = node->as_array();
   if (array == nullptr) {
-    state_->report(key, nodeText(*node), typeProblem(*node), "must be an array of texts");
+    state_->report(key, DiagnosticCode::kType, nodeText(*node), typeProblem(*node),
+                   "must be an array of texts");
     return out;
   }
   for (const toml::node& element : *array) {
     const auto* value = element.as_string();
     if (value == nullptr || value->get().empty()) {
-      state_->report(key, nodeText(*node), "holds something that is not a text",
-                     "must be an array of texts in quotes");
+      state_->report(key, DiagnosticCode::kType, nodeText(*node),
+                     "holds something that is not a text", "must be an array of texts in quotes");
       break;
     }
     out.push_back(value->get());
@@ -134,7 +135,7 @@ TomlTable TomlTable::table(std::string_view key) {
   const toml::node* node = state_->require(key, "write the table [" + state_->keyPath(key) + "]");
   const toml::table* found = node == nullptr ? nullptr : node->as_table();
   if (node != nullptr && found == nullptr) {
-    state_->report(key, nodeText(*node), typeProblem(*node),
+    state_->report(key, DiagnosticCode::kType, nodeText(*node), typeProblem(*node),
                    "must be the table [" + state_->keyPath(key) + "]");
   }
   return TomlTable(state_->child(found, state_->keyPath(key), state_->lineOf(key)));
@@ -156,7 +157,8 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key, std::size_t minim
   const toml::array* array = node->as_array();
   const bool right = array != nullptr && (array->empty() || array->is_homogeneous<toml::table>());
   if (!right || array->size() < minimum) {
-    state_->report(key, nodeText(*node), right ? "is empty" : typeProblem(*node),
+    state_->report(key, DiagnosticCode::kType, nodeText(*node),
+                   right ? "is empty" : typeProblem(*node),
                    "must be tables, each starting with " + header);
     return out;
   }

@@ -107,7 +107,13 @@ class Counter {
 std::optional<Diagnostic> beyondBounds(std::string_view toml, const std::string& path) {
   Counter counter(toml);
   if (!counter.findBeyond()) return std::nullopt;
-  return Diagnostic{path, counter.line(), "", "", counter.problem(), "name a configuration file"};
+  return Diagnostic{path,
+                    counter.line(),
+                    "",
+                    "",
+                    counter.problem(),
+                    "name a configuration file",
+                    DiagnosticCode::kRange};
 }
 
 }  // namespace wholehand

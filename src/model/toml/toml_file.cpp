@@ -57,6 +57,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
 /// Reads the whole file; on failure `fault` says why.
 std::optional<std::string> readText(const std::string& path, Diagnostic& fault) {
   fault.file = path;
+  fault.code = DiagnosticCode::kUnreadable;
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (std::filesystem::is_directory(status)) {
@@ -112,6 +113,7 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
     return toml::parse(*text, path);
   } catch (const toml::parse_error& error) {
     fault.line = static_cast<int>(error.source().begin.line);
+    fault.code = DiagnosticCode::kSyntax;
     fault.problem = "is not TOML: " + std::string(error.description());
     fault.remedy = "correct this line (syntax of TOML: https://toml.io)";
     faults.push_back(std::move(fault));
@@ -191,14 +193,16 @@ TomlFile::TomlFile(const std::string& path, std::string_view kind)
   } else if (root_->isGood("kind") && found != kind) {
     root_->fail("kind", "is another kind of file",
                 std::string(kind == "exercise" ? "an " : "a ") + std::string(kind) +
-                    " file is expected here");
+                    " file is expected here",
+                DiagnosticCode::kType);
     readable_ = false;
   }
   const std::int64_t version = root_->integer("version", std::numeric_limits<std::int64_t>::min(),
                                               std::numeric_limits<std::int64_t>::max());
   if (root_->isGood("version") && version != kVersion) {
     root_->fail("version", "is not known to this program",
-                "write version = " + std::to_string(kVersion) + " and the keys that go with it");
+                "write version = " + std::to_string(kVersion) + " and the keys that go with it",
+                DiagnosticCode::kVersion);
     readable_ = false;
   }
 }
@@ -218,12 +222,13 @@ Diagnostics TomlFile::finish() {
                               : "did you mean " + meant.key + "?";
           explained.insert(meant.key);
         }
-        state->report(key.str(), nodeText(node), meant.unit ? "has the wrong unit" : "is unknown",
-                      std::move(remedy));
+        state->report(key.str(), DiagnosticCode::kUnknown, nodeText(node),
+                      meant.unit ? "has the wrong unit" : "is unknown", std::move(remedy));
       }
     }
     for (const auto& [key, remedy] : state->missing) {
-      if (readable_ && !explained.contains(key)) state->report(key, "", "is missing", remedy);
+      if (readable_ && !explained.contains(key))
+        state->report(key, DiagnosticCode::kMissing, "", "is missing", remedy);
     }
     state->missing.clear();
   }
@@ -245,6 +250,7 @@ Expected<std::string> fileKind(const std::string& path) {
   fault.key = "kind";
   fault.line = node == nullptr ? 1 : static_cast<int>(node->source().begin.line);
   fault.value = node == nullptr ? "" : nodeText(*node);
+  fault.code = node == nullptr ? DiagnosticCode::kMissing : DiagnosticCode::kType;
   fault.problem = node == nullptr ? "is missing" : typeProblem(*node);
   fault.remedy =
       "write kind = \"hand\", \"device\", \"rendering\", \"patient\", \"scene\" or \"exercise\"";

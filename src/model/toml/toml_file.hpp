@@ -81,7 +81,8 @@ class TomlTable {
   std::vector<TomlTable> tables(std::string_view key, std::size_t minimum);
 
   /// Reports a fault of a key's value (or of the table, when the key is empty or absent).
-  void fail(std::string_view key, std::string problem, std::string remedy);
+  void fail(std::string_view key, std::string problem, std::string remedy,
+            DiagnosticCode code = DiagnosticCode::kInvalid);
   /// If the table has the key `wrong`, reports that it must be `right`, and why; `right` is then
   /// not reported as missing. Keys that differ only in their unit (range_m, range_rad) need no such
   /// call.

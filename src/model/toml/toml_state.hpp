@@ -47,7 +47,8 @@ struct TomlTable::State {
   [[nodiscard]] std::string keyPath(std::string_view key) const;
   /// Line of the key (of the table if the key is absent).
   [[nodiscard]] int lineOf(std::string_view key) const;
-  void report(std::string_view key, std::string value, std::string problem, std::string remedy);
+  void report(std::string_view key, DiagnosticCode code, std::string value, std::string problem,
+              std::string remedy);
   /// The node of a required key; null (and noted) when it is missing.
   const toml::node* require(std::string_view key, const std::string& remedy);
   std::shared_ptr<State> child(const toml::table* node, std::string child_path, int child_line);

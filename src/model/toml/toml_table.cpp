@@ -51,11 +51,11 @@ int TomlTable::State::lineOf(std::string_view key) const {
   return line;
 }
 
-void TomlTable::State::report(std::string_view key, std::string value, std::string problem,
-                              std::string remedy) {
+void TomlTable::State::report(std::string_view key, DiagnosticCode code, std::string value,
+                              std::string problem, std::string remedy) {
   faulty.emplace(key);
   file->faults.push_back({file->path, lineOf(key), keyPath(key), std::move(value),
-                          std::move(problem), std::move(remedy)});
+                          std::move(problem), std::move(remedy), code});
 }
 
 const toml::node* TomlTable::State::require(std::string_view key, const std::string& remedy) {
@@ -157,12 +157,13 @@ double TomlTable::number(std::string_view key, const NumberRule& rule) {
   if (node == nullptr) return harmless(rule);
   const std::optional<double> value = asNumber(*node);
   if (!value) {
-    state_->report(key, nodeText(*node), typeProblem(*node),
+    state_->report(key, DiagnosticCode::kType, nodeText(*node), typeProblem(*node),
                    (node->is_string() ? "write a number without quotes; it " : "") + rule.remedy());
     return harmless(rule);
   }
   if (!rule.allows(*value)) {
-    state_->report(key, nodeText(*node), numberProblem(*value), rule.remedy());
+    state_->report(key, DiagnosticCode::kRange, nodeText(*node), numberProblem(*value),
+                   rule.remedy());
     return harmless(rule);
   }
   return *value;
@@ -182,13 +183,13 @@ std::int64_t TomlTable::integer(std::string_view key, std::int64_t lower, std::i
   if (node == nullptr) return lower;
   const auto* value = node->as_integer();
   if (value == nullptr) {
-    state_->report(key, nodeText(*node),
+    state_->report(key, DiagnosticCode::kType, nodeText(*node),
                    node->is_floating_point() ? "is not a whole number" : typeProblem(*node),
                    remedy);
     return lower;
   }
   if (value->get() < lower || value->get() > upper) {
-    state_->report(key, nodeText(*node), "is out of range", remedy);
+    state_->report(key, DiagnosticCode::kRange, nodeText(*node), "is out of range", remedy);
     return lower;
   }
   return value->get();
@@ -204,7 +205,8 @@ bool TomlTable::flag(std::string_view key) {
   const toml::node* node = state_->require(key, "write true or false");
   if (node == nullptr) return false;
   if (const auto* value = node->as_boolean()) return value->get();
-  state_->report(key, nodeText(*node), typeProblem(*node), "must be true or false, without quotes");
+  state_->report(key, DiagnosticCode::kType, nodeText(*node), typeProblem(*node),
+                 "must be true or false, without quotes");
   return false;
 }
 
@@ -218,12 +220,14 @@ std::string TomlTable::text(std::string_view key) {
   if (node == nullptr) return {};
   const auto* value = node->as_string();
   if (value == nullptr) {
-    state_->report(key, nodeText(*node), typeProblem(*node), "must be a text in quotes");
+    state_->report(key, DiagnosticCode::kType, nodeText(*node), typeProblem(*node),
+                   "must be a text in quotes");
     return {};
   }
-  if (value->get().empty()) state_->report(key, "\"\"", "is empty", "write a text in quotes");
+  if (value->get().empty())
+    state_->report(key, DiagnosticCode::kMissing, "\"\"", "is empty", "write a text in quotes");
   if (!isPrintable(value->get(), kLongestText)) {
-    state_->report(key, nodeText(*node),
+    state_->report(key, DiagnosticCode::kRange, nodeText(*node),
                    "is longer than 200 characters or holds control characters",
                    "write a text that can be shown in a list");
     return {};
@@ -241,7 +245,8 @@ std::string TomlTable::choice(std::string_view key, const std::vector<std::strin
   std::string word = text(key);
   if (!isGood(key)) return words.front();
   if (std::find(words.begin(), words.end(), word) != words.end()) return word;
-  state_->report(key, "\"" + word + "\"", "is unknown", "must be " + quotedList(words));
+  state_->report(key, DiagnosticCode::kUnknown, "\"" + word + "\"", "is unknown",
+                 "must be " + quotedList(words));
   return words.front();
 }
 
@@ -253,12 +258,13 @@ std::string TomlTable::choice(std::string_view key, const std::vector<std::strin
 
 // ---------------------------------------------------------------- faults
 
-void TomlTable::fail(std::string_view key, std::string problem, std::string remedy) {
+void TomlTable::fail(std::string_view key, std::string problem, std::string remedy,
+                     DiagnosticCode code) {
   const toml::node* node = key.empty() ? nullptr : state_->find(key);
   // A list of tables has no value to show.
   if (node != nullptr && node->is_array_of_tables()) node = nullptr;
   state_->known.emplace(key);
-  state_->report(key, node == nullptr ? "" : nodeText(*node), std::move(problem),
+  state_->report(key, code, node == nullptr ? "" : nodeText(*node), std::move(problem),
                  std::move(remedy));
 }
 
@@ -270,7 +276,8 @@ void TomlTable::refuse(std::string_view wrong, std::string_view right, std::stri
   if (!has(wrong)) return;
   const toml::node* node = state_->find(wrong);
   state_->known.emplace(wrong);
-  state_->report(wrong, nodeText(*node), std::move(reason), "write " + std::string(right));
+  state_->report(wrong, DiagnosticCode::kUnknown, nodeText(*node), std::move(reason),
+                 "write " + std::string(right));
   // This message explains the absence of the right key.
   state_->faulty.emplace(right);
   std::erase_if(state_->missing, [&](const State::Missing& m) { return m.key == right; });
