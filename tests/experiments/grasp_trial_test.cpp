@@ -221,7 +221,7 @@ TEST(TickAllocations, MeshesAndUrdfsBumped_AreNone) {
   }
 }
 
-TEST(SimulatedClock, OneGraspedObject_RunsTenTimesFasterThanTime) {
+TEST(SimulatedClock, OneGraspedObject_RunsTenTimesFasterThanTime_slow) {
   const auto rig = graspRig(tunedTrials()[0]);
   constexpr int kTicks = 5000;
   const Cost cost = costOf(*rig, kTicks);

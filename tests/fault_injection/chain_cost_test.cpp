@@ -30,7 +30,7 @@ void run(SafetyChain& chain, TickRecord& record) {
 
 class SafetyChainCost : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(SafetyChainCost, InTheTick_TakesAtMostThreeMicroseconds) {
+TEST_P(SafetyChainCost, InTheTick_TakesAtMostThreeMicroseconds_slow) {
   if (WHOLEHAND_SANITIZED) GTEST_SKIP() << "a sanitizer takes its own time";
   const Workbench workbench(GetParam());
   std::mt19937_64 random = seededRandom(31);

@@ -141,7 +141,7 @@ double cpuNow_s() {
 }
 
 // CPU time of one tick, taken in turn: a busy machine slows both.
-TEST(GameBudget, ParkedSlots_CostAlmostNothing) {
+TEST(GameBudget, ParkedSlots_CostAlmostNothing_slow) {
   Models without = gameModels();
   without.scene.game = {};
   Game slots(gameModels(), atRest()), none(std::move(without), atRest());
@@ -214,7 +214,7 @@ double quantile(std::vector<double> values, double share) {
 
 // What the machine does to a run (interrupts, emptied caches) hits another order in every run: the
 // least time of an order over the runs is its own.
-TEST(GameBudget, AnOrder_TakesMicroseconds) {
+TEST(GameBudget, AnOrder_TakesMicroseconds_slow) {
   std::vector<double> least_us = orderTimes_us();
   figure("an order, p50", quantile(least_us, 0.5), "us");
   figure("an order, p99.9 of one run", quantile(least_us, 0.999), "us");

@@ -15,9 +15,6 @@ namespace {
 
 using Random = std::mt19937_64;
 
-double uniform(Random& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
-}
 Eigen::Vector3d anywhere(Random& random, double half_m) {
   const double x = uniform(random, -half_m, half_m), y = uniform(random, -half_m, half_m);
   return {x, y, uniform(random, -half_m, half_m)};
@@ -135,7 +132,7 @@ double leastCost_s(Bench& bench, double closes_to) {
   return threadCpu_s() - before_s;
 }
 
-TEST(SelfContact, InFreeMotion_CostsLittleOfATick) {
+TEST(SelfContact, InFreeMotion_CostsLittleOfATick_slow) {
   Bench with(defaultEngine(), weightless({})), without(defaultEngine(), weightless({}));
   without.models.hand.self_contacts.clear();
   for (HandLink& link : without.models.hand.links) link.lower = -10.0, link.upper = 10.0;
