@@ -9,6 +9,7 @@
 #include "device/plugin/plugin_driver.hpp"
 #include "host_tools.hpp"
 #include "plain_driver.hpp"
+#include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
 
@@ -112,8 +113,8 @@ Loss judge(const KeepingDriver& driver, const std::vector<HostEvent>& events,
       const auto axis = static_cast<std::size_t>(i);
       const double was = given[k - 1].effort[axis] - neutral[i];
       const double is = given[k].effort[axis] - neutral[i];
-      EXPECT_LE(std::abs(is), std::abs(was)) << "axis " << i << " rises";
-      EXPECT_GE(is * was, 0.0) << "axis " << i << " goes through neutral";
+      EXPECT_LE(std::abs(is), std::abs(was)) << kAlways << "axis " << i << " rises";
+      EXPECT_GE(is * was, 0.0) << kAlways << "axis " << i << " goes through neutral";
       // The steepest slope of the ramp from the largest effort, 8 N, over 80 ms; a write may be
       // late by what the host was.
       const double apart_ms =
@@ -123,7 +124,7 @@ Loss judge(const KeepingDriver& driver, const std::vector<HostEvent>& events,
     }
     if (at_neutral && neutral_ns == 0) neutral_ns = given[k].at_ns;
   }
-  EXPECT_NE(neutral_ns, 0) << "never neutral";
+  EXPECT_NE(neutral_ns, 0) << kAlways << "never neutral";
   loss.neutral_ms = static_cast<double>(neutral_ns - last_ns) * 1e-6;
   return loss;
 }

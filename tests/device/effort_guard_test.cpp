@@ -3,6 +3,7 @@
 
 #include "support/figure.hpp"
 #include "support/seed.hpp"
+#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -28,35 +29,60 @@ GuardConfig configAt(double rate_hz) {
   return config;
 }
 
-HostCommand commandAt(std::uint64_t sequence, std::int64_t at_ns, double x, double y, double z) {
+/// Of session 1, at so many ms.
+HostCommand commandAt(int sequence, std::int64_t at_ms, double x, double y, double z) {
   HostCommand command{};
   command.session = 1;
-  command.sequence = sequence;
-  command.monotonic_ns = at_ns;
+  command.sequence = static_cast<std::uint64_t>(sequence);
+  command.monotonic_ns = kStart_ns + at_ms * kMs;
   command.axes = kAxes;
   command.effort[0] = x, command.effort[1] = y, command.effort[2] = z;
   return command;
 }
 
-GuardState rendering(const GuardConfig& config, const HostCommand& command) {
-  const GuardState begun = beginSession(1, command.monotonic_ns, config);
-  return advanceGuard(begun, &command, HostReason::kNone, 1, command.monotonic_ns, config);
+/// A guard from the beginning of its session, at 0 ms.
+struct Guard {
+  explicit Guard(double rate_hz = 1000.0)
+      : config(configAt(rate_hz)), state(beginSession(1, kStart_ns, config)) {}
+  /// It renders, since this command.
+  explicit Guard(const HostCommand& first, double rate_hz = 1000.0) : Guard(rate_hz) {
+    cycleAt(kStart_ns, &first);
+  }
+  void cycleAt(std::int64_t now_ns, const HostCommand* newest, int elapsed = 1,
+               HostReason told = HostReason::kNone) {
+    state = advanceGuard(state, newest, told, elapsed, now_ns, config);
+  }
+  void cycle(std::int64_t at_ms, const HostCommand& newest, int elapsed = 1,
+             HostReason told = HostReason::kNone) {
+    cycleAt(kStart_ns + at_ms * kMs, &newest, elapsed, told);
+  }
+  [[nodiscard]] double sent(int axis) const { return state.ramp.sent[axis]; }
+  void expect(HostPhase phase, HostReason reason) const {
+    EXPECT_EQ(state.phase, phase);
+    EXPECT_EQ(state.reason, reason);
+  }
+
+  GuardConfig config;
+  GuardState state;
+};
+
+/// Draws between two numbers.
+auto between(std::mt19937_64& random) {
+  return [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
 }
 
 TEST(EffortGuard, EveryNewCommand_IsPassedOnInItsCycleAndClamped) {
-  const GuardConfig config = configAt(1000.0);
-  GuardState guard = beginSession(1, kStart_ns, config);
-  EXPECT_EQ(guard.phase, HostPhase::kWaiting);
-  EXPECT_EQ(guard.ramp.sent[2], 1.5) << "neutral until the first command";
+  Guard guard;
+  EXPECT_EQ(guard.state.phase, HostPhase::kWaiting);
+  EXPECT_EQ(guard.sent(2), 1.5) << "neutral until the first command";
   for (int k = 1; k < 100; ++k) {
-    const std::int64_t now_ns = kStart_ns + k * kMs;
-    const HostCommand command =
-        commandAt(static_cast<std::uint64_t>(k), now_ns, 0.01 * k, -9.0, 3.0);
-    guard = advanceGuard(guard, &command, HostReason::kNone, 1, now_ns, config);
-    EXPECT_EQ(guard.phase, HostPhase::kRendering);
-    EXPECT_EQ(guard.ramp.sent[0], 0.01 * k);
-    EXPECT_EQ(guard.ramp.sent[1], -8.0) << "the limit of the device file";
-    EXPECT_EQ(guard.ramp.sent[2], 3.0);
+    guard.cycle(k, commandAt(k, k, 0.01 * k, -9.0, 3.0));
+    EXPECT_EQ(guard.state.phase, HostPhase::kRendering);
+    EXPECT_EQ(guard.sent(0), 0.01 * k);
+    EXPECT_EQ(guard.sent(1), -8.0) << "the limit of the device file";
+    EXPECT_EQ(guard.sent(2), 3.0);
   }
 }
 
@@ -64,45 +90,36 @@ TEST(EffortGuard, EveryNewCommand_IsPassedOnInItsCycleAndClamped) {
 // command, at every rate and however late the host itself is called.
 TEST(EffortGuard, SilentLoop_IsAtNeutralWithin110msAndOnlyFalls) {
   auto random = seededRandom(901);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
+  const auto uniform = between(random);
   double worst_ms = 0.0;
-  for (int trial = 0; trial < 2000; ++trial) {
+  for (int trial = 0; trial < cases(2000); ++trial) {
     const double rate_hz = uniform(1000.0, 16000.0);
     const auto period_ns = static_cast<std::int64_t>(1e9 / rate_hz);
-    const GuardConfig config = configAt(rate_hz);
     const HostCommand last =
-        commandAt(5, kStart_ns, uniform(-8.0, 8.0), uniform(-8.0, 8.0), uniform(-8.0, 8.0));
-    GuardState guard = rendering(config, last);
+        commandAt(5, 0, uniform(-8.0, 8.0), uniform(-8.0, 8.0), uniform(-8.0, 8.0));
+    Guard guard(last, rate_hz);
+    const AxisEffort& neutral = guard.config.neutral;
     std::int64_t now_ns = kStart_ns;
-    AxisEffort before = guard.ramp.sent;
-    while (guard.phase != HostPhase::kLatched) {
+    while (guard.state.phase != HostPhase::kLatched) {
       const int elapsed = uniform(0.0, 1.0) < 0.01 ? static_cast<int>(uniform(1.0, 8.0)) : 1;
       now_ns += elapsed * period_ns;
-      guard = advanceGuard(guard, &last, HostReason::kNone, elapsed, now_ns, config);
-      if (now_ns - kStart_ns <= 20 * kMs) {
-        ASSERT_EQ(guard.phase, HostPhase::kRendering) << "no alarm before 20 ms";
-      } else {
-        ASSERT_NE(guard.phase, HostPhase::kRendering)
-            << "no later than the first cycle after 20 ms";
-      }
+      const AxisEffort before = guard.state.ramp.sent;
+      guard.cycleAt(now_ns, &last, elapsed);
+      ASSERT_EQ(guard.state.phase == HostPhase::kRendering, now_ns - kStart_ns <= 20 * kMs)
+          << "no alarm before 20 ms, and no later than the first cycle after";
       for (int i = 0; i < kAxes; ++i) {
-        const double was = before[i] - config.neutral[i];
-        const double is = guard.ramp.sent[i] - config.neutral[i];
+        const double was = before[i] - neutral[i], is = guard.sent(i) - neutral[i];
         ASSERT_LE(std::abs(is), std::abs(was)) << "falls";
         ASSERT_GE(is * was, 0.0) << "does not go through neutral";
         // The steepest slope of the smoothstep over 80 ms; the first cycle counts as one period.
-        ASSERT_LE(std::abs(is - was), 1.5 / 0.08 * elapsed * config.period_s *
-                                              std::abs(last.effort[i] - config.neutral[i]) +
-                                          1e-12)
-            << "no step";
+        const double most =
+            1.5 / 0.08 * elapsed * guard.config.period_s * std::abs(last.effort[i] - neutral[i]);
+        ASSERT_LE(std::abs(is - was), most + 1e-12) << "no step";
       }
-      before = guard.ramp.sent;
       ASSERT_LT(now_ns - kStart_ns, 200 * kMs);
     }
-    for (int i = 0; i < kAxes; ++i) ASSERT_EQ(guard.ramp.sent[i], config.neutral[i]);
-    EXPECT_EQ(guard.reason, HostReason::kLoopSilent);
+    for (int i = 0; i < kAxes; ++i) ASSERT_EQ(guard.sent(i), neutral[i]);
+    EXPECT_EQ(guard.state.reason, HostReason::kLoopSilent);
     worst_ms = std::max(worst_ms, static_cast<double>(now_ns - kStart_ns) * 1e-6);
   }
   figure("device host in simulated time, last command to neutral", worst_ms, "ms");
@@ -110,89 +127,69 @@ TEST(EffortGuard, SilentLoop_IsAtNeutralWithin110msAndOnlyFalls) {
 }
 
 TEST(EffortGuard, HostThatWasBlocked_JudgesTheLoopByItsTimeStamps) {
-  const GuardConfig config = configAt(1000.0);
-  const HostCommand last = commandAt(5, kStart_ns, 4.0, 0.0, 1.5);
-  const std::int64_t later_ns = kStart_ns + 50 * kMs;
+  const HostCommand last = commandAt(5, 0, 4.0, 0.0, 1.5);
   // The loop went on: its newest command is 1 ms old.
-  const HostCommand fresh = commandAt(54, later_ns - kMs, 5.0, 0.0, 1.5);
-  GuardState lives =
-      advanceGuard(rendering(config, last), &fresh, HostReason::kNone, 50, later_ns, config);
-  EXPECT_EQ(lives.phase, HostPhase::kRendering);
-  EXPECT_LT(lives.ramp.sent[0], 4.1) << "no step";
-  for (int k = 1; k <= 30; ++k) {
-    const HostCommand goes_on =
-        commandAt(54 + static_cast<std::uint64_t>(k), later_ns + k * kMs, 5.0, 0.0, 1.5);
-    lives = advanceGuard(lives, &goes_on, HostReason::kNone, 1, later_ns + k * kMs, config);
-  }
-  EXPECT_EQ(lives.ramp.sent[0], 5.0) << "blended in within 30 ms";
+  Guard lives(last);
+  lives.cycle(50, commandAt(54, 49, 5.0, 0.0, 1.5), 50);
+  EXPECT_EQ(lives.state.phase, HostPhase::kRendering);
+  EXPECT_LT(lives.sent(0), 4.1) << "no step";
+  for (int k = 1; k <= 30; ++k) lives.cycle(50 + k, commandAt(54 + k, 50 + k, 5.0, 0.0, 1.5));
+  EXPECT_EQ(lives.sent(0), 5.0) << "blended in within 30 ms";
   // The loop died 25 ms ago: the ramp begins at what the device holds, not at what comes too late.
-  const HostCommand old = commandAt(29, later_ns - 25 * kMs, -5.0, 0.0, 1.5);
-  const GuardState died =
-      advanceGuard(rendering(config, last), &old, HostReason::kNone, 50, later_ns, config);
-  EXPECT_EQ(died.phase, HostPhase::kRamping);
-  EXPECT_EQ(died.reason, HostReason::kLoopSilent);
-  EXPECT_GT(died.ramp.sent[0], 3.9);
-  EXPECT_LT(died.ramp.sent[0], 4.0);
+  Guard died(last);
+  died.cycle(50, commandAt(29, 25, -5.0, 0.0, 1.5), 50);
+  died.expect(HostPhase::kRamping, HostReason::kLoopSilent);
+  EXPECT_GT(died.sent(0), 3.9);
+  EXPECT_LT(died.sent(0), 4.0);
 }
 
 // A host that stood still while its loop went to neutral: the device is not dropped.
 TEST(EffortGuard, HostThatWasBlockedWhileTheLoopRamped_DoesNotDropTheEffort) {
-  const GuardConfig config = configAt(1000.0);
-  GuardState guard = rendering(config, commandAt(5, kStart_ns, 8.0, 0.0, 1.5));
-  std::int64_t now_ns = kStart_ns + 200 * kMs;
-  double before = guard.ramp.sent[0];
-  int elapsed = 200;
-  for (std::uint64_t k = 0; k < 40; ++k) {
-    const HostCommand neutral = commandAt(205 + k, now_ns - kMs, 0.0, 0.0, 1.5);
-    guard = advanceGuard(guard, &neutral, HostReason::kNone, elapsed, now_ns, config);
+  Guard guard(commandAt(5, 0, 8.0, 0.0, 1.5));
+  for (int k = 0; k < 40; ++k) {
+    const double before = guard.sent(0);
+    guard.cycle(200 + k, commandAt(205 + k, 199 + k, 0.0, 0.0, 1.5), k == 0 ? 200 : 1);
     // The steepest slope of the smoothstep over 30 ms.
-    ASSERT_LE(before - guard.ramp.sent[0], 8.0 * 1.5 / 30.0 + 1e-12);
-    before = guard.ramp.sent[0];
-    elapsed = 1;
-    now_ns += kMs;
+    ASSERT_LE(before - guard.sent(0), 8.0 * 1.5 / 30.0 + 1e-12);
   }
-  EXPECT_EQ(guard.ramp.sent[0], 0.0);
+  EXPECT_EQ(guard.sent(0), 0.0);
 }
 
 // Blocked in the middle of the ramp: the slew limit is the last word.
 TEST(EffortGuard, AnyEffort_ChangesByNoMoreThanTheSlewLimit) {
   auto random = seededRandom(903);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
-  for (int trial = 0; trial < 200; ++trial) {
-    GuardConfig config = configAt(1000.0);
-    config.most_change = AxisEffort(kAxes, 2.0);
-    GuardState guard = beginSession(1, kStart_ns, config);
-    std::int64_t now_ns = kStart_ns;
+  const auto uniform = between(random);
+  for (int trial = 0; trial < cases(200); ++trial) {
+    Guard guard;
+    guard.config.most_change = AxisEffort(kAxes, 2.0);
+    guard.state = beginSession(1, kStart_ns, guard.config);
+    int now_ms = 0;
     HostCommand command{};
     for (int k = 0; k < 400; ++k) {
       const int elapsed = uniform(0.0, 1.0) < 0.05 ? static_cast<int>(uniform(1.0, 60.0)) : 1;
-      now_ns += elapsed * kMs;
+      now_ms += elapsed;
       if (k < 150) {
-        command = commandAt(static_cast<std::uint64_t>(k) + 1, now_ns, uniform(-9.0, 9.0),
-                            uniform(-9.0, 9.0), uniform(-9.0, 9.0));
+        command =
+            commandAt(k + 1, now_ms, uniform(-9.0, 9.0), uniform(-9.0, 9.0), uniform(-9.0, 9.0));
       }
-      const AxisEffort before = guard.ramp.sent;
-      guard = advanceGuard(guard, &command, HostReason::kNone, elapsed, now_ns, config);
+      const AxisEffort before = guard.state.ramp.sent;
+      guard.cycle(now_ms, command, elapsed);
       for (int i = 0; i < kAxes; ++i) {
-        ASSERT_LE(std::abs(guard.ramp.sent[i] - before[i]), 2.0 + 1e-12);
-        ASSERT_LE(std::abs(guard.ramp.sent[i]), 8.0);
+        ASSERT_LE(std::abs(guard.sent(i) - before[i]), 2.0 + 1e-12);
+        ASSERT_LE(std::abs(guard.sent(i)), 8.0);
       }
     }
-    EXPECT_EQ(guard.phase, HostPhase::kLatched);
-    for (int i = 0; i < kAxes; ++i) EXPECT_EQ(guard.ramp.sent[i], config.neutral[i]);
+    EXPECT_EQ(guard.state.phase, HostPhase::kLatched);
+    for (int i = 0; i < kAxes; ++i) EXPECT_EQ(guard.sent(i), guard.config.neutral[i]);
   }
 }
 
 TEST(EffortGuard, StampInTheFuture_GivesNoMoreTime) {
-  const GuardConfig config = configAt(1000.0);
-  const HostCommand first = commandAt(1, kStart_ns, 4.0, 0.0, 1.5);
-  const HostCommand future = commandAt(2, kStart_ns + 1'000'000 * kMs, 4.0, 0.0, 1.5);
-  GuardState guard = advanceGuard(rendering(config, first), &future, HostReason::kNone, 1,
-                                  kStart_ns + kMs, config);
-  guard = advanceGuard(guard, &future, HostReason::kNone, 1, kStart_ns + 22 * kMs, config);
-  EXPECT_EQ(guard.phase, HostPhase::kRamping);
+  Guard guard(commandAt(1, 0, 4.0, 0.0, 1.5));
+  const HostCommand future = commandAt(2, 1'000'000, 4.0, 0.0, 1.5);
+  guard.cycle(1, future);
+  guard.cycle(22, future);
+  EXPECT_EQ(guard.state.phase, HostPhase::kRamping);
 }
 
 struct SpoiledOrder {
@@ -204,20 +201,16 @@ struct SpoiledOrder {
 class SpoiledCommand : public testing::TestWithParam<SpoiledOrder> {};
 
 TEST_P(SpoiledCommand, IsNeverSentAndEndsAtNeutral) {
-  const GuardConfig config = configAt(1000.0);
-  const HostCommand first = commandAt(5, kStart_ns, 4.0, -2.0, 3.0);
-  GuardState guard = rendering(config, first);
+  Guard guard(commandAt(5, 0, 4.0, -2.0, 3.0));
   for (int k = 1; k < 130; ++k) {
-    HostCommand command =
-        commandAt(5 + static_cast<std::uint64_t>(k), kStart_ns + k * kMs, 7.0, 7.0, 7.0);
+    HostCommand command = commandAt(5 + k, k, 7.0, 7.0, 7.0);
     GetParam().spoil(command);
-    guard = advanceGuard(guard, &command, HostReason::kNone, 1, kStart_ns + k * kMs, config);
-    ASSERT_LE(guard.ramp.sent[0], 4.0) << k;
-    ASSERT_LE(guard.ramp.sent[1], 0.0) << k;
+    guard.cycle(k, command);
+    ASSERT_LE(guard.sent(0), 4.0) << k;
+    ASSERT_LE(guard.sent(1), 0.0) << k;
   }
-  EXPECT_EQ(guard.phase, HostPhase::kLatched);
-  EXPECT_EQ(guard.reason, GetParam().reason);
-  EXPECT_EQ(guard.ramp.sent[2], 1.5);
+  guard.expect(HostPhase::kLatched, GetParam().reason);
+  EXPECT_EQ(guard.sent(2), 1.5);
 }
 INSTANTIATE_TEST_SUITE_P(
     Kinds, SpoiledCommand,
@@ -240,94 +233,72 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& tested) { return tested.param.name; });
 
 TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
-  const GuardConfig config = configAt(1000.0);
-  const HostCommand last = commandAt(5, kStart_ns, 4.0, -2.0, 3.0);
-  GuardState guard = rendering(config, last);
-  std::int64_t now_ns = kStart_ns;
-  for (int k = 0; k < 120; ++k) {
-    now_ns += kMs;
-    guard = advanceGuard(guard, &last, HostReason::kNone, 1, now_ns, config);
-  }
-  ASSERT_EQ(guard.phase, HostPhase::kLatched);
+  const HostCommand last = commandAt(5, 0, 4.0, -2.0, 3.0);
+  Guard guard(last);
+  for (int k = 1; k <= 120; ++k) guard.cycle(k, last);
+  ASSERT_EQ(guard.state.phase, HostPhase::kLatched);
   for (int k = 0; k < 500; ++k) {  // the loop was stopped, not killed: it goes on
-    now_ns += kMs;
-    const HostCommand again = commandAt(6 + static_cast<std::uint64_t>(k), now_ns, 4.0, 4.0, 4.0);
-    guard = advanceGuard(guard, &again, HostReason::kNone, 1, now_ns, config);
-    ASSERT_EQ(guard.phase, HostPhase::kLatched);
-    ASSERT_EQ(guard.ramp.sent[0], 0.0);
-    ASSERT_EQ(guard.ramp.sent[2], 1.5);
+    guard.cycle(121 + k, commandAt(6 + k, 121 + k, 4.0, 4.0, 4.0));
+    ASSERT_EQ(guard.state.phase, HostPhase::kLatched);
+    ASSERT_EQ(guard.sent(0), 0.0);
+    ASSERT_EQ(guard.sent(2), 1.5);
   }
-  guard = beginSession(2, now_ns, config);
-  EXPECT_EQ(guard.phase, HostPhase::kWaiting);
-  EXPECT_EQ(guard.reason, HostReason::kNone);
-  HostCommand anew = commandAt(1, now_ns + kMs, 2.0, 0.0, 1.5);
+  guard.state = beginSession(2, kStart_ns + 620 * kMs, guard.config);
+  guard.expect(HostPhase::kWaiting, HostReason::kNone);
+  HostCommand anew = commandAt(1, 621, 2.0, 0.0, 1.5);
   anew.session = 2;
-  guard = advanceGuard(guard, &anew, HostReason::kNone, 1, now_ns + kMs, config);
-  EXPECT_EQ(guard.phase, HostPhase::kRendering);
-  EXPECT_EQ(guard.ramp.sent[0], 2.0);
+  guard.cycle(621, anew);
+  EXPECT_EQ(guard.state.phase, HostPhase::kRendering);
+  EXPECT_EQ(guard.sent(0), 2.0);
 }
 
 TEST(EffortGuard, SilentWhereTheEffortIsNeutral_LatchesWithoutARamp) {
-  const GuardConfig config = configAt(1000.0);
-  const HostCommand last = commandAt(5, kStart_ns, 0.0, 0.0, 1.5);
-  const GuardState guard = advanceGuard(rendering(config, last), &last, HostReason::kNone, 1,
-                                        kStart_ns + 21 * kMs, config);
-  EXPECT_EQ(guard.phase, HostPhase::kLatched);
-  EXPECT_EQ(guard.reason, HostReason::kSilentAtNeutral);
+  const HostCommand last = commandAt(5, 0, 0.0, 0.0, 1.5);
+  Guard guard(last);
+  guard.cycle(21, last);
+  guard.expect(HostPhase::kLatched, HostReason::kSilentAtNeutral);
 }
 
 TEST(EffortGuard, ToldToLetGo_RampsWhateverTheLoopCommands) {
-  const GuardConfig config = configAt(1000.0);
-  GuardState guard = rendering(config, commandAt(5, kStart_ns, 4.0, 0.0, 1.5));
+  Guard guard(commandAt(5, 0, 4.0, 0.0, 1.5));
   for (int k = 1; k <= 80; ++k) {
-    const HostCommand more =
-        commandAt(5 + static_cast<std::uint64_t>(k), kStart_ns + k * kMs, 4.0, 0.0, 1.5);
-    guard = advanceGuard(guard, &more, HostReason::kHostEnds, 1, kStart_ns + k * kMs, config);
+    guard.cycle(k, commandAt(5 + k, k, 4.0, 0.0, 1.5), 1, HostReason::kHostEnds);
   }
-  EXPECT_EQ(guard.phase, HostPhase::kLatched);
-  EXPECT_EQ(guard.reason, HostReason::kHostEnds);
-  EXPECT_EQ(guard.ramp.sent[0], 0.0);
+  guard.expect(HostPhase::kLatched, HostReason::kHostEnds);
+  EXPECT_EQ(guard.sent(0), 0.0);
 }
 
 // A host that stood still blends in what it missed: the loop has come to neutral and ended before
 // the device has. That is no loop to be let go of, and no step for the device.
 TEST(EffortGuard, LoopThatEndedAtNeutralWhileTheHostWasBlocked_IsFollowedAndNotBlamed) {
-  const GuardConfig config = configAt(1000.0);
-  const HostCommand pushes = commandAt(5, kStart_ns, 4.0, -2.0, 1.5);
-  const std::int64_t back_ns = kStart_ns + 9 * kMs;
-  const HostCommand neutral = commandAt(12, back_ns - kMs, 0.0, 0.0, 1.5);
-  GuardState guard =
-      advanceGuard(rendering(config, pushes), &neutral, HostReason::kNone, 9, back_ns, config);
-  ASSERT_GT(guard.ramp.sent[0], 0.0) << "else the test is about nothing";
-  AxisEffort before = guard.ramp.sent;
+  const HostCommand pushes = commandAt(5, 0, 4.0, -2.0, 1.5);
+  const HostCommand neutral = commandAt(12, 8, 0.0, 0.0, 1.5);
+  Guard guard(pushes);
+  guard.cycle(9, neutral, 9);
+  ASSERT_GT(guard.sent(0), 0.0) << "else the test is about nothing";
   int cycles = 0;
-  while (guard.phase != HostPhase::kLatched && ++cycles < 200) {
-    guard =
-        advanceGuard(guard, &neutral, HostReason::kLoopEnded, 1, back_ns + cycles * kMs, config);
-    EXPECT_EQ(guard.reason, HostReason::kNone);
+  while (guard.state.phase != HostPhase::kLatched && ++cycles < 200) {
+    const AxisEffort before = guard.state.ramp.sent;
+    guard.cycle(9 + cycles, neutral, 1, HostReason::kLoopEnded);
+    EXPECT_EQ(guard.state.reason, HostReason::kNone);
     for (int i = 0; i < 2; ++i) {
-      EXPECT_LE(std::abs(guard.ramp.sent[i]), std::abs(before[i])) << "falls";
-      EXPECT_LE(std::abs(guard.ramp.sent[i] - before[i]), 4.0 * 1.5 / 30.0) << "no step";
+      EXPECT_LE(std::abs(guard.sent(i)), std::abs(before[i])) << "falls";
+      EXPECT_LE(std::abs(guard.sent(i) - before[i]), 4.0 * 1.5 / 30.0) << "no step";
     }
-    before = guard.ramp.sent;
   }
   EXPECT_LE(cycles, 110);
-  EXPECT_EQ(guard.ramp.sent[0], 0.0);
-  const GuardState pushing =
-      advanceGuard(rendering(config, pushes), &pushes, HostReason::kLoopEnded, 1, back_ns, config);
-  EXPECT_EQ(pushing.reason, HostReason::kLoopEnded) << "one that ended while it pushed is";
+  EXPECT_EQ(guard.sent(0), 0.0);
+  Guard pushing(pushes);
+  pushing.cycle(9, pushes, 1, HostReason::kLoopEnded);
+  EXPECT_EQ(pushing.state.reason, HostReason::kLoopEnded) << "one that ended while it pushed is";
 }
 
 TEST(EffortGuard, EnabledAndNeverCommanded_StaysNeutralAndLatches) {
-  const GuardConfig config = configAt(1000.0);
-  const GuardState begun = beginSession(1, kStart_ns, config);
-  const GuardState waits =
-      advanceGuard(begun, nullptr, HostReason::kNone, 1, kStart_ns + 9'000 * kMs, config);
-  EXPECT_EQ(waits.phase, HostPhase::kWaiting);
-  const GuardState gave_up =
-      advanceGuard(waits, nullptr, HostReason::kNone, 1, kStart_ns + 10'001 * kMs, config);
-  EXPECT_EQ(gave_up.phase, HostPhase::kLatched);
-  EXPECT_EQ(gave_up.reason, HostReason::kNeverCommanded);
+  Guard guard;
+  guard.cycleAt(kStart_ns + 9'000 * kMs, nullptr);
+  EXPECT_EQ(guard.state.phase, HostPhase::kWaiting);
+  guard.cycleAt(kStart_ns + 10'001 * kMs, nullptr);
+  guard.expect(HostPhase::kLatched, HostReason::kNeverCommanded);
 }
 
 }  // namespace

@@ -69,17 +69,17 @@ class HostThread {
     (void)frame().sample.take(sample);
     return sample;
   }
-  /// False after 20 s.
+  /// False where it hangs.
   [[nodiscard]] bool awaits(HostPhase phase) {
-    for (int i = 0; i < 20'000; ++i) {
+    for (int i = 0; i < 300'000; ++i) {
       if (sample().phase == phase) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return false;
   }
-  /// The loop of that session has commanded, whatever has become of it since. False after 20 s.
+  /// The loop of that session has commanded, whatever has become of it since. False where it hangs.
   [[nodiscard]] bool awaitsLoopOf(std::uint64_t session) {
-    for (int i = 0; i < 20'000; ++i) {
+    for (int i = 0; i < 300'000; ++i) {
       const HostSample now = sample();
       const bool commanded = now.phase != HostPhase::kIdle && now.phase != HostPhase::kWaiting;
       if (now.session >= session && commanded) return true;

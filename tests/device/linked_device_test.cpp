@@ -14,9 +14,10 @@
 namespace wholehand {
 namespace {
 
+using test::nobody;
+using test::oneAxisDevice;
+using test::opened;
 using test::tolerance;
-using testing::nobody;
-using testing::oneAxisDevice;
 
 constexpr double kTick_s = 1e-3;
 
@@ -59,9 +60,8 @@ DeviceReading push(SimulatedDevice& device, double on_x, double on_y, int ticks)
 
 /// At rest q = q_i + K⁻¹ f; K = [200 -80; -80 200], whose inverse is [200 80; 80 200] / 33600.
 TEST(LinkedDevice, ConstantEffort_RestsWhereTheMatrixSays) {
-  SimulatedDevice device(twoAxes(), person(-80.0), restAt(0.01, -0.02), kTick_s);
-  ASSERT_TRUE(device.open().ok());
-  const DeviceReading reading = push(device, 3.0, 0.0, 6000);
+  const auto device = opened(twoAxes(), person(-80.0), restAt(0.01, -0.02));
+  const DeviceReading reading = push(*device, 3.0, 0.0, 6000);
   EXPECT_NEAR(reading.q_m[0], 0.01 + 3.0 * 200.0 / 33600.0, tolerance(1e-9));
   EXPECT_NEAR(reading.q_m[1], -0.02 + 3.0 * 80.0 / 33600.0, tolerance(1e-9));
   EXPECT_NEAR(reading.patient_effort[0], -3.0, tolerance(1e-7));  // holds what is pushed
@@ -72,12 +72,11 @@ TEST(LinkedDevice, ConstantEffort_RestsWhereTheMatrixSays) {
 TEST(LinkedDevice, LinkedMass_MovesTheOtherAxisFromTheFirstTick) {
   PatientConfig heavy = person(0.0, 0.0, 0.5);
   for (PatientAxis& axis : heavy.axes) axis.damping = axis.stiffness = 0.0;
-  SimulatedDevice device(twoAxes(), heavy, restAt(0.0, 0.0), kTick_s);
-  ASSERT_TRUE(device.open().ok());
-  push(device, 2.0, 0.0, 1 + 100);
+  const auto device = opened(twoAxes(), heavy, restAt(0.0, 0.0));
+  push(*device, 2.0, 0.0, 1 + 100);
   const double determinant = 1.8 * 1.8 - 0.5 * 0.5;
-  EXPECT_NEAR(device.velocity()[0], 0.1 * 2.0 * 1.8 / determinant, tolerance(1e-12));
-  EXPECT_NEAR(device.velocity()[1], -0.1 * 2.0 * 0.5 / determinant, tolerance(1e-12));
+  EXPECT_NEAR(device->velocity()[0], 0.1 * 2.0 * 1.8 / determinant, tolerance(1e-12));
+  EXPECT_NEAR(device->velocity()[1], -0.1 * 2.0 * 0.5 / determinant, tolerance(1e-12));
 }
 
 /// A link that is as small as rounding moves the axes as if it were not there.
@@ -99,13 +98,12 @@ TEST(LinkedDevice, LinkNextToNothing_MovesAsSingleAxesDo) {
 TEST(LinkedDevice, PersonWhoLetsGo_LeavesBothAxesToTheDevice) {
   PatientConfig patient = person(-80.0, -5.0, 0.3);
   patient.letting_go.after_s = 0.5;
-  SimulatedDevice device(twoAxes(), patient, restAt(0.0, 0.0), kTick_s);
-  ASSERT_TRUE(device.open().ok());
-  push(device, 2.0, 0.0, 1 + 500);
-  const double before = device.velocity()[1];
-  const DeviceReading reading = push(device, 2.0, 0.0, 100);
-  EXPECT_TRUE(device.person().hasLetGo());
-  EXPECT_NEAR(device.velocity()[1], before, tolerance(1e-12));  // nothing pulls it
+  const auto device = opened(twoAxes(), patient, restAt(0.0, 0.0));
+  push(*device, 2.0, 0.0, 1 + 500);
+  const double before = device->velocity()[1];
+  const DeviceReading reading = push(*device, 2.0, 0.0, 100);
+  EXPECT_TRUE(device->person().hasLetGo());
+  EXPECT_NEAR(device->velocity()[1], before, tolerance(1e-12));  // nothing pulls it
   EXPECT_EQ(reading.patient_effort[1], 0.0);
 }
 
@@ -113,12 +111,11 @@ TEST(LinkedDevice, PersonWhoLetsGo_LeavesBothAxesToTheDevice) {
 TEST(LinkedDevice, SlammedAxis_PullsTheOtherNoMore) {
   PatientConfig patient = person(-80.0, -5.0, 0.3);
   patient.slam = {.axis = "x", .towards_upper = true, .after_s = 0.1, .speed_share = 0.01};
-  SimulatedDevice device(twoAxes(), patient, restAt(0.0, 0.0), kTick_s);
-  ASSERT_TRUE(device.open().ok());
-  push(device, 0.0, 0.0, 150);
-  ASSERT_FALSE(device.person().hasLetGo());
-  EXPECT_GT(std::abs(device.position()[0]), 1e-4);
-  EXPECT_EQ(device.position()[1], 0.0);
+  const auto device = opened(twoAxes(), patient, restAt(0.0, 0.0));
+  push(*device, 0.0, 0.0, 150);
+  ASSERT_FALSE(device->person().hasLetGo());
+  EXPECT_GT(std::abs(device->position()[0]), 1e-4);
+  EXPECT_EQ(device->position()[1], 0.0);
 }
 
 TEST(LinkedDevice, SameCallsTwice_GiveTheSameBitsAndAllocateNothing) {

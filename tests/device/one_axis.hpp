@@ -2,7 +2,12 @@
 
 #include "device/simulated/simulated_device.hpp"
 
-namespace wholehand::testing {
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+
+namespace wholehand::test {
 
 /// A device of one free axis: mass, nothing else; tests add what they are about.
 inline DeviceModel oneAxisDevice(double mass) {
@@ -30,6 +35,21 @@ inline Intention stayAt(double position) {
   return Intention::throughWaypoints({{0.0, AxisPosition(1, position)}});
 }
 
+/// A person who pulls one axis to where they want it.
+inline PatientConfig personOf(PatientAxis axis) {
+  PatientConfig patient;
+  patient.axes = {std::move(axis)};
+  return patient;
+}
+
+/// Open, at 1 kHz.
+inline std::unique_ptr<SimulatedDevice> opened(const DeviceModel& model,
+                                               const PatientConfig& patient, Intention intention) {
+  auto device = std::make_unique<SimulatedDevice>(model, patient, std::move(intention), 1e-3);
+  EXPECT_TRUE(device->open().ok());
+  return device;
+}
+
 /// Reads and writes one effort for a number of ticks; returns the last reading.
 inline DeviceReading hold(SimulatedDevice& device, double effort, int ticks) {
   DeviceReading reading;
@@ -40,4 +60,4 @@ inline DeviceReading hold(SimulatedDevice& device, double effort, int ticks) {
   return reading;
 }
 
-}  // namespace wholehand::testing
+}  // namespace wholehand::test

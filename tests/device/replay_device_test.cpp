@@ -62,7 +62,7 @@ TEST(ReplayDevice, OpenedAgain_StartsAgain) {
 
 TEST(FaultInjector, InjectedFaults_AppearInTheirTicksOnly) {
   using Kind = InjectedKind;
-  SimulatedDevice inner(testing::oneAxisDevice(1.0), testing::nobody(), testing::stayAt(0.0), 1e-3);
+  SimulatedDevice inner(test::oneAxisDevice(1.0), test::nobody(), test::stayAt(0.0), 1e-3);
   FaultInjector device(
       inner, {{Kind::kNanPosition, 1, 1}, {Kind::kReadFails, 2, 3}, {Kind::kWriteFails, 4, 4}});
   ASSERT_TRUE(device.open().ok());
