@@ -8,14 +8,8 @@ namespace wholehand::test {
 namespace {
 
 double decode(const std::uint8_t* at, int type) {
-  switch (type) {
-    case 0:
-      return static_cast<std::int8_t>(*at);
-    case 1:
-      return static_cast<std::int16_t>(at[0] | at[1] << 8);
-    default:
-      break;
-  }
+  if (type == 0) return static_cast<std::int8_t>(*at);
+  if (type == 1) return static_cast<std::int16_t>(at[0] | at[1] << 8);
   float value = 0.0F;
   std::memcpy(&value, at, sizeof value);
   return static_cast<double>(value);
@@ -59,33 +53,13 @@ void FakeDrive::restart() {
 }
 
 void FakeDrive::write(std::uint32_t reg, double value, int& wanted_mode, Command& command) {
-  switch (reg) {
-    case 0x000:
-      wanted_mode = static_cast<int>(value);
-      break;
-    case 0x020:
-      command.position = value;
-      break;
-    case 0x022:
-      command.torque_nm = value;
-      break;
-    case 0x023:
-      command.kp_scale = value;
-      break;
-    case 0x024:
-      command.kd_scale = value;
-      break;
-    case 0x025:
-      command.most_nm = value;
-      break;
-    case 0x027:
-      command.watchdog_s = value;
-      break;
-    case 0x02b:
-      command.integral_scale = value;
-      break;
-    default:
-      break;
+  static const std::map<std::uint32_t, double Command::*> kRegisters = {
+      {0x020, &Command::position},      {0x022, &Command::torque_nm}, {0x023, &Command::kp_scale},
+      {0x024, &Command::kd_scale},      {0x025, &Command::most_nm},   {0x027, &Command::watchdog_s},
+      {0x02b, &Command::integral_scale}};
+  if (reg == 0x000) wanted_mode = static_cast<int>(value);
+  if (const auto found = kRegisters.find(reg); found != kRegisters.end()) {
+    command.*found->second = value;
   }
 }
 
@@ -106,32 +80,15 @@ void FakeDrive::obey(int wanted_mode, const Command& command, std::int64_t now_n
 }
 
 double FakeDrive::valueOf(std::uint32_t reg) const {
-  switch (reg) {
-    case 0x000:
-      return mode;
-    case 0x001:
-      return position_rev;
-    case 0x003:
-      return torque_nm();
-    case 0x00c:
-      return home;
-    case 0x00d:
-      return 24.0 / 0.5;  // as an int8: half volts
-    case 0x00e:
-      return temperature_c;
-    case 0x00f:
-      return fault;
-    case 0x101:
-      return firmware;
-    case 0x120:
-      return 4'000'000'000.0;  // above what an int32 holds with its sign
-    case 0x121:
-      return serial_word;
-    case 0x122:
-      return id_;
-    default:
-      return 0.0;
-  }
+  const std::map<std::uint32_t, double> values = {
+      {0x000, mode},          {0x001, position_rev},
+      {0x003, torque_nm()},   {0x00c, home},
+      {0x00d, 24.0 / 0.5},  // as an int8: half volts
+      {0x00e, temperature_c}, {0x00f, fault},
+      {0x101, firmware},      {0x120, 4'000'000'000.0},  // above what an int32 holds with its sign
+      {0x121, serial_word},   {0x122, id_}};
+  const auto found = values.find(reg);
+  return found == values.end() ? 0.0 : found->second;
 }
 
 void FakeDrive::read(std::uint32_t first, std::uint32_t count, int type,
