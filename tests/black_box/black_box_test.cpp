@@ -316,7 +316,7 @@ double threadCpu_ns() {
 }
 
 // 20 contacts, 10 bodies: a hand around a glass in the bar. A figure, and a gate far above it.
-TEST(BlackBox, TickInTheBar_CostsFarLessThanATick) {
+TEST(BlackBox, TickInTheBar_CostsFarLessThanATick_slow) {
   const Folder folder;
   RecordingMeta meta = synthetic::meta();
   meta.body_names.assign(10, "body");

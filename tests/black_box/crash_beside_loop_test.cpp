@@ -3,6 +3,7 @@
 #include "black_box/child_tools.hpp"
 #include "black_box/run_tools.hpp"
 #include "realtime/monotonic_clock.hpp"
+#include "support/watched_main.hpp"
 #include "telemetry/crash_guard.hpp"
 
 #include <array>
@@ -137,7 +138,7 @@ class CrashBesideTheLoop : public testing::Test {
 TEST_F(CrashBesideTheLoop, SegmentationFault_RampsToNeutralAndOnlyThenEndsTheProcess) {
   const int status = inChild([this] { runAndCrash(); });
   expectDiedOf(SIGSEGV, status);
-  EXPECT_FALSE(told_->returned) << "the run ended as if nothing had happened";
+  EXPECT_FALSE(told_->returned) << kAlways << "the run ended as if nothing had happened";
   EXPECT_GE(told_->dealt_with_ns - told_->crashed_ns, kHeldFor_ns);
   ASSERT_TRUE(told_->neutral);
 
@@ -152,13 +153,14 @@ TEST_F(CrashBesideTheLoop, SegmentationFault_RampsToNeutralAndOnlyThenEndsThePro
   for (std::uint64_t k = 1; k < ticks; ++k) {
     for (int a = 0; a < axes(); ++a) {
       ASSERT_LE(change(k, a), axis(a).effort_slew_limit * 1e-3 * (1.0 + 1e-12))
-          << "tick " << k << ", " << axis(a).name;
+          << kAlways << "tick " << k << ", " << axis(a).name;
       if (k < stop) continue;
-      ASSERT_LE(away(k, a), away(k - 1, a) + 1e-12) << "tick " << k << ", " << axis(a).name;
+      ASSERT_LE(away(k, a), away(k - 1, a) + 1e-12)
+          << kAlways << "tick " << k << ", " << axis(a).name;
     }
   }
-  ASSERT_LE(ticks - stop, kNeutralWithin);
-  EXPECT_EQ(share(ticks - 1), 0.0);
+  ASSERT_LE(ticks - stop, kNeutralWithin) << kAlways;
+  EXPECT_EQ(share(ticks - 1), 0.0) << kAlways;
   EXPECT_EQ(told_->log[ticks - 1].state, SafetyState::kDisarmed);
   figure("ticks from a crash beside the loop to neutral", static_cast<double>(ticks - stop), "");
   figure("effort then, of its limit", share(stop - 1), "");

@@ -3,6 +3,7 @@
 #include "black_box/run_tools.hpp"
 #include "patient/listening_player.hpp"
 #include "support/seed.hpp"
+#include "support/watched_main.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -70,7 +71,7 @@ class KilledRun : public testing::Test {
       run(recording);
       ::_exit(99);
     }
-    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(300);
     while (progress_->ticks == 0 && std::chrono::steady_clock::now() < until) {
       std::this_thread::sleep_for(milliseconds(5));
     }
@@ -92,7 +93,7 @@ class KilledRun : public testing::Test {
   void run(const std::string& recording) {
     const rlimit none{0, 0};
     ::setrlimit(RLIMIT_CORE, &none);
-    ::alarm(60);
+    ::alarm(300);
     ::close(STDERR_FILENO);
     if (!rig_->renderer->arm().ok()) ::_exit(98);
     RunPlan plan;
@@ -117,7 +118,8 @@ std::uint64_t expectWholeUpTo(RecordingReader& recording) {
   std::uint64_t next = 0;
   for (std::uint64_t i = 0; i < recording.size(); ++i) {
     EXPECT_TRUE(recording.read(i, record)) << i;
-    EXPECT_TRUE(i == 0 || record.tick == next + record.elapsed_periods - 1) << record.tick;
+    EXPECT_TRUE(i == 0 || record.tick == next + record.elapsed_periods - 1)
+        << kAlways << record.tick;
     next = record.tick + 1;
   }
   return next;
@@ -136,7 +138,7 @@ TEST_F(KilledRun, KillMinusNineAtARandomMoment_NeverLosesMoreThanASecond) {
     const auto recording = RecordingReader::open(path);
     ASSERT_TRUE(recording.ok()) << format(recording.errors());
     const std::uint64_t kept = expectWholeUpTo(**recording);
-    EXPECT_LE(kept, done + 1);
+    EXPECT_LE(kept, done + 1) << kAlways;
     EXPECT_GE(kept + 1000, done) << "killed after " << done << " ticks";
     lost_s.push_back(1e-3 * (static_cast<double>(done) - static_cast<double>(kept)));
     EXPECT_FALSE(std::filesystem::exists(folder.file("run.wbb")));
@@ -176,7 +178,7 @@ TEST_F(KilledRun, SegmentationFault_LeavesABoxThatRunsAgainEveryTime) {
     ASSERT_NE(box, nullptr);
     EXPECT_EQ(box->cause().signal, SIGSEGV);
     EXPECT_EQ(box->meta().title, "killed");
-    EXPECT_TRUE(box->inputsWhole());
+    EXPECT_TRUE(box->inputsWhole()) << kAlways;
     const std::uint64_t kept = expectWholeUpTo(*box);
     // The loop may have gone on for the moment that the box took to be written.
     EXPECT_GT(kept, 0U);

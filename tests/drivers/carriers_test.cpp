@@ -46,7 +46,7 @@ std::vector<double> positionsOver(const std::string& where) {
     const double effort = std::sin(0.3 * k) * 5.0;
     EXPECT_EQ(device->write(commandOf({effort, -effort, 0.5 * effort})), WH_OK);
     wh_sample sample = emptySample();
-    const std::int64_t until_ns = monotonicNow_ns() + 10'000'000'000;
+    const std::int64_t until_ns = monotonicNow_ns() + 300'000'000'000;
     // The sample that says this command's effort is the one after it.
     while (sample.effort[0] != static_cast<double>(static_cast<float>(effort))) {
       const std::int64_t now_ns = monotonicNow_ns();

@@ -6,6 +6,7 @@
 #include "frame_bench.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
+#include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
 
@@ -61,9 +62,9 @@ TEST_P(KilledHost, FirmwareIsAtNeutralWithinItsSilenceAndTheRamp) {
     ASSERT_EQ(neutral.phase, "latched");
     const double gap_ms =
         std::max(0.0, ramping.gap_ms - kTick_ms) + std::max(0.0, neutral.gap_ms - kTick_ms);
-    EXPECT_GT(ramping.silent_ms, kHostSilence_ms) << "an alarm too early";
+    EXPECT_GT(ramping.silent_ms, kHostSilence_ms) << kAlways << "an alarm too early";
     EXPECT_NEAR(ramping.most_effort, 6.0, 0.1) << "nothing was given: the test proves nothing";
-    EXPECT_EQ(neutral.most_effort, 0.0);
+    EXPECT_EQ(neutral.most_effort, 0.0) << kAlways;
     EXPECT_LE(neutral.silent_ms, kHostSilence_ms + kRamp_ms + kTolerance_ms + gap_ms)
         << "loss " << k;
     latest_ms = std::max(latest_ms, neutral.silent_ms);

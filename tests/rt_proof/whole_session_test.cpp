@@ -8,6 +8,7 @@
 #include "support/bar_station.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"
+#include "support/watched_main.hpp"
 #include "telemetry/recording.hpp"
 
 #include <gtest/gtest.h>
@@ -24,9 +25,6 @@ namespace {
 
 namespace fb = wholehand::protocol;
 using Clock = std::chrono::steady_clock;
-
-/// Ten times what a person would wait: a sanitizer is slow.
-constexpr std::chrono::seconds kPatience{60};
 
 StationConfig barConfig(const std::string& folder) {
   StationConfig c = barStation();
@@ -187,8 +185,8 @@ bool rendersOn(Program& program, Console& console) {
 void expectNeutral(const Station& station) {
   TickRecord record;
   ASSERT_TRUE(station.latest(record));
-  EXPECT_EQ(record.authority, 0.0);
-  for (double effort : record.sent) EXPECT_EQ(effort, 0.0);  // neutral of this device
+  EXPECT_EQ(record.authority, 0.0) << kAlways;
+  for (double effort : record.sent) EXPECT_EQ(effort, 0.0) << kAlways;  // neutral of this device
 }
 
 void expectSoundRecordings(const Station& station, std::size_t count) {

@@ -6,6 +6,7 @@
 #include "device/faulty/fault_injector.hpp"
 #include "device/one_axis.hpp"
 #include "physics/analytic/analytic_world.hpp"
+#include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
 
@@ -76,8 +77,8 @@ struct Rail {
   }
 
   HandModel hand = slider();
-  DeviceModel device_model = testing::oneAxisDevice(0.8);
-  PatientConfig person = testing::nobody();
+  DeviceModel device_model = test::oneAxisDevice(0.8);
+  PatientConfig person = test::nobody();
   AnalyticWorld world{hand, stopAt(0.01)};
   std::unique_ptr<SimulatedDevice> device;
   std::unique_ptr<FaultInjector> faulty;  ///< before it; keeps the last effort written
@@ -272,7 +273,7 @@ TEST(RealTimeSession, AskedToStopFromAnotherThread_EndsAtNeutral) {
   EXPECT_FALSE(rail.session->running());
   ASSERT_FALSE(records.empty());
   EXPECT_TRUE(any(records.back().faults & Fault::kStopRequested));
-  EXPECT_EQ(records.back().sent[0], 1.5);
+  EXPECT_EQ(records.back().sent[0], 1.5) << kAlways;
   // Monotone on the way down, and within 100 ms however late the ticks were.
   std::size_t first = 0;
   while (!any(records[first].faults & Fault::kStopRequested)) ++first;
@@ -280,10 +281,10 @@ TEST(RealTimeSession, AskedToStopFromAnotherThread_EndsAtNeutral) {
   for (std::size_t k = first; k < records.size(); ++k) {
     if (k > first) {
       ramp_periods += records[k].elapsed_periods;
-      ASSERT_LE(records[k].authority, records[k - 1].authority);
+      ASSERT_LE(records[k].authority, records[k - 1].authority) << kAlways;
     }
   }
-  EXPECT_LE(ramp_periods - records.back().elapsed_periods, 100U);
+  EXPECT_LE(ramp_periods - records.back().elapsed_periods, 100U) << kAlways;
 }
 
 TEST(RealTimeSession, DestroyedWhileItRuns_LeavesTheDeviceAtNeutral) {
@@ -291,7 +292,7 @@ TEST(RealTimeSession, DestroyedWhileItRuns_LeavesTheDeviceAtNeutral) {
   startThread(*rail.session);
   TickRecord last;
   // Pressed against the stop: what the device holds is far from its neutral effort.
-  for (int i = 0; i < 200 && !(last.tick > 200 && std::abs(last.sent[0] - 1.5) > 1.0); ++i) {
+  for (int i = 0; i < 15'000 && !(last.tick > 200 && std::abs(last.sent[0] - 1.5) > 1.0); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     while (rail.session->tryPop(last)) {
     }
@@ -299,8 +300,8 @@ TEST(RealTimeSession, DestroyedWhileItRuns_LeavesTheDeviceAtNeutral) {
   ASSERT_GT(std::abs(last.sent[0] - 1.5), 1.0);
   ASSERT_TRUE(rail.session->running());
   rail.session.reset();
-  EXPECT_EQ(rail.faulty->written()[0], 1.5);
-  EXPECT_TRUE(rail.renderer->atNeutral());
+  EXPECT_EQ(rail.faulty->written()[0], 1.5) << kAlways;
+  EXPECT_TRUE(rail.renderer->atNeutral()) << kAlways;
 }
 
 TEST(Session, DestroyedBeforeItRan_LeavesTheRendererToTheNextOne) {
@@ -329,7 +330,7 @@ TEST(RealTimeSession, FaultWhoseRecordsWereDropped_IsCountedWithEveryPeriod) {
   EXPECT_EQ(c.faults[0], 1U);  // the device's read
   // 40 ticks, then the ramp of 80 periods; a skipped period replaces a tick of the ramp.
   EXPECT_GE(c.ticks_run + c.skipped_periods, 40U + kRampTicks);
-  EXPECT_LE(c.ticks_run, 40U + kRampTicks);
+  EXPECT_LE(c.ticks_run, 40U + kRampTicks) << kAlways;
 }
 
 // The device takes no effort any more: the loop asks for a second beyond the ramp, then ends and

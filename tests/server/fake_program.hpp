@@ -89,7 +89,7 @@ class FakeProgram final : public ServerBackend {
   }
   /// The orders of one type, once `count` of them came or the time is over.
   std::vector<Asked> askedFor(OrderType type, std::size_t count,
-                              std::chrono::milliseconds within = 10s) const {
+                              std::chrono::milliseconds within = kPatience) const {
     const auto until = std::chrono::steady_clock::now() + within;
     while (true) {
       std::vector<Asked> found;
@@ -170,7 +170,7 @@ inline const fb::Message& message(const WebSocket::Frame& frame) {
 
 /// The next message of one kind; others are passed over. Nothing when the time is over.
 inline std::optional<WebSocket::Frame> next(WebSocket& socket, fb::Payload kind,
-                                            std::chrono::milliseconds within = 10s) {
+                                            std::chrono::milliseconds within = kPatience) {
   const auto until = std::chrono::steady_clock::now() + within;
   while (std::chrono::steady_clock::now() < until) {
     auto frame = socket.hear(within);

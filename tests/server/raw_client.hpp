@@ -15,6 +15,9 @@ namespace wholehand::test {
 
 using namespace std::chrono_literals;
 
+/// Ends what hangs, not what is slow.
+inline constexpr auto kPatience = 120s;
+
 /// A TCP connection to 127.0.0.1.
 class RawSocket {
  public:
@@ -49,7 +52,7 @@ struct HttpReply {
 
 /// Sends a request line and headers ("GET / HTTP/1.1\r\nHost: ...\r\n\r\n"), reads the answer.
 HttpReply ask(RawSocket& socket, const std::string& request,
-              std::chrono::milliseconds within = 10s);
+              std::chrono::milliseconds within = kPatience);
 /// One GET on a connection of its own, as a browser of this machine asks.
 HttpReply get(std::uint16_t port, const std::string& target, const std::string& more_headers = "",
               const std::string& method = "GET");
@@ -74,7 +77,7 @@ class WebSocket {
   void sayText(const std::string& text) { sendFrame(1, text); }
   void sendFrame(int opcode, const std::string& payload);
   /// The next frame; pings are answered on the way.
-  [[nodiscard]] std::optional<Frame> hear(std::chrono::milliseconds within = 10s);
+  [[nodiscard]] std::optional<Frame> hear(std::chrono::milliseconds within = kPatience);
   [[nodiscard]] bool closed() const { return socket_.closed(); }
 
  private:

@@ -47,9 +47,9 @@ struct ServerTest : ::testing::Test {
   void open() { server = orThrow(Server::open(program, options, controls)); }
   std::uint16_t port() const { return server->port(); }
 
-  /// Within a moment: the log has a thread of its own.
+  /// Sooner or later: the log has a thread of its own.
   bool logged(const std::string& part) const {
-    const auto until = std::chrono::steady_clock::now() + 5s;
+    const auto until = std::chrono::steady_clock::now() + kPatience;
     while (true) {
       {
         const std::lock_guard lock(mutex_);

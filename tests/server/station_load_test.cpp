@@ -74,9 +74,7 @@ struct LoadedStation {
       if (DurationHistogram* counted = counting) counted->add(record.cpu_ns);
     });
     loop = std::thread([this] { (void)station.run(true, 0.0); });
-    for (int i = 0; i < 1000 && station.status().ticks < 1500; ++i) {
-      std::this_thread::sleep_for(10ms);
-    }
+    while (station.status().ticks < 1500) std::this_thread::sleep_for(10ms);
   }
   ~LoadedStation() {
     station.quit();
@@ -101,11 +99,10 @@ struct LoadedStation {
 // Taken in turns, since a machine is not the same from one minute to the next; the rarest ticks of
 // few seconds say little, so that more rounds are played until the figure is reached, or twenty
 // are.
-TEST(StationLoad, FourClients_CostTheTickNothing) {
+TEST(StationLoad, FourClients_CostTheTickNothing_slow) {
   const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
   const std::chrono::milliseconds turn = full ? 30s : 3s;
   LoadedStation loaded;
-  ASSERT_GE(loaded.station.status().ticks, 1500U) << "the loop does not run";
   DurationHistogram alone, watched;
   std::vector<double> ages_ms;
   double ratio = 1e9;

@@ -100,7 +100,7 @@ TEST(StationLoad, AThousandBodiesOfAGame_AreDrawnAsTheyAreNow) {
   auto server = orThrow(Server::open(station, options, controls));
   station.addSink([&](const TickRecord& record) { server->publish(record); });
   std::thread loop([&] { (void)station.run(true, 0.0); });
-  for (int i = 0; i < 1000 && station.status().ticks < 500; ++i) std::this_thread::sleep_for(10ms);
+  while (station.status().ticks < 500) std::this_thread::sleep_for(10ms);
   Drawn drawn = draw(server->port(), cases(300));
   const LoopStatus status = station.status();
   station.quit();

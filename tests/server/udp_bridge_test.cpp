@@ -40,7 +40,7 @@ struct SocketGame {
   bool until(Condition condition) {
     std::array<std::uint8_t, 2000> buffer;
     UdpEndpoint from;
-    for (const std::int64_t end = monotonicNow_ns() + 20'000'000'000; monotonicNow_ns() < end;) {
+    for (const std::int64_t end = monotonicNow_ns() + 120'000'000'000; monotonicNow_ns() < end;) {
       for (long n; (n = socket.receive(from, buffer)) >= 0;) {
         game.hear({buffer.data(), static_cast<std::size_t>(n)});
       }

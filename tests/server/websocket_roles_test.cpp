@@ -43,7 +43,7 @@ struct RolesTest : ServerTest {
   }
   /// Within a moment: nobody has the controls.
   bool comeFree() const {
-    for (int i = 0; i < 5000 && controls.holder() != 0; ++i) std::this_thread::sleep_for(1ms);
+    while (controls.holder() != 0) std::this_thread::sleep_for(1ms);
     return controls.holder() == 0;
   }
   struct Told {

@@ -40,11 +40,11 @@ class Page {
     return answer;
   }
   void sayOnly(const wire::Bytes& command) { socket_->say(command); }
-  /// Hears what is said until then; false after 60 s.
+  /// Hears what is said until then; false where it hangs.
   template <class Condition>
   bool lookUntil(Condition&& condition) {
     looked_ = false;
-    for (const auto until = Clock::now() + 60s; !condition();) {
+    for (const auto until = Clock::now() + kHang; !condition();) {
       const auto frame = socket_->hear(100ms);
       if (frame && frame->opcode == 2) see(replies::message(*frame));
       if (Clock::now() > until || (!frame && socket_->closed())) return false;
@@ -227,8 +227,8 @@ TEST_F(RandomStops, OfWhatPeoplePress_AreFollowedByNothingUntilSomebodyPressesWh
     for (std::thread& person : people) person.join();
     EXPECT_TRUE(becomes(RunState::kStopped)) << "moment " << moment << ", script " << first;
     std::this_thread::sleep_for(100ms);
-    EXPECT_EQ(station_->status().run_state, RunState::kStopped) << "moment " << moment;
-    EXPECT_LE(pushed_, newest) << "moment " << moment << ", script " << first;
+    EXPECT_EQ(station_->status().run_state, RunState::kStopped) << kAlways << "moment " << moment;
+    EXPECT_LE(pushed_, newest) << kAlways << "moment " << moment << ", script " << first;
     if (++tried % 50 == 0) std::printf("%d moments\n", tried);
   }
   figure("stops at random moments", tried, "");

@@ -112,7 +112,7 @@ class FinishedLevel : public InALevel {
       }
     });
     run(true);
-    ASSERT_TRUE(becomes([&] { return value("done") == 1.0; }, 60s));
+    ASSERT_TRUE(becomes([&] { return value("done") == 1.0; }));
   }
   bool steer(Steering by) {
     Order order = of(OrderType::kSteer);
@@ -159,7 +159,7 @@ class RestInALevel : public InALevel {
     config.files.level = 2;
     load(config);
     run(true);
-    ASSERT_TRUE(becomes([&] { return value("drink") == 1.0; }, 180s));
+    ASSERT_TRUE(becomes([&] { return value("drink") == 1.0; }));
   }
 };
 

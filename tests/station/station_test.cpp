@@ -25,11 +25,11 @@ TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
   ASSERT_TRUE(becomes(RunState::kStopped));
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
-  for (double effort : record.sent) EXPECT_EQ(effort, 0.0);  // neutral of this device
-  EXPECT_EQ(record.authority, 0.0);
+  EXPECT_EQ(largest(record.sent), 0.0) << kAlways;  // neutral of this device
+  EXPECT_EQ(record.authority, 0.0) << kAlways;
   const std::uint64_t at_rest = records_;
   std::this_thread::sleep_for(100ms);
-  EXPECT_EQ(records_, at_rest);
+  EXPECT_EQ(records_, at_rest) << kAlways;
 
   EXPECT_EQ(station_->scene()->session, 1U);
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
@@ -45,9 +45,7 @@ TEST_F(Bar, EmergencyStop_IsAtNeutralWithinItsRamp) {
   ASSERT_TRUE(becomes(RunState::kStopped));
   // 80 ms of ramp, and what the stop waited in line.
   EXPECT_LE(last_ - asked_at, 80U + 60U);
-  TickRecord record;
-  ASSERT_TRUE(station_->latest(record));
-  for (double effort : record.sent) EXPECT_EQ(effort, 0.0);
+  expectNeutral();
 }
 
 TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
@@ -186,13 +184,10 @@ TEST_F(Bar, StopWhileArming_NothingPushes) {
     station_->order(arm, [answered](const OrderReply& reply) { answered->set_value(reply); });
     std::this_thread::sleep_for(30ms);
     ASSERT_TRUE(ask(stop).accepted);
-    EXPECT_FALSE(answer.get().accepted) << "the person must hear that nothing was armed";
+    EXPECT_FALSE(answer.get().accepted) << kAlways << "the person must hear that nothing was armed";
     std::this_thread::sleep_for(1500ms);
-    EXPECT_NE(station_->status().run_state, RunState::kRendering);
-    TickRecord record;
-    if (station_->latest(record)) {
-      EXPECT_EQ(largest(record.sent), 0.0);
-    }
+    EXPECT_NE(station_->status().run_state, RunState::kRendering) << kAlways;
+    expectNeutral();
   }
   ASSERT_TRUE(ask(OrderType::kArm).accepted);  // somebody arms again
   EXPECT_TRUE(rendersOn());
@@ -218,7 +213,7 @@ TEST_F(Bar, StopWhileArming_IsShownOnceAndForAll) {
     for (int i = 0; i < 300; ++i, std::this_thread::sleep_for(1ms)) {
       shown.insert(station_->status().run_state);
     }
-    EXPECT_EQ(shown, std::set<RunState>{RunState::kStopped});
+    EXPECT_EQ(shown, std::set<RunState>{RunState::kStopped}) << kAlways;
     EXPECT_TRUE(fs::is_empty(folder_ + "/recordings")) << "nothing was recorded";
   }
   ASSERT_TRUE(ask(OrderType::kArm).accepted);

@@ -48,7 +48,7 @@ TEST_F(StopNotSeen, StopWhileNothingRenders_IsShownAndUndoesWhatWasPressedBefore
     EXPECT_EQ(reply.refusal, Refusal::kStopNotSeen);
     EXPECT_NE(reply.reason, "");
   }
-  EXPECT_EQ(records_, 0U);
+  EXPECT_EQ(records_, 0U) << kAlways;
   EXPECT_TRUE(ask(OrderType::kArm).accepted) << "who has seen it may arm";
   EXPECT_TRUE(rendersOn());
 }
@@ -62,7 +62,7 @@ TEST_F(StopNotSeen, StopBetweenLoadAndArmOfOnePress_StartsNothing) {
   ASSERT_TRUE(loaded.get().accepted);
   EXPECT_EQ(ask(arm(shown)).refusal, Refusal::kStopNotSeen);
   staysAt(RunState::kStopped);
-  EXPECT_EQ(records_, 0U);
+  EXPECT_EQ(records_, 0U) << kAlways;
 }
 
 TEST_F(StopNotSeen, ArmAtEachStop_NamesAnEndingBeforeItAndIsRefused) {
@@ -72,7 +72,7 @@ TEST_F(StopNotSeen, ArmAtEachStop_NamesAnEndingBeforeItAndIsRefused) {
   ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
   // Until it is at neutral, and then: 237 ms after the stop a click has started the next session.
   for (int i = 0; i < 100; ++i) {
-    EXPECT_FALSE(ask(arm(shown)).accepted);
+    EXPECT_FALSE(ask(arm(shown)).accepted) << kAlways;
     std::this_thread::sleep_for(5ms);
   }
   staysAt(RunState::kStopped);
@@ -114,12 +114,12 @@ TEST_F(StopNotSeen, FaultWhileAnArmWaits_UndoesIt) {
   Bar::load(config);
   run(true);
   const std::uint32_t shown = endings();
-  ASSERT_TRUE(becomes([&] { return busy->load(); }, 90s));
+  ASSERT_TRUE(becomes([&] { return busy->load(); }));
   ASSERT_EQ(station_->status().run_state, RunState::kRendering);
   auto loaded = askLater(load(1));
   auto armed = askLater(arm(shown));
   *may = true;
-  EXPECT_TRUE(becomes([&] { return any(station_->status().latched & Fault::kSpeedLimit); }, 90s));
+  EXPECT_TRUE(becomes([&] { return any(station_->status().latched & Fault::kSpeedLimit); }));
   faulted.set_value();
   EXPECT_TRUE(loaded.get().accepted);
   const OrderReply reply = armed.get();
