@@ -22,7 +22,7 @@ class EveryEngine(AppTest):
             self.assertEqual(file["meta"].attrs["engine"].decode(), engine)
         return summary
 
-    def test_a_motion_touches_the_table_and_is_run_again_bit_by_bit(self):
+    def test_a_motion_touches_the_table_and_is_run_again_bit_by_bit_slow(self):
         for engine in ENGINES:
             with self.subTest(engine):
                 summary = self.run_with(engine, *FREE_RUN, "--scene", CONFIG / "scenes/table.toml")
@@ -30,13 +30,13 @@ class EveryEngine(AppTest):
                 self.assertLess(summary["max_coupling_error_rad"], COUPLING_RAD[engine])
                 self.expect_same_when_run_again("run.h5")
 
-    def test_the_bar_is_played_and_run_again_bit_by_bit(self):
+    def test_the_bar_is_played_and_run_again_bit_by_bit_slow(self):
         for engine in ENGINES:
             with self.subTest(engine):
                 self.run_with(engine, "run", "--exercise", "cocktail-bar", "--no-web", "--duration", "8")
                 self.expect_same_when_run_again("run.h5")
 
-    def test_one_grasp_is_held(self):
+    def test_one_grasp_is_held_slow(self):
         for engine in ("bullet", "mujoco"):  # bullet-paper slips: docs/engines.md
             with self.subTest(engine):
                 self.expect(self.run_app("experiment", "grasping", "--engine", engine, "--only", "pinch sphere",

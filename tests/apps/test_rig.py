@@ -141,7 +141,7 @@ class Steps(AppTest):
         rig, seen, done = Rig(), [], threading.Event()
 
         def work():
-            rig.step(n=300_000)
+            rig.step(n=30_000)
             done.set()
         thread = threading.Thread(target=work)
         thread.start()
@@ -340,7 +340,7 @@ class Environment(unittest.TestCase):
                 environment.step(bad)
         self.assertEqual(ReachEnvironment(Rig("desktop-3axis", scene="empty")).reset(seed=2)[0].shape, (9,))
 
-    def test_a_short_training_raises_the_reward(self):
+    def test_a_short_training_raises_the_reward_slow(self):
         done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples/train_a_reach.py", "--generations", "6",
                                "--seconds", "300"], capture_output=True, text=True, timeout=HANG_S,
                               env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
@@ -370,14 +370,12 @@ class Types(unittest.TestCase):
 
 
 class Cost(unittest.TestCase):
-    def test_ten_ticks_a_step_cost_a_tenth_more_than_in_cpp_at_most(self):
-        shares = []
-        for _ in range(3):  # a machine that is disturbed all the time is given two more chances
-            shares.append(python_step.over(python_step.measure(BUILD, ticks=10, rounds=5)))
-            if shares[-1] <= 0.10:
-                break
-        print(f"a step of 10 ticks costs {100 * shares[-1]:+.1f} % over C++", flush=True)
-        self.assertLessEqual(min(shares), 0.10)
+    paced = True
+
+    def test_ten_ticks_a_step_cost_a_tenth_more_than_in_cpp_at_most_slow(self):
+        share = python_step.over(python_step.measure(BUILD, ticks=10, rounds=15))
+        print(f"a step of 10 ticks costs {100 * share:+.1f} % over C++", flush=True)
+        self.assertLessEqual(share, 0.10)
 
 
 if __name__ == "__main__":

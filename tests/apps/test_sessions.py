@@ -8,13 +8,13 @@ import time
 import urllib.request
 
 import client
-from app import FULL, HANG_S, INTERRUPTED, AppTest, limit_file_size, main, read_recording
+from app import FULL, HANG_S, INTERRUPTED, PacedTest, limit_file_size, main, read_recording
 
 TICK, RUN_STATE = 1, 4  # fields of WorldState
 RENDERING = 1           # RunState
 
 
-class Running(AppTest):
+class Running(PacedTest):
     def start(self, *more, **how):
         run = self.start_app("run", "--port", 0, "--wait", "--no-rehearsal", *more, **how)
         self.url = run.stdout.readline().strip()

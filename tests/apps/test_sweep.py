@@ -8,7 +8,6 @@ import signal
 import struct
 import subprocess
 import time
-import unittest
 
 import h5py
 
@@ -57,7 +56,12 @@ class Sweep(AppTest):
     def sweep(self, out="a.h5", *more, code=DONE, **how):
         return self.expect(self.run_app("sweep", "grid.toml", "--out", out, *more, **how), code)
 
-    def test_one_process_many_shares_and_ranks_write_the_same_bytes(self):
+    def expect_alike(self, *names):
+        files = [self.folder / f"{name}.h5" for name in names]
+        self.assertEqual({digest(path) for path in files}, {digest(files[0])})
+        self.assertEqual(list(self.folder.glob("*.cells")), [], "nothing else is left")
+
+    def test_one_process_and_many_shares_write_the_same_bytes(self):
         self.sweep("one.h5", "--processes", 1)
         self.sweep("two.h5", "--processes", 2)
         for share in ("3/3", "1/3", "2/3"):
@@ -67,12 +71,14 @@ class Sweep(AppTest):
             array = {"SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_MIN": "4",
                      "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_ARRAY_TASK_STEP": "2"}
             self.sweep("array.h5", "--array", env={**os.environ, **array})
+        self.expect_alike("one", "two", "shares", "array")
+
+    def test_ranks_of_mpi_write_the_same_bytes_slow(self):
+        self.sweep("one.h5", "--processes", 1)
         ranks = subprocess.run(["mpirun", "--oversubscribe", "-n", "2", BINARY, "sweep", "grid.toml", "--out", "ranks.h5"],
                                cwd=self.folder, env={**os.environ, **ROOT}, capture_output=True, text=True, timeout=HANG_S)
         self.assertEqual(ranks.returncode, 0, ranks.stdout + ranks.stderr)
-        files = [self.folder / f"{name}.h5" for name in ("one", "two", "shares", "array", "ranks")]
-        self.assertEqual({digest(path) for path in files}, {digest(files[0])})
-        self.assertEqual(list(self.folder.glob("*.cells")), [], "nothing else is left")
+        self.expect_alike("one", "ranks")
 
     def test_the_file_says_what_was_swept(self):
         self.sweep()
@@ -259,8 +265,7 @@ class Sweep(AppTest):
                 self.wait_until(run, lambda: len(list((self.folder / f"{grid.stem}.h5.cells").glob("*.cells"))) > 0)
                 run.kill()
 
-    @unittest.skipUnless(FULL, "by the clock: ./check --full")
-    def test_two_processes_are_nearly_twice_as_fast(self):
+    def test_two_processes_are_nearly_twice_as_fast_slow(self):
         def wall_s(out, *start):
             shutil.rmtree(self.folder / f"{out}.cells", ignore_errors=True)
             began = time.monotonic()

@@ -13,10 +13,11 @@ import zipfile
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = SOURCE / "scripts/godot_addon.py"
-PATIENCE_S = 100
+sys.path.insert(0, str(SOURCE / "tests/support"))
+from watched_main import FULL, HANG_S, main  # noqa: E402
 # What stands for a renderer in godot3-server looks again at a mesh that was freed with its instance.
 OF_THE_SERVER = r"ERROR: (getornull: Condition \"!id_map|mesh_get_\w+_count: Condition \"!m\")"
-MUTATIONS = 100_000 if os.environ.get("WHOLEHAND_FULL") == "1" else 2_000
+MUTATIONS = 100_000 if FULL else 2_000
 
 
 class Program:
@@ -60,7 +61,7 @@ class PlayedInGodot:
 
     def finish(self, game, expected=r"(?!)"):
         """@param expected errors of the engine that are the test's own doing"""
-        said, _ = game.communicate(timeout=PATIENCE_S)
+        said, _ = game.communicate(timeout=HANG_S)
         print("".join(line + "\n" for line in said.splitlines() if line.startswith("figure:")), end="")
         self.assertEqual(game.returncode, 0, said)
         # Faults of a script end the function they happen in, and nothing else: they must not pass.
@@ -160,4 +161,4 @@ if __name__ == "__main__":
         sys.exit(77)
     shutil.rmtree(PROJECT, ignore_errors=True)
     PROJECT.mkdir(parents=True)
-    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+    main(sys.argv[3:])

@@ -16,8 +16,9 @@ import unittest
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TESTS = SOURCE / "tests/clients"
 SCRIPT = SOURCE / "scripts/unity_package.py"
-sys.path.insert(0, str(SCRIPT.parent))
+sys.path[:0] = [str(SCRIPT.parent), str(SOURCE / "tests/support")]
 import unity_package  # noqa: E402
+from watched_main import main  # noqa: E402
 
 NAME = "org.wholehand.client"
 STUBS = {"UnityEngine.TestRunner", "UnityEditor.TestRunner"}  # in the stub of NUnit
@@ -109,6 +110,8 @@ class Package(unittest.TestCase):
 class Assemblies(unittest.TestCase):
     """Each .asmdef as an assembly of its own, with what it references and nothing else."""
 
+    paced = True
+
     def test_they_compile_and_run(self):
         out = BUILD / "assemblies"
         shutil.rmtree(out, ignore_errors=True)
@@ -176,4 +179,4 @@ if __name__ == "__main__":
         print(f"skipped: {', '.join(missing)} not installed (mono-mcs, mono-runtime, flatbuffers-compiler)")
         sys.exit(77)
     BUILD.mkdir(parents=True, exist_ok=True)
-    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])
+    main(sys.argv[4:])
