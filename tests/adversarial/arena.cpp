@@ -1,6 +1,7 @@
 #include "adversarial/arena.hpp"
 
 #include "patient/scripted_player.hpp"
+#include "support/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,15 +9,8 @@
 namespace wholehand::test {
 namespace {
 
-const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-constexpr double kPeriod_s = 1e-3;
-
 std::string fileOf(const std::string& kind, const std::string& name) {
   return kConfig + kind + "/" + name + ".toml";
-}
-
-double uniform(Random& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
 }
 
 /// How long a minimum-jerk way may take so as to stay below half of every speed limit [s].

@@ -1,12 +1,12 @@
 #include "adversarial/attack.hpp"
 
+#include "support/constants.hpp"
+
 #include <cmath>
 
 namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr int kNeutralWithin = 100;  // ticks of 1 ms
 constexpr int kAfterStop = 150;
 constexpr int kLookEvery = 5;  // at the bones: 7 mm of way at 1.5 m/s, less than a bone is deep
 

@@ -9,7 +9,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kGap_m = 5e-4;  // between the hand, as it is let go, and the wall
+constexpr double kSlamGap_m = 5e-4;  // between the hand, as it is let go, and the wall
 
 AxisPosition startOf(const Throw& how, const DeviceModel& device) {
   AxisPosition q(device.axisCount());
@@ -82,7 +82,7 @@ const DeviceAxis& flungAxis(const Models& m, const Throw& how) {
 }
 
 Bounce slammed(const Throw& how) {
-  return flung(how, flung(how).face_m + kGap_m);
+  return flung(how, flung(how).face_m + kSlamGap_m);
 }
 
 Pair withAndWithout(Throw how) {

@@ -3,6 +3,7 @@
 #include "adversarial/attack.hpp"
 #include "adversarial/digit_watch.hpp"
 #include "patient/scripted_player.hpp"
+#include "support/constants.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
 
@@ -15,11 +16,6 @@ namespace {
 
 using Random = std::mt19937_64;
 constexpr double kMost = 0.01;  ///< of the limit: the figure that is asked for
-const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-
-double uniform(Random& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
-}
 
 ModelFiles barFiles(const std::string& exercise, int level, const std::string& hand,
                     const std::string& patient) {
@@ -196,7 +192,7 @@ void putAround(Rig& rig, const TickRecord& r, int body, Random& random) {
   rig.world->placeBodies(placements);
 }
 
-struct Tally {
+struct DigitTally {
   UntouchedEffort worst;
   int cases = 0, refused = 0, engaged = 0, touched = 0, stopped = 0;
 };
@@ -208,7 +204,7 @@ void take(const UntouchedEffort& found, UntouchedEffort& worst) {
   worst.digits_past += found.digits_past;
 }
 
-void tryOne(Stages& stages, std::uint32_t number, Tally& tally) {
+void tryOne(Stages& stages, std::uint32_t number, DigitTally& tally) {
   std::seed_seq mixed{static_cast<std::uint32_t>(seed()), static_cast<std::uint32_t>(seed() >> 32U),
                       101U, number};
   Random random(mixed);
@@ -267,7 +263,7 @@ TEST(UntouchedDigits, RandomHandsPosturesApproaches_GetNothingFromAnyExercise) {
     ASSERT_EQ(std::sscanf(some, "%u-%u", &from, &to), 2) << some;
   }
   Stages stages;
-  Tally tally;
+  DigitTally tally;
   const std::clock_t began = std::clock();
   for (unsigned i = from; i < to; ++i) tryOne(stages, i, tally);
   figure("cases", tally.cases, "");

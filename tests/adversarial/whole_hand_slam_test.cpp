@@ -1,11 +1,11 @@
 // The whole hand flung into a fixed wall at 0.6 m/s, and nobody holds it. Which part of the hand
 // hits, and whether it gives way, is the throw's.
 #include "adversarial/slam.hpp"
+#include "support/constants.hpp"
 #include "support/test_names.hpp"
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -20,7 +20,6 @@ struct Posture {
   const char* name;
   double fingers_rad, circumduction_rad;
 };
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr Posture kStraight{"straight", 0.0, 0.0};
 constexpr Posture kReaching{"reaching", 65.0 * kDeg, 5.0 * kDeg};  // as `experiment exercise` does
 

@@ -15,7 +15,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr int kTicks = 300;
+constexpr int kRecordTicks = 300;
 constexpr std::int64_t kPeriod_ns = 1'000'000, kStart_ns = 5'000'000'000;
 
 DeviceModel desktop() {
@@ -32,19 +32,19 @@ std::unique_ptr<CommissioningRecord> beginIn(const Folder& folder, const DeviceM
 
 CommissioningRecord::Tick tickAt(int number, int gap) {
   CommissioningRecord::Tick tick;
-  tick.monotonic_ns = kStart_ns + (number + (number >= kTicks / 2 ? gap : 0)) * kPeriod_ns;
+  tick.monotonic_ns = kStart_ns + (number + (number >= kRecordTicks / 2 ? gap : 0)) * kPeriod_ns;
   tick.position = AxisPosition(3);
   tick.sent = AxisEffort(3);
   tick.position[0] = 1e-4 * number;
   tick.sent[1] = 0.5;
   tick.status = 3;
-  tick.rendering = number < kTicks - 10;
+  tick.rendering = number < kRecordTicks - 10;
   tick.let_go = tick.rendering ? 0 : 4;
   return tick;
 }
 
 void keepAll(CommissioningRecord& record, int gap) {
-  for (int i = 0; i < kTicks; ++i) {
+  for (int i = 0; i < kRecordTicks; ++i) {
     record.setStep(i < 100 ? 2 : 4);
     record.keep(tickAt(i, gap));
   }
@@ -52,7 +52,7 @@ void keepAll(CommissioningRecord& record, int gap) {
 
 void expectTicks(const std::string& path, int gap) {
   const auto reader = orThrow(RecordingReader::open(path));
-  ASSERT_EQ(reader->size(), kTicks);
+  ASSERT_EQ(reader->size(), kRecordTicks);
   EXPECT_EQ(reader->meta().value_names, CommissioningRecord::valueNames());
   TickRecord tick;
   ASSERT_TRUE(reader->read(120, tick));
@@ -60,8 +60,9 @@ void expectTicks(const std::string& path, int gap) {
   EXPECT_EQ(tick.sent[1], 0.5);
   EXPECT_EQ(tick.exercise.values[0], 4.0) << "the step";
   EXPECT_EQ(tick.exercise.values[1], 3.0) << "the device's status";
-  ASSERT_TRUE(reader->read(kTicks - 1, tick));
-  EXPECT_EQ(tick.tick, static_cast<std::uint64_t>(kTicks - 1 + gap)) << "a pause between moves";
+  ASSERT_TRUE(reader->read(kRecordTicks - 1, tick));
+  EXPECT_EQ(tick.tick, static_cast<std::uint64_t>(kRecordTicks - 1 + gap))
+      << "a pause between moves";
   EXPECT_EQ(tick.safety_state, SafetyState::kFaulted);
   EXPECT_EQ(tick.exercise.values[2], 4.0) << "why the guard let go";
 }
@@ -72,7 +73,7 @@ TEST(CommissioningRecord, OfEveryTick_IsReadAsItWasKept) {
   {
     const auto record = beginIn(folder, model);
     keepAll(*record, 700);
-    EXPECT_EQ(record->kept(), static_cast<std::uint64_t>(kTicks));
+    EXPECT_EQ(record->kept(), static_cast<std::uint64_t>(kRecordTicks));
   }
   expectTicks(folder.file("commissioning.h5"), 700);
   EXPECT_FALSE(std::filesystem::exists(folder.file("commissioning.wbb"))) << "nothing crashed";

@@ -48,13 +48,13 @@ class LeaningPlayer final : public Player {
 };
 
 /// An axis of a shipped device, pushed one way.
-struct Side {
+struct FeltSide {
   std::string device, axis;
   int sign = 1;
 };
 
-std::vector<Side> everySide() {
-  std::vector<Side> sides;
+std::vector<FeltSide> everySide() {
+  std::vector<FeltSide> sides;
   for (const std::string& device : shipped("devices")) {
     for (const DeviceAxis& axis : load(shippedFiles(device)).device.axes) {
       sides.push_back({device, axis.name, 1});
@@ -66,7 +66,7 @@ std::vector<Side> everySide() {
 }
 
 /// The axis by itself, without what is not linear: dry friction, encoder, adaptive damping.
-Models linearAxis(const Side& side) {
+Models linearAxis(const FeltSide& side) {
   Models m = load(shippedFiles(side.device));
   keepAxes(m, {side.axis});
   m.device.axes[0].coulomb = m.device.axes[0].encoder_step = 0.0;
@@ -102,10 +102,10 @@ SceneBody stopOf(const Models& m, int sign) {
   return ball(center, kBall_m, 0.0);
 }
 
-class FeltStop : public testing::TestWithParam<Side> {};
+class FeltStop : public testing::TestWithParam<FeltSide> {};
 
 TEST_P(FeltStop, OfTheRealEngine_FeelsAsPredictedForARigidStop) {
-  const Side& side = GetParam();
+  const FeltSide& side = GetParam();
   Models m = linearAxis(side);
   m.scene.bodies = {stopOf(m, side.sign)};
   // Of a rotation: the same at a lever arm.
@@ -148,7 +148,7 @@ TEST_P(FeltStop, OfTheRealEngine_FeelsAsPredictedForARigidStop) {
 }
 INSTANTIATE_TEST_SUITE_P(EveryAxis, FeltStop, testing::ValuesIn(everySide()),
                          [](const auto& tested) {
-                           const Side& side = tested.param;
+                           const FeltSide& side = tested.param;
                            return withoutHyphens(side.device + "_" + side.axis +
                                                  (side.sign > 0 ? "_Plus" : "_Minus"));
                          });

@@ -12,11 +12,11 @@
 #include <random>
 #include <vector>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 TEST(InertiaPolynomial, RandomPostures_HaveTheInertiaOfTheHand) {
-  const Models models = test::load(test::shippedFiles("lambda-pride", "four-shapes"));
+  const Models models = load(shippedFiles("lambda-pride", "four-shapes"));
   const int axes = models.device.axisCount();
   AxisInertia armature(axes);
   for (int i = 0; i < axes; ++i) armature[i] = 1e-5 * (i + 1);
@@ -27,7 +27,7 @@ TEST(InertiaPolynomial, RandomPostures_HaveTheInertiaOfTheHand) {
   recording::PostureInertia polynomial(described, static_cast<std::size_t>(axes));
   ArticulatedBody body(models.hand, armature);
   const Synergy synergy(models.hand);
-  std::mt19937_64 random(test::seed());
+  std::mt19937_64 random(seed());
   double largest = 0.0;
   for (int n = 0; n < 500; ++n) {
     AxisPosition q(axes);
@@ -54,4 +54,4 @@ TEST(InertiaPolynomial, RandomPostures_HaveTheInertiaOfTheHand) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -6,6 +6,7 @@
 #include "control/axis_simulation.hpp"
 #include "control/certified_sets.hpp"
 #include "random_axes.hpp"
+#include "support/constants.hpp"
 #include "support/figure.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,6 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
 constexpr int kTicks = 4000;
 
 // The stiffest gains on a fixed ladder that hold at every corner; nothing: none do.

@@ -2,6 +2,7 @@
 #include "commissioning/identification/even_trace.hpp"
 #include "commissioning/identification/identify_axis.hpp"
 #include "random_axes.hpp"
+#include "support/constants.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -12,8 +13,6 @@
 
 namespace wholehand::test {
 namespace {
-
-constexpr double kPeriod_s = 1e-3;
 
 // The truth is that of the plant: AxisDynamics advances it exactly. A few axes in a thousand, whose
 // damping hides mass behind delay, miss the delay by more than a tenth of a tick.

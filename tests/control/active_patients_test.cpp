@@ -11,6 +11,7 @@
 #include "safety/force_limiter.hpp"
 #include "safety/neutral_ramp.hpp"
 #include "safety/slew_limiter.hpp"
+#include "support/constants.hpp"
 #include "support/figure.hpp"
 
 #include <gtest/gtest.h>
@@ -21,9 +22,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr int kTicks = 1500;
-constexpr int kNeutralWithin = 100;  // ticks: 100 ms
+constexpr int kPatientTicks = 1500;
 
 enum class Habit { kReflex, kFight };
 
@@ -142,12 +141,12 @@ Seen live(const CertifiedSet& set, Habit habit, Draw& draw) {
                           draw.between(10.0, 600.0), kPeriod_s);
   const double kind = draw.unit();
   const double held_mass = kind > 0.6 ? draw.between(0.1, 20.0) : 0.0;
-  const int stop_at = 250 + draw.upTo(kTicks - 250 - 2 * kNeutralWithin);
+  const int stop_at = 250 + draw.upTo(kPatientTicks - 250 - 2 * kNeutralWithin);
   std::deque<double> queue(static_cast<std::size_t>(l.delay_ticks), tick.neutral[0]);
   double x = 0.0, v = 0.0, xs = 0.0, vs = 0.0, last = tick.neutral[0];
   Seen seen;
   bool neutral = false;
-  for (int k = 0; k < kTicks; ++k) {
+  for (int k = 0; k < kPatientTicks; ++k) {
     const double sent = tick.send(x, xs, vs, k >= stop_at);
     seen.over_limit = std::max(seen.over_limit, std::abs(sent) - tick.limit[0]);
     seen.over_slew = std::max(seen.over_slew, std::abs(sent - last) - tick.most_change[0]);

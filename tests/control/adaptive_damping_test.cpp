@@ -1,6 +1,7 @@
 #include "control/adaptive_damping.hpp"
 
 #include "realtime/allocation_counter.hpp"
+#include "support/constants.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -12,8 +13,6 @@
 
 namespace wholehand::test {
 namespace {
-
-constexpr double kPeriod_s = 1e-3;
 
 /// Algorithm 1 line by line as the paper prints it: f_d = 0, a stored peak and a running time.
 struct PrintedAlgorithm {

@@ -3,9 +3,14 @@
 #include "control/critical_damping.hpp"
 #include "control/stability.hpp"
 
+#include <complex>
 #include <numbers>
 
 namespace wholehand::test {
+
+using Complex = std::complex<double>;
+
+inline constexpr double kSide = 0.02;  ///< of a boundary, from both sides
 
 /// One axis at 1 kHz, nobody attached, K_ds by Eq. (14).
 /// @param filter_hz of the velocity; 0: no filter

@@ -40,7 +40,7 @@ AxisCase axisOf(double mass, double damping, int delay, double k_pm, double k_dm
 
 /// Steps the device against a pinned avatar through time, by the exact motion under a held force,
 /// and tells whether it swings wider in the end than in the beginning. No matrix, no eigenvalue.
-bool swingsWider(const AxisCase& c, double k_pm, double phi_k_dm, int ticks) {
+bool pinnedSwingsWider(const AxisCase& c, double k_pm, double phi_k_dm, int ticks) {
   const double t = c.period_s, m = c.axis.mass, b = c.axis.damping;
   const double decay = std::exp(-b * t / m), travel = m / b * (1.0 - decay);
   const double tau = 1.0 / (2.0 * std::numbers::pi * c.gains.velocity_filter_hz);
@@ -70,8 +70,8 @@ TEST(Certificate, RigidContactTable_IsMetAndSimulationAgreesFromBothSides) {
     EXPECT_NEAR(a.rigid_formula, damping / (1e-3 * (0.5 + delay)), 1e-9 * table);
     // 2 % beyond the limit the swing grows as e^{0.02 b t / 2m}.
     const int ticks = static_cast<int>(300.0 * mass / damping / 1e-3);
-    EXPECT_FALSE(swingsWider(c, 0.98 * a.rigid_limit, 0.0, ticks)) << mass << " " << damping;
-    EXPECT_TRUE(swingsWider(c, 1.02 * a.rigid_limit, 0.0, ticks)) << mass << " " << damping;
+    EXPECT_FALSE(pinnedSwingsWider(c, 0.98 * a.rigid_limit, 0.0, ticks)) << mass << " " << damping;
+    EXPECT_TRUE(pinnedSwingsWider(c, 1.02 * a.rigid_limit, 0.0, ticks)) << mass << " " << damping;
   }
 }
 
@@ -88,8 +88,8 @@ TEST(Certificate, ZWidthTable_IsMetAndSimulationAgreesFromBothSides) {
       const ZWidthPoint at = zWidth(c, 2).back();
       EXPECT_DOUBLE_EQ(at.damping, dampings[i]);
       EXPECT_NEAR(at.rigid, table[i], 0.02 * table[i]) << delay << " " << filter_hz;
-      EXPECT_FALSE(swingsWider(c, 0.98 * at.rigid, at.damping, 30000)) << delay << filter_hz;
-      EXPECT_TRUE(swingsWider(c, 1.02 * at.rigid, at.damping, 30000)) << delay << filter_hz;
+      EXPECT_FALSE(pinnedSwingsWider(c, 0.98 * at.rigid, at.damping, 30000)) << delay << filter_hz;
+      EXPECT_TRUE(pinnedSwingsWider(c, 1.02 * at.rigid, at.damping, 30000)) << delay << filter_hz;
     }
   }
 }

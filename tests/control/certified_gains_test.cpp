@@ -10,7 +10,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr int kTicks = 4000;
+constexpr int kCertifiedTicks = 4000;
 
 /// A set of gains with somebody and something, in motion.
 AxisSimulation randomScene(const CertifiedSet& set, Draw& draw) {
@@ -54,9 +54,10 @@ void expectNoneUnstable(const std::vector<CertifiedSet>& sets, unsigned stream,
   for (const CertifiedSet& set : sets) {
     AxisSimulation axis = randomScene(set, draw);
     double first = 0.0, second = 0.0;
-    for (int k = 0; k < 2 * kTicks; ++k) {
+    for (int k = 0; k < 2 * kCertifiedTicks; ++k) {
       axis.tick();
-      (k < kTicks ? first : second) = std::max(k < kTicks ? first : second, axis.energy());
+      (k < kCertifiedTicks ? first : second) =
+          std::max(k < kCertifiedTicks ? first : second, axis.energy());
     }
     ++number;
     most_growth = std::max(most_growth, second / first);
@@ -118,7 +119,7 @@ Balance balanceOf(AxisSimulation axis, const Push& push, bool with_tank) {
   Balance out;
   const double begun = stored();
   double given = 0.0;
-  for (int k = 0; k < kTicks; ++k) {
+  for (int k = 0; k < kCertifiedTicks; ++k) {
     const AxisPosition q_m(1, axis.x), q_s(1, axis.xs);
     const double depth = std::max(0.0, axis.x - axis.wall_at);
     const AxisEnergy wall(1, 0.5 * l.wall_stiffness * depth * depth);
@@ -184,7 +185,7 @@ double gained(AxisSimulation axis, const Push& push) {
   axis.start(0.0, 0.0);
   axis.wall_at = std::abs(axis.wall_at);
   double pushed_j = 0.0, most = -HUGE_VAL, largest = 0.0;
-  for (int k = 0; k < kTicks; ++k) {
+  for (int k = 0; k < kCertifiedTicks; ++k) {
     const double x = axis.x, force = k < push.ticks ? push.effort : 0.0;
     axis.tick(0.0, force);
     pushed_j += force * (axis.x - x);
@@ -226,7 +227,7 @@ double reboundSpeed(const CertifiedSet& set, double phi, double slew_per_s) {
   axis.fly(set.gains.axis.speed_limit);
   axis.most_change = slew_per_s * axis.l.period_s;
   double fastest = 0.0;
-  for (int k = 0; k < kTicks / 2; ++k) {
+  for (int k = 0; k < kCertifiedTicks / 2; ++k) {
     axis.tick();
     fastest = std::max(fastest, -axis.v);
   }

@@ -2,9 +2,11 @@
 // terminations built at its own worst frequency, and against loops stepped with random ones.
 #include "control/coupled_passivity.hpp"
 
+#include "axis_loop.hpp"
 #include "control/avatar_loop.hpp"
 #include "control/passivity.hpp"
 #include "device/simulated/matrix_exponential.hpp"
+#include "support/constants.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -20,13 +22,10 @@
 namespace wholehand::test {
 namespace {
 
-using Complex = std::complex<double>;
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr double kPeriod_s = 1e-3;
-
-struct Draw {
+struct CoupledDraw {
   std::mt19937_64 random;
   double between(double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
@@ -43,7 +42,7 @@ struct Draw {
 };
 
 /// Axes of about a kilogram, an avatar that couples them.
-CoupledCase drawCase(Draw& draw, int n) {
+CoupledCase drawCase(CoupledDraw& draw, int n) {
   CoupledCase c;
   c.delay_ticks = static_cast<int>(draw.random() % 3);
   c.period_s = kPeriod_s;
@@ -79,7 +78,7 @@ AxisStiffness stiffnessOf(const CoupledCase& c) {
 }
 
 TEST(CoupledPassivity, OneAxis_NeedsWhatItNeedsByItself) {
-  Draw draw{seededRandom(301)};
+  CoupledDraw draw{seededRandom(301)};
   double worst = 0.0;
   for (int trial = 0; trial < cases(60); ++trial) {
     CoupledCase c = drawCase(draw, 1);
@@ -99,7 +98,7 @@ TEST(CoupledPassivity, OneAxis_NeedsWhatItNeedsByItself) {
 }
 
 TEST(CoupledPassivity, AxesThatNothingCouples_NeedAtLeastTheMostOfEach) {
-  Draw draw{seededRandom(302)};
+  CoupledDraw draw{seededRandom(302)};
   for (int trial = 0; trial < cases(20); ++trial) {
     CoupledCase c = drawCase(draw, 3);
     c.inertias[0] = AxisMatrix(c.inertias[0].diagonal().asDiagonal());
@@ -142,7 +141,7 @@ Terms termsOf(const CoupledCase& c, double angle_rad, double phi) {
 /// the loop swings for ever at just the damping that is said to be needed: Re xᴴu and Re yᴴv are
 /// not negative (such W and Z then exist), and with 2 % more damping they are not there.
 TEST(CoupledPassivity, WorstPersonAndObject_ExistAtTheDampingThatIsNeeded) {
-  Draw draw{seededRandom(303)};
+  CoupledDraw draw{seededRandom(303)};
   double worst = 1.0;
   for (int trial = 0; trial < cases(40); ++trial) {
     CoupledCase c = drawCase(draw, 2 + trial % 3);
@@ -253,7 +252,7 @@ Matrix loopWith(const CoupledCase& c, const Terminations& t, double phi, const A
   return out;
 }
 
-Terminations drawTerminations(Draw& draw, const CoupledCase& c) {
+Terminations drawTerminations(CoupledDraw& draw, const CoupledCase& c) {
   const int n = static_cast<int>(c.axes.size());
   Terminations t;
   const double inertia = c.inertias[0].diagonal().mean();
@@ -280,7 +279,7 @@ double radiusOf(const Matrix& loop) {
 }
 
 TEST(CoupledPassivity, RandomPersonsObjectsAndGrasps_NoneIsUnstable) {
-  Draw draw{seededRandom(304)};
+  CoupledDraw draw{seededRandom(304)};
   int tried = 0, unstable = 0;
   double largest = 0.0;
   for (int trial = 0; tried < cases(330); ++trial) {  // 10,000 in full

@@ -1,4 +1,5 @@
 // Physics at a divisor of the rate: the matrix of the loop, and b_min, which is exact there, too.
+#include "axis_loop.hpp"
 #include "control/coupled_passivity.hpp"
 #include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
@@ -14,10 +15,9 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kSide = 0.02;  // of the boundary, from both sides
 // A swing of more than 60 ticks grows so slowly there that rounding hides it.
 constexpr double kSlow_rad = 0.1, kSlowSide = 0.1;
-constexpr int kHalvings = 14;  // of the interval about a boundary
+constexpr int kDividedHalvings = 14;  // of the interval about a boundary
 
 AxisLoop randomLoop(Draw& draw) {
   AxisLoop l;
@@ -75,7 +75,7 @@ TEST(DividedPhysics, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
     short_of = std::max(short_of, t.most / required - 1.0);
     if (!isPassive(t)) continue;  // not built
     ++judged;
-    const double at = boundary(l, t, kHalvings) / required;
+    const double at = boundary(l, t, kDividedHalvings) / required;
     least = std::min(least, at);
     most = std::max(most, at);
     share = std::min(share, t.needed / required);

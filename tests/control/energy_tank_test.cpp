@@ -7,6 +7,7 @@
 #include "control/one_axis_gains.hpp"
 #include "control/velocity_estimator.hpp"
 #include "device/one_axis.hpp"
+#include "support/constants.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,10 +15,9 @@
 #include <cmath>
 #include <numbers>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
 // An avatar of 0.4 kg at 3 m/s.
 constexpr double kHeld_j = 1.8;
 
@@ -27,8 +27,8 @@ struct Loop {
   int delay = 1;
 };
 
-CouplingGains gainsOf(const Loop& loop) {
-  return test::oneAxisGains(loop.k_pm, loop.k_ps, loop.gamma);
+CouplingGains gainsOfAxis(const Loop& loop) {
+  return oneAxisGains(loop.k_pm, loop.k_ps, loop.gamma);
 }
 
 struct Outcome {
@@ -42,12 +42,12 @@ template <class Push>
 Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m, double end_s,
                  Push&& push) {
   constexpr double kLimit = 20.0;
-  DeviceModel device = testing::oneAxisDevice(loop.mass);
+  DeviceModel device = oneAxisDevice(loop.mass);
   device.output_delay_ticks = loop.delay;
   device.axes[0].damping = loop.damping;
   device.axes[0].encoder_step = 1e-5;
   device.axes[0].effort_limit = kLimit;
-  PatientConfig person = testing::nobody();
+  PatientConfig person = nobody();
   person.axes[0].mass = loop.person_mass;
   person.axes[0].damping = loop.person_damping;
   person.axes[0].stiffness = loop.person_stiffness;
@@ -56,9 +56,9 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
   DeviceModel plant = device;
   plant.axes[0].effort_limit = 1e6;
   plant.output_delay_ticks = 0;
-  SimulatedDevice simulated(plant, person, testing::stayAt(start_m), kPeriod_s);
+  SimulatedDevice simulated(plant, person, stayAt(start_m), kPeriod_s);
   EXPECT_TRUE(simulated.open());
-  const CouplingGains gains = gainsOf(loop);
+  const CouplingGains gains = gainsOfAxis(loop);
   const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
   EnergyTankState tank = fullTank(config);
   VelocityState velocity;
@@ -74,14 +74,14 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
     const AxisVelocity qd_s(1, v_s);
     velocity = estimateVelocity(velocity, reading.q_m, gains, 1, kPeriod_s);
     const double coupling =
-        couplingEffort(reading.q_m, velocity.filtered, q_s, qd_s, test::dampingOf(gains), gains)[0];
+        couplingEffort(reading.q_m, velocity.filtered, q_s, qd_s, dampingOf(gains), gains)[0];
     EnergyTankStep step = advanceTank(tank, reading.q_m, q_s, AxisEnergy(), gains, config,
                                       AxisEffort(1, kLimit), 1, kPeriod_s);
     const double added = with_tank ? step.effort[0] : 0.0;
     const double f = std::clamp(coupling + added, -kLimit, kLimit);
     const double without = std::clamp(coupling, -kLimit, kLimit);
     const AxisEffort f_s =
-        avatarEffort(reading.q_m, velocity.filtered, q_s, qd_s, test::dampingOf(gains), gains);
+        avatarEffort(reading.q_m, velocity.filtered, q_s, qd_s, dampingOf(gains), gains);
     tank = recordSent(step.state, AxisEffort(1, f), f_s, AxisEffort(1, kLimit));
     out.effort_change_rms += (f - without) * (f - without);
     out.largest_effort = std::max(out.largest_effort, std::abs(f));
@@ -144,14 +144,14 @@ TEST(EnergyTank, CertifiedGainsOfTheSixAxisDevice_AreHardlyTouched) {
 TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
   // A rigid wall pressed 25 mm deep and left again, 1500 N/m, the effort held to 8 of 20 N: what
   // the saturated spring holds is counted with the 8 N, so that nothing seems made of nothing.
-  DeviceModel device = testing::oneAxisDevice(0.8);
+  DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].damping = 6.0;
   device.axes[0].effort_limit = 20.0;
   const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
   Loop loop;
   loop.k_pm = 1500.0;
   loop.gamma = 1.0;
-  const CouplingGains gains = gainsOf(loop);
+  const CouplingGains gains = gainsOfAxis(loop);
   EnergyTankState tank = fullTank(config);
   double before = 0.0;
   for (int k = 0; k <= 1000; ++k) {
@@ -178,7 +178,7 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   config.encoder_step = AxisPosition(1, 0.0);
   Loop loop;
   loop.delay = 0;
-  const CouplingGains gains = gainsOf(loop);
+  const CouplingGains gains = gainsOfAxis(loop);
   EnergyTankState tank = fullTank(config);
   // Midpoint forces integrate the spring's work exactly.
   double x = 0.0;
@@ -199,12 +199,12 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
 
 TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
   // 2 N along a motion of 0.1 m/s give 0.2 W; 50 mJ last 0.25 s, then damping takes 2 N back.
-  DeviceModel device = testing::oneAxisDevice(0.8);
+  DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].effort_limit = 20.0;  // Ê = 20 N · 5 mm / 2
   EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
   Loop loop;
   loop.k_pm = 1e-9;
-  const CouplingGains gains = gainsOf(loop);
+  const CouplingGains gains = gainsOfAxis(loop);
   EnergyTankState tank = fullTank(config);
   double empty_s = 0.0, effort = 0.0;
   for (int k = 0; k < 1000; ++k) {
@@ -221,7 +221,7 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
 
 TEST(EnergyTank, OneCountOfTheEncoder_MakesAFiftiethOfTheLimitAtMost) {
   // Empty, at the worst debt: a count δ within a tick, at every rate.
-  DeviceModel device = testing::oneAxisDevice(0.8);
+  DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].effort_limit = 20.0;
   device.axes[0].encoder_step = 1e-5;
   for (const double rate_hz : {1000.0, 2000.0, 4000.0, 8000.0}) {
@@ -231,8 +231,8 @@ TEST(EnergyTank, OneCountOfTheEncoder_MakesAFiftiethOfTheLimitAtMost) {
     tank.hand = -config.hand_capacity;
     tank.fresh = false;
     const EnergyTankStep step =
-        advanceTank(tank, AxisPosition(1, 1e-5), AxisPosition(1, 1e-5), {}, gainsOf(Loop{}), config,
-                    AxisEffort(1, 20.0), 1, 1.0 / rate_hz);
+        advanceTank(tank, AxisPosition(1, 1e-5), AxisPosition(1, 1e-5), {}, gainsOfAxis(Loop{}),
+                    config, AxisEffort(1, 20.0), 1, 1.0 / rate_hz);
     EXPECT_LT(step.effort[0], 0.0);
     EXPECT_GE(step.effort[0], -0.02 * 20.0 - 1e-12) << rate_hz;
   }
@@ -330,9 +330,9 @@ TEST(EnergyTank, CouplingThatMakesEnergyAcrossTwoAxes_IsSeenByTheHandAlone) {
 
 TEST(EnergyTank, WallThatFadesInUnderTheFinger_IsPaidFor) {
   // α k p²/2 from 0 to 4 mJ with the finger held still: E falls by as much.
-  DeviceModel device = testing::oneAxisDevice(0.8);
+  DeviceModel device = oneAxisDevice(0.8);
   const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
-  const CouplingGains gains = gainsOf(Loop{});
+  const CouplingGains gains = gainsOfAxis(Loop{});
   EnergyTankState tank = fullTank(config);
   const AxisPosition q(1, 0.0);
   for (double wall_j : {0.0, 0.002, 0.004}) {
@@ -344,4 +344,4 @@ TEST(EnergyTank, WallThatFadesInUnderTheFinger_IsPaidFor) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -16,11 +16,8 @@
 #include <numbers>
 #include <random>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
-
-using Complex = std::complex<double>;
-using test::tolerance;
 
 double omega(double frequency_hz) {
   return 2.0 * std::numbers::pi * frequency_hz;
@@ -28,7 +25,7 @@ double omega(double frequency_hz) {
 
 /// The x axis of the shipped robot, to three digits.
 AxisLoop robot() {
-  return test::loopOf(0.8, 6.0, 1, 1000.0, 0.0, 30.0, 4000.0, 0.3);
+  return loopOf(0.8, 6.0, 1, 1000.0, 0.0, 30.0, 4000.0, 0.3);
 }
 
 Complex felt(const AxisLoop& loop, ContactCase contact, double frequency_hz) {
@@ -116,12 +113,12 @@ Complex byMatrix(const AxisLoop& l, ContactCase contact, double frequency_hz) {
 }
 
 TEST(FeltImpedance, AnyLoop_AgreesWithTheClosedLoopMatrix) {
-  auto random = test::seededRandom(41);
+  auto random = seededRandom(41);
   const auto between = [&](double low, double high) {
     return low * std::pow(high / low, std::uniform_real_distribution<double>(0.0, 1.0)(random));
   };
   double worst = 0.0;
-  for (int i = 0; i < test::cases(300); ++i) {
+  for (int i = 0; i < cases(300); ++i) {
     AxisLoop l = robot();
     l.mass = between(0.1, 3.0);
     l.damping = between(0.1, 500.0);
@@ -140,7 +137,7 @@ TEST(FeltImpedance, AnyLoop_AgreesWithTheClosedLoopMatrix) {
       worst = std::max(worst, std::abs(felt(l, c, frequency_hz) / expected - 1.0));
     }
   }
-  test::figure("felt impedance against the closed-loop matrix, worst share", worst, "");
+  figure("felt impedance against the closed-loop matrix, worst share", worst, "");
   EXPECT_LE(worst, tolerance(1e-6));
 }
 
@@ -189,4 +186,4 @@ TEST(LinearHold, SimulatedDeviceUnderRamps_MovesByItsGain) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -5,6 +5,7 @@
 #include "control/avatar_loop.hpp"
 #include "control/coupled_passivity.hpp"
 #include "device/simulated/linked_dynamics.hpp"
+#include "support/constants.hpp"
 #include "support/figure.hpp"
 
 #include <Eigen/LU>
@@ -20,8 +21,7 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr double kPeriod_s = 1e-3;
-constexpr int kTicks = 2000;
+constexpr int kLinkedTicks = 2000;
 
 double spread(Draw& draw, double low, double high) {
   return low + (high - low) * draw.unit();
@@ -173,9 +173,9 @@ class LinkedLoop {
 /// Largest energy of the second two seconds over that of the first.
 double growthOf(LinkedLoop loop) {
   double first = loop.energy(), second = 0.0;
-  for (int k = 0; k < 2 * kTicks; ++k) {
+  for (int k = 0; k < 2 * kLinkedTicks; ++k) {
     loop.tick();
-    double& most = k < kTicks ? first : second;
+    double& most = k < kLinkedTicks ? first : second;
     most = std::max(most, loop.energy());
     if (!(most < 1e9)) return HUGE_VAL;
   }

@@ -1,5 +1,6 @@
 // b_min is exact: for every row of the reference's table, and for loops at random, a passive person
 // and a passive object are built that swing at 2 % less, and nobody swings above it.
+#include "axis_loop.hpp"
 #include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
 #include "random_loops.hpp"
@@ -14,19 +15,10 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kSide = 0.02;  // of the boundary, from both sides
-constexpr int kHalvings = 18;   // of the interval about a boundary
+constexpr int kHalvings = 18;  // of the interval about a boundary
 
-AxisLoop loopOf(double k_ps, int delay, double filter_hz, double gamma) {
-  AxisLoop l;
-  l.mass = 0.5;
-  l.delay_ticks = delay;
-  l.k_pm = 1000.0;
-  l.gamma = gamma;
-  l.k_ps_per_s2 = k_ps;
-  l.k_ds_per_s = criticalDamping(k_ps, l.period_s);
-  l.filter_tau_s = 1.0 / (2.0 * std::numbers::pi * filter_hz);
-  return l;
+AxisLoop lightLoop(double k_ps, int delay, double filter_hz, double gamma) {
+  return loopOf(0.5, 0.0, delay, 1000.0, 0.0, filter_hz, k_ps, gamma);
 }
 
 /// The table of b_min, K_pm 1000 N/m and 30 Hz, and the filter that makes γ dear.
@@ -40,7 +32,7 @@ std::vector<AxisLoop> tableOfLoops() {
                                                {4e4, 1, 30.0},
                                                {2500.0, 1, 100.0}}) {
     for (const double gamma : {0.0, 0.5, 1.0}) {
-      out.push_back(loopOf(k_ps, delay, filter_hz, gamma));
+      out.push_back(lightLoop(k_ps, delay, filter_hz, gamma));
     }
   }
   return out;
@@ -81,9 +73,9 @@ TEST(RequiredDampingFigures, EveryRowOfTheTable_SwingsTwoPercentBelowAndNotAbove
 }
 
 /// Walls, Φ, filters, delays and rates at random.
-AxisLoop randomLoop(Draw& draw) {
+AxisLoop loopOfAnyRate(Draw& draw) {
   AxisLoop l =
-      loopOf(400.0, draw.upTo(3), draw.between(15.0, 100.0), draw.chance(0.15) ? 0.0 : draw.unit());
+      lightLoop(400.0, draw.upTo(3), draw.between(15.0, 100.0), draw.chance(0.15) ? 0.0 : draw.unit());
   l.k_pm = draw.between(100.0, 3000.0);
   l.phi_k_dm = draw.chance(0.2) ? 0.0 : draw.between(0.5, 20.0);
   l.period_s = 1e-3 / (1 << draw.upTo(3));
@@ -100,7 +92,7 @@ TEST(RequiredDampingFigures, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
   int number = 0, judged = 0;
   const int wanted = cases(60);
   for (; number < wanted; ++number) {
-    AxisLoop l = randomLoop(draw);
+    AxisLoop l = loopOfAnyRate(draw);
     const double required = requiredDamping(l);
     if (!(required > 0.01)) continue;  // its own damping does
     // The mass plays no part in b_min: a light one, with which 2 % shows well above rounding.
@@ -197,7 +189,7 @@ TEST(RequiredDampingFigures, WorstTerminations_GrowAndFadeInTimeAsTheirRadiiSay)
 TEST(RequiredDampingFigures, TerminatedAxis_IsTheLibrarysLoop) {
   Draw draw(75);
   for (int i = 0; i < 50; ++i) {
-    AxisLoop l = randomLoop(draw);
+    AxisLoop l = loopOfAnyRate(draw);
     l.mass = draw.between(0.05, 3.0);
     l.damping = draw.between(0.1, 20.0);
     const Termination t = drawPersonAndObject(l, draw, i % 2 == 0);

@@ -17,8 +17,6 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kSide = 0.02;  // of the boundary, from both sides
-
 /// Stiffness at which the simulation begins to swing wider, by bisection within ± 5 % of a guess.
 double simulatedStiffness(AxisLoop l, ContactCase contact, double guess, long ticks) {
   double low = 0.95 * guess, high = 1.05 * guess;

@@ -1,15 +1,16 @@
 // Why the effort is written before the world is stepped (docs/adr/0002-write-before-step.md).
 #include "control/stability.hpp"
+#include "support/constants.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3, kMass_kg = 0.4, kDamping_n_s_m = 2.0;
+constexpr double kMass_kg = 0.4, kDamping_n_s_m = 2.0;
 
 /// Exact motion of m v' = f - b v over a time, as a matrix over [x, v, f].
 Eigen::Matrix3d held(double time_s) {
@@ -59,4 +60,4 @@ TEST(TickOrder, EffortThatWaitsForThePhysicsStep_LosesStiffness) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -1,5 +1,6 @@
 #include "control/transition.hpp"
 #include "control/virtual_wall.hpp"
+#include "support/constants.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kPeriod_s = 1e-3;
 
 /// f_e of a wall of 5 N·m/rad and 0.1 N·m·s/rad at 1 rad that closes upwards.
 double wallAtOne(double position, double velocity, double alpha = 1.0, double cap = 100.0) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "axis_loop.hpp"
 #include "control/stability.hpp"
 #include "device/simulated/matrix_exponential.hpp"
 
@@ -16,8 +17,6 @@
 /// two-port of one axis, and the axis stepped through time with them (derivation:
 /// docs/certificate.md).
 namespace wholehand::test {
-
-using Complex = std::complex<double>;
 
 /// What steps the object. kLossless loses no energy (trapezoidal rule): together with dampers it is
 /// every linear passive object. kEngine steps as an engine solves contacts (backward Euler), which

@@ -31,7 +31,7 @@ double residual(const ArticulatedBody& body, const Eigen::VectorXd& acceleration
 }
 
 /// Prints "figure: <name> = <value>", relative and therefore without a unit.
-void figure(const std::string& name, double value) {
+void relativeFigure(const std::string& name, double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", value);
   std::printf("figure: %s = %s\n", name.c_str(), text.data());
@@ -161,14 +161,14 @@ TEST(ArticulatedBody, DistributedTorque_GivesExactReducedForceAndKeepsSynergy) {
 
 // ---- the hands of the house
 
-struct Shipped {
+struct DeviceAndHand {
   const char* device;
   const char* hand;
 };
 
-class ShippedHand : public testing::TestWithParam<Shipped> {
+class ShippedHand : public testing::TestWithParam<DeviceAndHand> {
  protected:
-  static Expected<HandModel> load(const Shipped& files) {
+  static Expected<HandModel> load(const DeviceAndHand& files) {
     const std::string root = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
     const auto device = loadDeviceFile(root + "devices/" + files.device);
     if (!device) return device.errors();
@@ -213,8 +213,8 @@ TEST_P(ShippedHand, ForwardDynamics_EqualBulletsTo1em9) {
     worst_bias = std::max(worst_bias, bias);
   }
   const std::string of = std::string(GetParam().hand) + " on " + GetParam().device;
-  figure("M and h against Bullet, largest relative difference, " + of, worst);
-  figure("h alone against Bullet, largest relative difference, " + of, worst_bias);
+  relativeFigure("M and h against Bullet, largest relative difference, " + of, worst);
+  relativeFigure("h alone against Bullet, largest relative difference, " + of, worst_bias);
 }
 
 TEST_P(ShippedHand, CoupledAcceleration_StaysOnTheSynergy) {
@@ -243,11 +243,12 @@ TEST_P(ShippedHand, CoupledAcceleration_StaysOnTheSynergy) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Config, ShippedHand,
-                         testing::Values(Shipped{"lambda-pride.toml", "adult-median-right.toml"},
-                                         Shipped{"lambda-pride.toml", "adult-median-left.toml"},
-                                         Shipped{"wrist-9axis.toml", "adult-median-right.toml"},
-                                         Shipped{"desktop-3axis.toml", "woman-p05-right.toml"}));
+INSTANTIATE_TEST_SUITE_P(
+    Config, ShippedHand,
+    testing::Values(DeviceAndHand{"lambda-pride.toml", "adult-median-right.toml"},
+                    DeviceAndHand{"lambda-pride.toml", "adult-median-left.toml"},
+                    DeviceAndHand{"wrist-9axis.toml", "adult-median-right.toml"},
+                    DeviceAndHand{"desktop-3axis.toml", "woman-p05-right.toml"}));
 
 }  // namespace
 }  // namespace wholehand::test

@@ -11,11 +11,6 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kReach = 0, kSqueeze = 1, kPouring = 2, kLetGo = 3, kDrinkDone = 4, kLevelDone = 5,
-                 kDrawBack = 6;  // values of "stage"
-
-const std::string kFree = config("exercises/cocktail-bar-free.toml");
-
 /// Holds the target and squeezes until `volume_l` of the step is in the glass, then lets go.
 void pour(BarTable& bar, double volume_l, double felt_n = 2.0) {
   bar.runUntil("stage", kReach);

@@ -4,9 +4,6 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kReach = 0, kDrawBack = 6;  // values of "stage"
-
-const std::string kFree = config("exercises/cocktail-bar-free.toml");
 const Eigen::Vector3d kLemonHome(0.119, -0.023, 0.004), kCherryHome(0.119, 0.105, 0.004);
 
 BodyState& lemon(BarTable& bar) {

@@ -21,6 +21,12 @@ inline std::string config(const std::string& name) {
   return std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + name;
 }
 
+/// Values of "stage".
+inline constexpr double kReach = 0, kSqueeze = 1, kPouring = 2, kLetGo = 3, kDrinkDone = 4,
+                        kLevelDone = 5, kDrawBack = 6;
+
+inline const std::string kFree = config("exercises/cocktail-bar-free.toml");
+
 inline const DeviceModel& shippedDevice() {
   static const DeviceModel device = loadDeviceFile(config("devices/lambda-pride.toml")).value();
   return device;

@@ -1,5 +1,6 @@
 #include "exercise/finger_walls.hpp"
 
+#include "support/constants.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -14,8 +15,6 @@ namespace wholehand::test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPeriod_s = 1e-3;
 
 /// One finger axis with a lever arm of 8 cm.
 FingerWallConfig oneFinger() {

@@ -4,14 +4,11 @@
 
 #include "exercise/bar_table.hpp"
 #include "exercise/hand_posture.hpp"
+#include "support/constants.hpp"
 #include "support/tolerance.hpp"
-
-#include <numbers>
 
 namespace wholehand::test {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180.0;
 
 const HandModel& hand(Side side) {
   static const HandModel left =

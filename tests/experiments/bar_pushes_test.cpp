@@ -2,6 +2,7 @@
 #include "core/sanitized.hpp"
 #include "experiments/bar_figures.hpp"
 #include "patient/scripted_player.hpp"
+#include "support/constants.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -20,7 +20,6 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr int kFingers = 3, kTurn = 4, kThumb = 5;  // axes of lambda-pride, after x, y, z
 
 enum class How {

@@ -15,24 +15,24 @@ namespace {
 
 namespace at = exercise_times;
 
-ModelFiles barFiles() {
+ModelFiles firstLevelFiles() {
   ModelFiles files = shippedFiles();
   files.scene.clear();
   files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
   return files;
 }
 
-const ExerciseResult& shipped() {
+const ExerciseResult& playedByScript() {
   static const ExerciseResult result = [] {
     ExercisePlan plan;
-    plan.files = barFiles();
+    plan.files = firstLevelFiles();
     return orThrow(runExercise(plan));
   }();
   return result;
 }
 
 TEST(Exercise, Phases_AreInOrderAndWhereTheScriptMeansThem) {
-  const ExerciseResult& r = shipped();
+  const ExerciseResult& r = playedByScript();
   ASSERT_EQ(r.phases.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_LT(r.phases[i].start_s, r.phases[i].end_s) << r.phases[i].name;
@@ -52,7 +52,7 @@ TEST(Exercise, Phases_AreInOrderAndWhereTheScriptMeansThem) {
 }
 
 TEST(Exercise, Completed_ServesTheDrinkWithoutLosingAnything) {
-  const ExerciseResult& r = shipped();
+  const ExerciseResult& r = playedByScript();
   EXPECT_TRUE(r.completed);
   EXPECT_FALSE(r.faulted);
   EXPECT_NEAR(r.poured_l, r.asked_l, r.tolerance_l);
@@ -63,7 +63,7 @@ TEST(Exercise, Completed_ServesTheDrinkWithoutLosingAnything) {
 
 /// Algorithm 1: the bump raises φ to 1, then it fades as e^{-t/τ} (τ = decay_s of the gains).
 TEST(Exercise, HardBump_FillsPhiWhichThenFadesExponentially) {
-  const ExerciseResult& r = shipped();
+  const ExerciseResult& r = playedByScript();
   ASSERT_FALSE(r.phases.empty());
   const int fingers = 3;
   ASSERT_EQ(r.axis_names[fingers], "finger_flexion");
@@ -94,7 +94,7 @@ TEST(Exercise, HardBump_FillsPhiWhichThenFadesExponentially) {
 }
 
 TEST(Exercise, Wall_NeverPullsAndIsFadedInAndOutWhole) {
-  const ExerciseResult& r = shipped();
+  const ExerciseResult& r = playedByScript();
   EXPECT_EQ(r.wall_pull_max_n, 0.0);  // Eq. (15), its sign mended
   EXPECT_GT(r.wall_push_max_n, 0.3);  // and it is there
   EXPECT_EQ(r.alpha_max, 1.0);
@@ -114,7 +114,7 @@ TEST(Exercise, SeedsDrawn_AreCompletedToo) {
   auto random = seededRandom(71);
   for (int i = 0; i < cases(2); ++i) {
     ExercisePlan plan;
-    plan.files = barFiles();
+    plan.files = firstLevelFiles();
     plan.seed = random() % 1'000'000;
     const ExerciseResult r = orThrow(runExercise(plan));
     EXPECT_TRUE(r.completed) << "seed " << plan.seed << ", poured " << r.poured_l;
@@ -123,7 +123,7 @@ TEST(Exercise, SeedsDrawn_AreCompletedToo) {
 
 TEST(Exercise, WithoutDispensersOrFingers_IsRefused) {
   ExercisePlan plan;
-  plan.files = barFiles();
+  plan.files = firstLevelFiles();
   plan.files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/free-grasping.toml";
   const auto none = runExercise(plan);
   ASSERT_FALSE(none.ok());

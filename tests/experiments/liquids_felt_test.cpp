@@ -3,6 +3,7 @@
 #include "exercise/finger_walls.hpp"
 #include "model/temp_folder.hpp"
 #include "patient/scripted_player.hpp"
+#include "support/constants.hpp"
 #include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
 
@@ -12,16 +13,14 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 #include <string>
 #include <vector>
 
 namespace wholehand::test {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
-constexpr int kFingers = 3, kTurn = 4, kThumb = 5;  // axes of lambda-pride, after x, y, z
-const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
+constexpr int kFingerAxis = 3, kTurnAxis = 4,
+              kThumbAxis = 5;  // axes of lambda-pride, after x, y, z
 
 struct Liquid {
   std::string name;
@@ -78,7 +77,8 @@ Squeeze squeeze(Models models, int axis, double speed_m_s) {
   const double lever_m = device.lever_arm_m;
   const auto pose = [&](double x, double y, double fingers, double turn, double thumb) {
     AxisPosition q(6);
-    q[0] = x, q[1] = y, q[2] = 0.0, q[kFingers] = fingers, q[kTurn] = turn, q[kThumb] = thumb;
+    q[0] = x, q[1] = y, q[2] = 0.0, q[kFingerAxis] = fingers, q[kTurnAxis] = turn,
+    q[kThumbAxis] = thumb;
     return q;
   };
   // A power grasp of an upright cylinder: its axis 49 mm before, 41 mm beside the hand's base.
@@ -86,7 +86,7 @@ Squeeze squeeze(Models models, int axis, double speed_m_s) {
   const AxisPosition back = pose(-0.08, y - 0.024, 0.2, 0.1, 0.0);
   const AxisPosition beside = pose(x, y - 0.024, 0.2, 0.1, 0.0);
   const AxisPosition open = pose(x, y, 50.0 * kDeg, 20.0 * kDeg, 0.0);
-  const double most = axis == kFingers ? 170.0 * kDeg : 70.0 * kDeg;
+  const double most = axis == kFingerAxis ? 170.0 * kDeg : 70.0 * kDeg;
   const double from_s = 4.0;
   auto player = std::make_shared<ScriptedPlayer>(
       Intention::throughWaypoints({{0.0, back}, {0.8, beside}, {1.6, open}, {from_s, open}}));
@@ -161,7 +161,7 @@ Total feel(const Liquid& liquid, int axis, const TempFolder& folder) {
 /// Their damping does not differ by 1.35 (1.34, Jones 1997), and nothing claims that it does.
 TEST(Liquids, FeltInTotal_NeighboursDifferInStiffness) {
   const TempFolder folder;
-  for (const int axis : {kFingers, kThumb}) {
+  for (const int axis : {kFingerAxis, kThumbAxis}) {
     Total before;
     for (const Liquid& liquid : shippedLiquids()) {
       const Total now = feel(liquid, axis, folder);

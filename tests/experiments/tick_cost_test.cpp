@@ -118,8 +118,8 @@ class Squeezing {
 /// What the first test measures on a machine that does nothing else. With other programs beside it
 /// the reads of the calibration lose their caches, and the share falls to 0.41.
 constexpr double kUsual = 0.61;
-constexpr int kTicks = 9000;  // one grip, squeeze and release
-constexpr int kBlock = 50;    // ticks before the next one's turn
+constexpr int kGripTicks = 9000;  // one grip, squeeze and release
+constexpr int kBlock = 50;        // ticks before the next one's turn
 
 /// Least over three runs of what each costs, all of them in turns: whoever disturbs disturbs all.
 template <std::size_t kCount>
@@ -135,24 +135,24 @@ std::array<double, kCount> costs_ns(const std::array<Without, kCount>& variants,
     for (const Without& w : variants) hands.push_back(std::make_unique<Squeezing>(w));
     std::array<double, kCount> cost{};
     double calibrated = 0.0;
-    for (int k = 0; k < kTicks; k += kBlock) {
+    for (int k = 0; k < kGripTicks; k += kBlock) {
       const std::int64_t begin_ns = threadCpuNow_ns();
       for (int i = 0; i < 10; ++i) sink += calibration.run();
       calibrated += static_cast<double>(threadCpuNow_ns() - begin_ns) / 10.0;
       for (std::size_t v = 0; v < kCount; ++v) cost[v] += hands[v]->run_ns(kBlock) / kBlock;
     }
-    constexpr double kBlocks = static_cast<double>(kTicks) / kBlock;
+    constexpr double kBlocks = static_cast<double>(kGripTicks) / kBlock;
     *calibration_ns = std::min(*calibration_ns, calibrated / kBlocks);
     for (std::size_t v = 0; v < kCount; ++v) {
       least[v] = std::min(least[v], cost[v] / kBlocks);
-      EXPECT_GT(hands[v]->touching(), kTicks / 3);
+      EXPECT_GT(hands[v]->touching(), kGripTicks / 3);
     }
   }
   EXPECT_GT(sink, 0.0);
   return least;
 }
 
-TEST(TickCost, OfSqueezingInTheBar_IsTheUsualShareOfTheCalibration) {
+TEST(TickCost, OfSqueezingInTheBar_IsTheUsualShareOfTheCalibration_slow) {
   if (WHOLEHAND_SANITIZED) GTEST_SKIP() << "a sanitizer takes its own time";
 #ifndef NDEBUG
   GTEST_SKIP() << "what costs how much of the calibration is a matter of optimisation";
@@ -166,7 +166,7 @@ TEST(TickCost, OfSqueezingInTheBar_IsTheUsualShareOfTheCalibration) {
   EXPECT_LE(cost / calibration_ns, 1.25 * kUsual);
 }
 
-TEST(TickCost, OfOneSpringSelfContactsAndTank_IsATenthOfTheTickAtMost) {
+TEST(TickCost, OfOneSpringSelfContactsAndTank_IsATenthOfTheTickAtMost_slow) {
   if (WHOLEHAND_SANITIZED) GTEST_SKIP() << "a sanitizer takes its own time";
   const DenormalsFlushed flushed;
   double calibration_ns = 0.0;

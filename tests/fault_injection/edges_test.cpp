@@ -9,11 +9,6 @@
 namespace wholehand::test {
 namespace {
 
-const Workbench& workbench() {
-  static const Workbench bench("lambda-pride");
-  return bench;
-}
-
 /// The reading is off from the first tick on, not yet when it is armed.
 Sabotage movedBy(int axis, double way) {
   Sabotage out;

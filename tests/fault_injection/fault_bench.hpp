@@ -44,6 +44,11 @@ struct Workbench {
   std::unique_ptr<Rig> rig;
 };
 
+inline const Workbench& workbench() {
+  static const Workbench bench("lambda-pride");
+  return bench;
+}
+
 /// Off every stop, so that a stuck encoder can be told from a hand that rests at one.
 inline AxisPosition inside(const DeviceModel& device) {
   AxisPosition q(device.axisCount());

@@ -9,11 +9,6 @@ namespace {
 
 constexpr int kRuns = 6;
 
-const Workbench& workbench() {
-  static const Workbench bench("lambda-pride");
-  return bench;
-}
-
 Sabotage pushing(Push push, int at, int axis) {
   Sabotage out;
   out.push = push;

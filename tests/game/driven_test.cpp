@@ -5,7 +5,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kMostForce_n = 5.0;
+constexpr double kDrivenForce_n = 5.0;
 
 /// What a driven body did to the hand.
 struct Push {
@@ -55,7 +55,7 @@ Push pushAcross(std::mt19937_64& random) {
       out.energy_j += 1e-3 * c.force_n.eigen().dot(body.velocity_m_s.eigen() +
                                                    body.angular_velocity_rad_s.eigen().cross(arm));
     }
-    above_s = force.norm() > 1.1 * kMostForce_n ? above_s + 1e-3 : 0.0;
+    above_s = force.norm() > 1.1 * kDrivenForce_n ? above_s + 1e-3 : 0.0;
     if (force.norm() > 0.0) ++out.touching;
     out.longest_above_s = std::max(out.longest_above_s, above_s);
     if (above_s == 0.0) out.largest_n = std::max(out.largest_n, force.norm());
@@ -73,9 +73,9 @@ TEST(DrivenBodies, AgainstTheHand_PushWithABoundedForceAndEnergy) {
     SCOPED_TRACE(n);
     const Push push = pushAcross(random);
     EXPECT_LE(push.longest_above_s, tolerance(0.02));
-    EXPECT_LE(push.energy_j, kMostForce_n * push.way_m);
+    EXPECT_LE(push.energy_j, kDrivenForce_n * push.way_m);
     worst.longest_above_s = std::max(worst.longest_above_s, push.longest_above_s);
-    most_share = std::max(most_share, push.energy_j / (kMostForce_n * push.way_m));
+    most_share = std::max(most_share, push.energy_j / (kDrivenForce_n * push.way_m));
     if (push.touching > 0) ++touched;
   }
   figure("longest time above 1.1 F_max", 1e3 * worst.longest_above_s, "ms");

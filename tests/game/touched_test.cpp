@@ -1,22 +1,23 @@
 // The event "touched": one for each touch of the hand by a body, with its impulse.
 #include "game/game_tools.hpp"
+#include "support/constants.hpp"
 
 namespace wholehand::test {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
 constexpr int kStrike = 10;  // ticks over which the impulse is summed
 
 /// Touches told for a slot, with tick and impulse.
-struct Told {
+struct TouchTold {
   std::uint64_t tick = 0;
   double impulse_ns = 0.0;
 };
 
 /// Runs, and collects what was told of a slot.
-std::vector<Told> touchesOf(Game& game, int slot, int ticks, const std::function<void(int)>& each) {
+std::vector<TouchTold> touchesOf(Game& game, int slot, int ticks,
+                                 const std::function<void(int)>& each) {
   const auto& names = game.rig->models.exercise->description().event_names;
-  std::vector<Told> told;
+  std::vector<TouchTold> told;
   for (int k = 0; k < ticks; ++k) {
     each(k);
     game.tick();

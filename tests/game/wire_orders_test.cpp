@@ -57,7 +57,7 @@ struct WireGame : Game {
   GameBodyTracker tracker;
 };
 
-fb::Pose placed(const Eigen::Vector3d& at) {
+fb::Pose placedAt(const Eigen::Vector3d& at) {
   return words::placed(static_cast<float>(at.x()), static_cast<float>(at.y()),
                        static_cast<float>(at.z()));
 }
@@ -71,7 +71,7 @@ TEST(GameOnTheWire, ADrivenBall_IsSolidPressesTheHandAndLetsGo) {
   game.say(prepareBall(++id, 3, 0.03F));
   SpawnWords ball;
   ball.slot = 7, ball.generation = 5, ball.shape_set = 3, ball.owner = fb::BodyOwner::Game;
-  ball.pose = placed(beside);
+  ball.pose = placedAt(beside);
   game.say(spawn(++id, {ball}));
   ASSERT_TRUE(game.becomes(7, "solid", 20));
   ASSERT_EQ(game.bodies().size(), 1U);
@@ -81,7 +81,7 @@ TEST(GameOnTheWire, ADrivenBall_IsSolidPressesTheHandAndLetsGo) {
   EXPECT_EQ(game.bodies()[0].shapes->pieces[0].radius_m, static_cast<double>(0.03F));
   double most_n = 0.0;
   for (int k = 0; k < 2000; ++k) {
-    if (k % 16 == 0) game.say(bodyTargets(++id, {{7, 5, placed(palm)}}));
+    if (k % 16 == 0) game.say(bodyTargets(++id, {{7, 5, placedAt(palm)}}));
     game.tracker.see(game.tick());
     if (k > 1500) most_n = std::max(most_n, game.forceOf(7).norm());
   }

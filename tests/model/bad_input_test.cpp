@@ -4,6 +4,7 @@
 #include "model/rendering_config.hpp"
 #include "model/temp_folder.hpp"
 #include "model/toml/toml_file.hpp"
+#include "support/constants.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
@@ -15,10 +16,8 @@
 #include <string>
 #include <vector>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
-
-const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
 
 std::string readAll(const std::string& path) {
   std::ifstream in(path);
@@ -26,7 +25,7 @@ std::string readAll(const std::string& path) {
 }
 
 /// The shipped file of each kind that the cases below spoil.
-std::string shipped(const std::string& kind) {
+std::string shippedPath(const std::string& kind) {
   if (kind == "device") return kConfig + "devices/lambda-pride.toml";
   if (kind == "rendering") return kConfig + "rendering/lambda-pride.toml";
   if (kind == "patient") return kConfig + "patients/relaxed-adult.toml";
@@ -39,14 +38,14 @@ Diagnostics faultsOf(const std::string& kind, const std::string& path) {
   };
   if (kind == "device") return faults(loadDeviceFile(path));
   if (kind == "hand") return faults(loadHandFile(path));
-  const DeviceModel device = loadDeviceFile(shipped("device")).value();
+  const DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   if (kind == "rendering") return faults(loadRenderingFile(path, device));
   return faults(loadPatientFile(path, device));
 }
 
 /// The shipped text with the first `find` replaced.
 std::string spoil(const std::string& kind, const std::string& find, const std::string& replace) {
-  std::string text = readAll(shipped(kind));
+  std::string text = readAll(shippedPath(kind));
   const std::size_t at = text.find(find);
   EXPECT_NE(at, std::string::npos) << "the shipped " << kind << " file has no: " << find;
   if (at != std::string::npos) text.replace(at, find.size(), replace);
@@ -61,7 +60,7 @@ int lineOf(const std::string& text, const std::string& what) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
 }
 
-struct Case {
+struct FileMistake {
   std::string kind;     ///< of the file
   std::string find;     ///< in the shipped file ...
   std::string replace;  ///< ... becomes this
@@ -71,9 +70,9 @@ struct Case {
   std::string remedy;   ///< expected in the remedy
 };
 
-void expectFault(const Case& c) {
+void expectFault(const FileMistake& c) {
   SCOPED_TRACE(c.kind + ": " + c.find + " -> " + c.replace);
-  const test::TempFolder folder;
+  const TempFolder folder;
   const std::string text = spoil(c.kind, c.find, c.replace);
   const std::string path = folder.write("spoiled.toml", text);
   const Diagnostics faults = faultsOf(c.kind, path);
@@ -89,7 +88,7 @@ void expectFault(const Case& c) {
 }
 
 TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
-  const std::vector<Case> cases = {
+  const std::vector<FileMistake> cases = {
       {"device", "mass_kg = 0.8\n", "", "[[axes]]", "axes[x].mass_kg", "is missing", "(0, 100] kg"},
       {"device", "mass_kg = 0.8", "mas_kg = 0.8", "mas_kg", "axes[x].mas_kg", "unknown",
        "did you mean mass_kg?"},
@@ -168,7 +167,7 @@ TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
       {"device", "name = \"lambda-pride\"", "name = \"a\"\nname = \"b\"", "name = \"b\"", "",
        "is not TOML", "correct"},
   };
-  for (const Case& c : cases) expectFault(c);
+  for (const FileMistake& c : cases) expectFault(c);
 }
 
 std::vector<std::string> keysOf(const Diagnostics& faults) {
@@ -178,9 +177,9 @@ std::vector<std::string> keysOf(const Diagnostics& faults) {
 }
 
 TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
-  const test::TempFolder folder;
+  const TempFolder folder;
   const auto spoilt = [&](const std::string& kind) {
-    std::string text = readAll(shipped("device"));
+    std::string text = readAll(shippedPath("device"));
     const std::size_t axis =
         text.find(kind == "translation" ? "name = \"x\"" : "name = \"thumb_flexion\"");
     const auto replace = [&](const std::string& find, const std::string& with) {
@@ -204,7 +203,7 @@ TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
 }
 
 TEST(BadInput, GainsPatientAndHand_OneMistakeOneMessageWithPlaceAndRemedy) {
-  const std::vector<Case> cases = {
+  const std::vector<FileMistake> cases = {
       {"rendering", "k_pm_n_m = 1000.0", "k_pm_nm_rad = 1000.0", "k_pm_nm_rad",
        "axes[x].k_pm_nm_rad", "translation", "k_pm_n_m"},
       {"rendering", "k_pm_n_m = 1000.0\n", "", "", "axes[x].k_pm_n_m", "is missing", "N/m"},
@@ -244,11 +243,11 @@ TEST(BadInput, GainsPatientAndHand_OneMistakeOneMessageWithPlaceAndRemedy) {
       {"hand", "finger_flexion_rad =", "finger_flexion =", "finger_flexion =",
        "reference.finger_flexion", "has no unit", "finger_flexion_rad"},
   };
-  for (const Case& c : cases) expectFault(c);
+  for (const FileMistake& c : cases) expectFault(c);
 }
 
 TEST(BadInput, WrongAxisName_IsOneMessageWithTheNameItStandsFor) {
-  const std::vector<Case> cases = {
+  const std::vector<FileMistake> cases = {
       // Near in spelling; another word, but the only axis without gains; nothing left to stand for.
       {"rendering", "name = \"thumb_flexion\"", "name = \"thumb_flexon\"", "\"thumb_flexon\"",
        "axes[thumb_flexon].name", "is not an axis of the device", "did you mean thumb_flexion?"},
@@ -262,16 +261,16 @@ TEST(BadInput, WrongAxisName_IsOneMessageWithTheNameItStandsFor) {
       {"patient", "name = \"x\"", "name = \"elbow\"", "\"elbow\"", "axes[elbow].name",
        "is neither an axis of the device", ""},
   };
-  for (const Case& c : cases) expectFault(c);
+  for (const FileMistake& c : cases) expectFault(c);
 }
 
 TEST(BadInput, AxesWithoutGains_AreNamedInOneMessageWithoutTheTables) {
-  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   for (const char* name : {"roll", "pitch"}) {
     device.axes.push_back(device.axes.front());
     device.axes.back().name = name;
   }
-  const Diagnostics faults = loadRenderingFile(shipped("rendering"), device).errors();
+  const Diagnostics faults = loadRenderingFile(shippedPath("rendering"), device).errors();
   ASSERT_EQ(faults.size(), 1U) << format(faults);
   EXPECT_EQ(faults.front().value, "");  // not the text of all [[axes]]
   EXPECT_NE(faults.front().problem.find("have no gains for roll and pitch"), std::string::npos)
@@ -279,11 +278,11 @@ TEST(BadInput, AxesWithoutGains_AreNamedInOneMessageWithoutTheTables) {
 }
 
 TEST(BadInput, PatientOfAnotherDevice_KnownAxesAreIgnoredButChecked) {
-  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   std::erase_if(device.axes, [](const DeviceAxis& axis) { return axis.name == "thumb_flexion"; });
-  EXPECT_TRUE(loadPatientFile(shipped("patient"), device).ok());
+  EXPECT_TRUE(loadPatientFile(shippedPath("patient"), device).ok());
   device.axes.back().name = "index_flexion";  // a device's own name is known to its own patients
-  const test::TempFolder folder;
+  const TempFolder folder;
   const std::string path = folder.write(
       "p.toml", spoil("patient", "name = \"thumb_flexion\"", "name = \"index_flexion\""));
   EXPECT_TRUE(loadPatientFile(path, device).ok());
@@ -301,7 +300,7 @@ TEST(BadInput, JointName_SuggestionIsOneThatIsNotUsedYet) {
 }
 
 TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBack) {
-  const test::TempFolder folder;
+  const TempFolder folder;
   const std::string path = folder.write(
       "d.toml", spoil("device", "range_m = [-0.085, 0.085]", "range_m = [ 0.165,nan ]"));
   const Diagnostics faults = faultsOf("device", path);
@@ -310,8 +309,8 @@ TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBack) {
 }
 
 TEST(BadInput, ManyMistakes_AreAllReportedInTheOrderOfTheFile) {
-  const test::TempFolder folder;
-  std::string text = readAll(shipped("device"));
+  const TempFolder folder;
+  std::string text = readAll(shippedPath("device"));
   const auto replace = [&](const std::string& find, const std::string& with) {
     text.replace(text.find(find), find.size(), with);
   };
@@ -332,7 +331,7 @@ TEST(BadInput, ManyMistakes_AreAllReportedInTheOrderOfTheFile) {
 }
 
 TEST(BadInput, WhatIsNoFile_IsSaidPlainly) {
-  const test::TempFolder folder;
+  const TempFolder folder;
   const auto message = [](const std::string& path) { return format(faultsOf("device", path)); };
   EXPECT_NE(message(folder.path("none.toml")).find("No such file"), std::string::npos);
   EXPECT_NE(message(folder.path("")).find("is a folder"), std::string::npos);
@@ -346,13 +345,13 @@ TEST(BadInput, WhatIsNoFile_IsSaidPlainly) {
 
 // Whatever a file holds, loading it ends in a value or in messages: it never crashes or throws.
 TEST(BadInput, RandomlySpoiledFiles_LoadOrSayWhy) {
-  const test::TempFolder folder;
-  auto random = test::seededRandom(1);
+  const TempFolder folder;
+  auto random = seededRandom(1);
   const auto pick = [&](std::size_t below) { return random() % below; };
   const std::string bytes = "[]{}=\"'.,#\n-+e019_xnan\x80\xff";
   int refused = 0;
   for (const char* kind : {"device", "rendering", "patient", "hand"}) {
-    const std::string good = readAll(shipped(kind));
+    const std::string good = readAll(shippedPath(kind));
     for (int round = 0; round < 60; ++round) {
       std::string text = good;
       for (std::size_t n = 1 + pick(3); n > 0; --n) {
@@ -377,7 +376,7 @@ TEST(BadInput, RandomlySpoiledFiles_LoadOrSayWhy) {
 }
 
 TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndGoesOn) {
-  const test::TempFolder folder;
+  const TempFolder folder;
   const Diagnostics faults = faultsOf("device", folder.write("d.toml", "name = \"d\"\n"));
   const std::string text = format(faults);
   for (const char* key : {"kind", "version", "output_delay_ticks", "mount", "axes"}) {
@@ -390,7 +389,7 @@ TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndGoesOn) {
 
 TEST(BadInput, SelfContacts_OneMistakeOneMessageWithPlaceAndRemedy) {
   const std::string at = "index_distal = [";
-  const std::vector<Case> cases = {
+  const std::vector<FileMistake> cases = {
       {"hand", at, "index_distl = [", "index_distl = [", "self_contacts.index_distl",
        "not a capsule of a hand", "did you mean index_distal?"},
       {"hand", "\"pad_radial\"", "\"pad_radical\"", at, "self_contacts.index_distal",
@@ -410,13 +409,13 @@ TEST(BadInput, SelfContacts_OneMistakeOneMessageWithPlaceAndRemedy) {
        "self_contacts.index_middle", "index_proximal: overlaps index_middle by",
        "remove index_proximal from index_middle"},
   };
-  for (const Case& c : cases) expectFault(c);
+  for (const FileMistake& c : cases) expectFault(c);
 }
 
 TEST(BadInput, SelfContactsThatOverlapWithADevice_AreNamed) {
   // A device that keeps the hand shut at its reference: there the thumb lies within the fingers.
-  const HandFile hand = loadHandFile(shipped("hand")).value();
-  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  const HandFile hand = loadHandFile(shippedPath("hand")).value();
+  DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   device.axes[3].lower = 2.9;
   device.axes[4].lower = 1.5;
   device.axes[5].lower = 1.3;
@@ -432,7 +431,7 @@ TEST(BadInput, SelfContactsThatOverlapWithADevice_AreNamed) {
 
 TEST(BadInput, ManyPairsThatCannotBe_AreListedUpToTwentyAndCounted) {
   // The palm's nine capsules are of one rigid link: 21 pairs of them, and one more.
-  const test::TempFolder folder;
+  const TempFolder folder;
   const std::string pairs =
       "[self_contacts]\n"
       "pad_radial = [\"pad_ulnar\", \"hollow\", \"thenar\", \"hypothenar\", \"metacarpal_2\", "
@@ -442,7 +441,7 @@ TEST(BadInput, ManyPairsThatCannotBe_AreListedUpToTwentyAndCounted) {
       "hollow = [\"thenar\", \"hypothenar\", \"metacarpal_2\", \"metacarpal_3\", \"metacarpal_4\", "
       "\"metacarpal_5\"]\n"
       "thenar = [\"hypothenar\"]\n";
-  std::string text = readAll(shipped("hand"));
+  std::string text = readAll(shippedPath("hand"));
   text.replace(text.find("[self_contacts]\n"), std::string("[self_contacts]\n").size(), pairs);
   const std::string path = folder.write("h.toml", text);
   const Diagnostics faults = faultsOf("hand", path);
@@ -453,9 +452,9 @@ TEST(BadInput, ManyPairsThatCannotBe_AreListedUpToTwentyAndCounted) {
 
 TEST(BadInput, SelfContactsThatOverlapWithADevice_AreListedUpToTwentyAndCounted) {
   // A pair that overlaps where the device keeps the hand as shut as its ranges allow.
-  HandFile hand = loadHandFile(shipped("hand")).value();
+  HandFile hand = loadHandFile(shippedPath("hand")).value();
   hand.self_contacts.assign(23, {"thumb_distal", "middle_middle", 1});
-  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   for (int axis = 3; axis < 6; ++axis) device.axes[axis].lower = device.axes[axis].upper;
   const auto assembled = assembleHand(hand, device);
   ASSERT_FALSE(assembled.ok());
@@ -464,15 +463,15 @@ TEST(BadInput, SelfContactsThatOverlapWithADevice_AreListedUpToTwentyAndCounted)
 }
 
 TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
-  const HandFile hand = loadHandFile(shipped("hand")).value();
-  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  const HandFile hand = loadHandFile(shippedPath("hand")).value();
+  DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   device.axes[3].name = "finger_spread";
   auto assembled = assembleHand(hand, device);
   ASSERT_FALSE(assembled.ok());
   EXPECT_EQ(assembled.errors().front().key, "axes[finger_spread]");
   EXPECT_NE(format(assembled.errors()).find("drives nothing"), std::string::npos);
 
-  device = loadDeviceFile(shipped("device")).value();
+  device = loadDeviceFile(shippedPath("device")).value();
   device.axes[3].upper = 6.0;  // 6 rad * 0.375 is beyond the 90 degrees of a knuckle
   assembled = assembleHand(hand, device);
   ASSERT_FALSE(assembled.ok());
@@ -481,7 +480,7 @@ TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
 
   HandFile stranger = hand;
   stranger.synergy.push_back({"tail_flexion", "finger_flexion", 1.0});
-  assembled = assembleHand(stranger, loadDeviceFile(shipped("device")).value());
+  assembled = assembleHand(stranger, loadDeviceFile(shippedPath("device")).value());
   ASSERT_FALSE(assembled.ok());
   EXPECT_EQ(assembled.errors().front().key, "synergy.finger_flexion.tail_flexion");
 }
@@ -494,4 +493,4 @@ TEST(NearestWord, Misspelling_FindsTheWordAndNothingForAStranger) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

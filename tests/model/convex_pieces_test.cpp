@@ -16,7 +16,7 @@
 #include <string>
 #include <utility>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 using Eigen::Vector3d;
@@ -36,7 +36,7 @@ ConvexPieces piecesOf(const MeshSurface& mesh, double concavity_m, int most_piec
   return std::move(*pieces);
 }
 
-std::string problemOf(const MeshSurface& mesh) {
+std::string solidProblemOf(const MeshSurface& mesh) {
   const auto solid = closedSurface(mesh.points, mesh.triangles);
   EXPECT_FALSE(solid);
   if (solid) return "";
@@ -45,7 +45,7 @@ std::string problemOf(const MeshSurface& mesh) {
 }
 
 MeshSurface cube(double edge_m) {
-  return test::prism({{0, 0}, {edge_m, 0}, {edge_m, edge_m}, {0, edge_m}}, edge_m);
+  return prism({{0, 0}, {edge_m, 0}, {edge_m, edge_m}, {0, edge_m}}, edge_m);
 }
 
 /// Every piece is what a scene takes as it is: convexMesh() checks every vertex against every face
@@ -70,7 +70,7 @@ void expectConvex(const ConvexPieces& result, std::size_t most_vertices) {
 }
 
 TEST(ConvexPieces, AnL_IsTwoBoxes) {
-  const ConvexPieces l = piecesOf(test::lShape(), 1e-3);
+  const ConvexPieces l = piecesOf(lShape(), 1e-3);
   ASSERT_EQ(l.pieces.size(), 2U);
   expectConvex(l, 8);
   // 60 x 20 x 20 mm and 20 x 40 x 20 mm; floats have 24 bits.
@@ -81,7 +81,7 @@ TEST(ConvexPieces, AnL_IsTwoBoxes) {
 }
 
 TEST(ConvexPieces, AnLTurnedInSpace_IsTwoBoxes) {
-  MeshSurface turned = test::lShape();
+  MeshSurface turned = lShape();
   const Eigen::Quaterniond q = Eigen::Quaterniond(0.4, -0.3, 0.7, 0.5).normalized();
   for (Vector3d& p : turned.points) p = q * p + Vector3d(0.3, -0.2, 0.1);
   const ConvexPieces l = piecesOf(turned, 1e-3);
@@ -99,7 +99,7 @@ TEST(ConvexPieces, AConvexMesh_StaysOnePiece) {
 
 TEST(ConvexPieces, ATorus_HasItsVolume) {
   constexpr double kRing_m = 0.04, kTube_m = 0.012;
-  const MeshSurface mesh = test::torus(kRing_m, kTube_m, 32, 16);
+  const MeshSurface mesh = torus(kRing_m, kTube_m, 32, 16);
   const ConvexPieces ring = piecesOf(mesh, 1.5e-3);
   expectConvex(ring, 64);
   EXPECT_LE(ring.pieces.size(), 16U);
@@ -117,7 +117,7 @@ TEST(ConvexPieces, ATorus_HasItsVolume) {
 }
 
 TEST(ConvexPieces, ACup_CanBeEntered) {
-  const MeshSurface mesh = test::cup(24);
+  const MeshSurface mesh = cup(24);
   const ConvexPieces cup = piecesOf(mesh, 1.4e-3);
   expectConvex(cup, 64);
   EXPECT_LT(cup.missing_m,
@@ -136,7 +136,7 @@ TEST(ConvexPieces, ACup_CanBeEntered) {
 }
 
 TEST(ConvexPieces, LargerConcavityAndFewerPieces_AreObeyed) {
-  const MeshSurface mesh = test::torus(0.04, 0.012, 16, 8);
+  const MeshSurface mesh = torus(0.04, 0.012, 16, 8);
   EXPECT_EQ(piecesOf(mesh, 1.0).pieces.size(), 1U);
   EXPECT_EQ(piecesOf(mesh, 1e-3, 1).pieces.size(), 1U);
   const ConvexPieces four = piecesOf(mesh, 1e-4, 4, 12);
@@ -146,7 +146,7 @@ TEST(ConvexPieces, LargerConcavityAndFewerPieces_AreObeyed) {
 }
 
 TEST(ConvexPieces, SameInput_SameBits) {
-  const MeshSurface mesh = test::cup(12);
+  const MeshSurface mesh = cup(12);
   const ConvexPieces a = piecesOf(mesh, 2e-3), b = piecesOf(mesh, 2e-3);
   ASSERT_EQ(a.pieces.size(), b.pieces.size());
   for (std::size_t i = 0; i < a.pieces.size(); ++i) {
@@ -177,21 +177,21 @@ TEST(ClosedSurface, BadMeshes_AreRefused) {
   MeshSurface open = cube(0.1), both = cube(0.1), nan = cube(0.1), flat = cube(0.1),
               many = cube(0.1);
   open.triangles.pop_back();
-  EXPECT_NE(problemOf(open).find("not closed"), std::string::npos);
+  EXPECT_NE(solidProblemOf(open).find("not closed"), std::string::npos);
   std::swap(both.triangles[0][1], both.triangles[0][2]);
-  EXPECT_NE(problemOf(both).find("wound both ways"), std::string::npos);
+  EXPECT_NE(solidProblemOf(both).find("wound both ways"), std::string::npos);
   nan.points[3].y() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(problemOf(nan).find("not finite"), std::string::npos);
+  EXPECT_NE(solidProblemOf(nan).find("not finite"), std::string::npos);
   for (Vector3d& p : flat.points) p.z() *= 1e-7;
-  EXPECT_FALSE(problemOf(flat).empty());
+  EXPECT_FALSE(solidProblemOf(flat).empty());
   many.triangles.resize(kMaxSolidTriangles + 1, many.triangles[0]);
-  EXPECT_NE(problemOf(many).find("20001 triangles"), std::string::npos);
-  EXPECT_NE(problemOf(cube(1e-5)).find("across"), std::string::npos);
-  EXPECT_NE(problemOf({}).find("empty"), std::string::npos);
+  EXPECT_NE(solidProblemOf(many).find("20001 triangles"), std::string::npos);
+  EXPECT_NE(solidProblemOf(cube(1e-5)).find("across"), std::string::npos);
+  EXPECT_NE(solidProblemOf({}).find("empty"), std::string::npos);
 }
 
 TEST(SolidCut, BothSides_AddUpToTheWhole) {
-  const ClosedSurface solid = solidOf(test::torus(0.04, 0.012, 24, 12));
+  const ClosedSurface solid = solidOf(torus(0.04, 0.012, 24, 12));
   std::vector<Facet> facets;
   for (const Vector3i& t : solid.surface.triangles) {
     const auto& p = solid.surface.points;
@@ -245,4 +245,4 @@ TEST(ReducedHull, OfABall_KeepsTheBound) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -1,6 +1,7 @@
 #include "model/hand/anthropometry.hpp"
 #include "model/hand/hand_file.hpp"
 #include "model/hand/hand_mass.hpp"
+#include "model/shipped_models.hpp"
 #include "temp_folder.hpp"
 
 #include <Eigen/Geometry>
@@ -9,36 +10,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using test::TempFolder;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kMm = 1e-3;
-const std::vector<std::string> kSizes = {"adult-median", "woman-p05", "woman-p50", "woman-p95",
-                                         "man-p05",      "man-p50",   "man-p95"};
-const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
 
-DeviceModel device(const std::string& name) {
-  return loadDeviceFile(kConfig + "devices/" + name + ".toml").value();
-}
-HandFile handFile(const std::string& name) {
-  return loadHandFile(kConfig + "hands/" + name + ".toml").value();
-}
 HandModel hand(const std::string& name, const DeviceModel& on) {
   auto assembled = assembleHand(handFile(name), on);
   if (!assembled) ADD_FAILURE() << format(assembled.errors());
   return std::move(assembled).value();
 }
 HandModel medianHand() {
-  return hand("adult-median-right", device("lambda-pride"));
+  return hand("adult-median-right", deviceNamed("lambda-pride"));
 }
 
 /// Forward kinematics straight from the definition of HandLink.
@@ -221,7 +210,7 @@ TEST(Hand, Handshake_HasTheThumbUpAndTheBackToTheRight) {
 }
 
 TEST(Hand, Wrist_TurnsInSeriesAboutTheHandsOwnAxes) {
-  const HandModel model = hand("adult-median-right", device("wrist-9axis"));
+  const HandModel model = hand("adult-median-right", deviceNamed("wrist-9axis"));
   AxisPosition q(9);
   const double roll = 0.3, pitch = -0.2, yaw = 0.25;
   q[3] = roll, q[4] = pitch, q[5] = yaw;
@@ -236,10 +225,10 @@ TEST(Hand, Wrist_TurnsInSeriesAboutTheHandsOwnAxes) {
 
 TEST(Hand, LeftHandOfEverySize_IsTheMirrorImageInEveryPosture) {
   const std::array<const char*, 3> devices = {"lambda-pride", "wrist-9axis", "desktop-3axis"};
-  for (std::size_t k = 0; k < 3 * kSizes.size(); ++k) {
-    const std::string size = kSizes[k / 3], name = devices[k % 3];
+  for (std::size_t k = 0; k < 3 * kHandSizes.size(); ++k) {
+    const std::string size = kHandSizes[k / 3], name = devices[k % 3];
     SCOPED_TRACE(size + " on " + name);
-    const DeviceModel on = device(name);
+    const DeviceModel on = deviceNamed(name);
     const HandModel right = hand(size + "-right", on);
     const HandModel left = hand(size + "-left", on);
     EXPECT_EQ(left.side, Side::kLeft);
@@ -307,7 +296,7 @@ TEST(MirroredHand, WrongFile_IsRefusedByKeyAndValue) {
 }
 
 TEST(Hand, JointsThatNoAxisDrives_AreLockedAtRest) {
-  const HandModel model = hand("adult-median-right", device("desktop-3axis"));
+  const HandModel model = hand("adult-median-right", deviceNamed("desktop-3axis"));
   EXPECT_EQ(model.joint_count, 3);
   const auto poses = linkPoses(model, AxisPosition(3));
   const HandFile file = handFile("adult-median-right");
@@ -322,7 +311,7 @@ TEST(Hand, JointsThatNoAxisDrives_AreLockedAtRest) {
 }
 
 TEST(Hand, Glove_NeedsNothingThatCarriesIt) {
-  DeviceModel glove = device("lambda-pride");
+  DeviceModel glove = deviceNamed("lambda-pride");
   glove.axes.erase(glove.axes.begin(), glove.axes.begin() + 3);
   const HandModel model = hand("adult-median-right", glove);
   EXPECT_EQ(model.joint_count, 16);
@@ -335,7 +324,7 @@ TEST(Hand, Glove_NeedsNothingThatCarriesIt) {
 TEST(Hand, EveryHandOnEveryDevice_WeighsWhatItsFileSays) {
   for (const char* on : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
     for (const char* name : {"adult-median-right", "adult-median-left", "woman-p05-right"}) {
-      const HandModel model = hand(name, device(on));
+      const HandModel model = hand(name, deviceNamed(on));
       double total = 0.0;
       for (const HandLink& link : model.links) total += link.mass_kg;
       EXPECT_NEAR(total, 0.25, 1e-15);
@@ -360,7 +349,7 @@ TEST(Hand, Percentiles_GrowInReachAndBreadth) {
     for (const std::string percentile : {"p05", "p50", "p95"}) {
       const std::string name = sex + "-" + percentile + "-right";
       const HandFile file = handFile(name);
-      const HandModel model = hand(name, device("lambda-pride"));
+      const HandModel model = hand(name, deviceNamed("lambda-pride"));
       const auto poses = linkPoses(model, posture(model, 0, 0, 0));
       const Capsule& tip = capsule(model, "middle_distal");
       const double tip_reach = (inPalm(model, poses, tip.link) * tip.b_m).x() + tip.radius_m;
@@ -394,7 +383,7 @@ TEST(Hand, NeighbouringFingers_StaySideBySideFromOpenToFist) {
   for (const char* file : {"adult-median-right", "woman-p05-right", "woman-p50-right",
                            "woman-p95-right", "man-p05-right", "man-p50-right", "man-p95-right"}) {
     SCOPED_TRACE(file);
-    const HandModel model = hand(file, device("lambda-pride"));
+    const HandModel model = hand(file, deviceNamed("lambda-pride"));
     const auto digits = fingers(proportions(handFile(file).length_m, handFile(file).breadth_m));
     for (std::size_t f = 0; f + 1 < names.size(); ++f) {
       // Knuckles are balls of the first phalanges' radii: they must not overlap.
@@ -420,4 +409,4 @@ TEST(Hand, NeighbouringFingers_StaySideBySideFromOpenToFist) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -14,13 +14,11 @@
 #include <filesystem>
 #include <string>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
-using test::TempFolder;
-
 /// A reader of meshes, played by a shell script.
-std::string script(const TempFolder& folder, const std::string& text) {
+std::string shellReader(const TempFolder& folder, const std::string& text) {
   const std::string path = folder.write("reader", "#!/bin/sh\n" + text + "\n");
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   return path;
@@ -35,7 +33,7 @@ TEST(MeshReader, EveryKind_GivesTheSurfaceThatIsReadInThisProcess) {
   const TempFolder folder;
   const std::string reader = meshReaderProgram();
   ASSERT_FALSE(reader.empty()) << "wholehand-read-mesh is not beside this test";
-  for (const auto& [ending, bytes] : test::meshSamples()) {
+  for (const auto& [ending, bytes] : meshSamples()) {
     const std::string path = folder.write("mesh." + ending, bytes);
     const Expected<MeshSurface> mesh = readMeshInChild(reader, path), here = readMeshHere(path);
     ASSERT_TRUE(mesh && here) << ending << format(mesh.errors());
@@ -55,11 +53,11 @@ TEST(MeshReader, FileThatHoldsNone_IsRefusedInTheWordsOfThisProcess) {
 
 TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
   const TempFolder folder;
-  EXPECT_EQ(problemOf(script(folder, "kill -SEGV $$"), "a/mug.dae"),
+  EXPECT_EQ(problemOf(shellReader(folder, "kill -SEGV $$"), "a/mug.dae"),
             "the mesh file a/mug.dae crashed its reader: Segmentation fault");
-  EXPECT_EQ(problemOf(script(folder, "kill -ABRT $$"), "a/mug.dae"),
+  EXPECT_EQ(problemOf(shellReader(folder, "kill -ABRT $$"), "a/mug.dae"),
             "the mesh file a/mug.dae crashed its reader: Aborted");
-  EXPECT_EQ(problemOf(script(folder, "exit 1"), "a/mug.dae"),
+  EXPECT_EQ(problemOf(shellReader(folder, "exit 1"), "a/mug.dae"),
             "the mesh file a/mug.dae made its reader fail, which may use 1 GB of memory");
   EXPECT_EQ(problemOf("/nowhere/reader", "a/mug.dae"),
             "the mesh file a/mug.dae was not read: its reader could not be started: "
@@ -68,7 +66,7 @@ TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
 
 TEST(MeshReader, ThatHandsOverNonsense_IsRefused) {
   const TempFolder folder;
-  EXPECT_EQ(problemOf(script(folder, "echo nonsense"), "a.stl"),
+  EXPECT_EQ(problemOf(shellReader(folder, "echo nonsense"), "a.stl"),
             "the result of the mesh reader is damaged");
 }
 
@@ -84,14 +82,14 @@ TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
 }
 
 TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
-  auto random = test::seededRandom(272);
+  auto random = seededRandom(272);
   const TempFolder folder;
   const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
   int read = 0, died = 0;
-  const auto samples = test::meshSamples();
+  const auto samples = meshSamples();
   for (int i = 0; i < (full ? 10000 : 60); ++i) {
     const auto& [ending, bytes] = samples[static_cast<std::size_t>(i) % samples.size()];
-    const std::string path = folder.write("mesh." + ending, test::mutated(bytes, random));
+    const std::string path = folder.write("mesh." + ending, mutated(bytes, random));
     const Expected<MeshCollider> mesh = loadMeshCollider(path, Eigen::Vector3d::Ones());
     if (mesh) {
       ++read;
@@ -117,4 +115,4 @@ TEST(ConvexMesh, CornersOfNoFace_AreBounded) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -14,11 +14,10 @@
 #include <filesystem>
 #include <string>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 using namespace std::chrono_literals;
-using test::TempFolder;
 
 /// Begins at 0 s; a measurement takes 4 s.
 MeshLoadTime::Clock slowClock() {
@@ -30,7 +29,7 @@ MeshLoadTime::Clock slowClock() {
 }
 
 void writeMesh(const TempFolder& folder, const std::string& name) {
-  for (const auto& [ending, bytes] : test::meshSamples()) {
+  for (const auto& [ending, bytes] : meshSamples()) {
     if (ending == "obj") folder.write(name + ".obj", bytes);
   }
 }
@@ -126,4 +125,4 @@ TEST(MeshLoadTime, ReaderThatDoesNotEnd_IsEndedAtItsLimit) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -11,12 +11,11 @@
 #include <string>
 #include <vector>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 using Eigen::Vector3d;
 using std::numbers::pi;
-using test::TempFolder;
 
 const std::string kHead =
     "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, -9.81]\n";  // 4 lines
@@ -243,4 +242,4 @@ TEST(SceneFile, TooManyBodies_AreRefused) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

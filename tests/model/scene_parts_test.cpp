@@ -14,12 +14,11 @@
 #include <string>
 #include <vector>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 using Eigen::Vector3d;
 using std::numbers::pi;
-using test::TempFolder;
 
 /// A cube of 20 mm as OBJ, with whatever faces; corners 1 .. 8 count x first, then y, then z.
 std::string cubeObj(const std::string& faces) {
@@ -74,7 +73,7 @@ TEST(ConvexMesh, StlWithCornersPerFacet_IsWelded) {
 
 /// The tetrahedron of mesh_samples.hpp, from a file of that kind.
 Expected<MeshCollider> sampleOfKind(const std::string& ending) {
-  const auto samples = test::meshSamples();
+  const auto samples = meshSamples();
   const auto found = std::find_if(samples.begin(), samples.end(),
                                   [&](const auto& sample) { return sample.first == ending; });
   const TempFolder folder;
@@ -355,4 +354,4 @@ TEST(Urdf, LinksInACircle_AreRefused) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -16,13 +16,12 @@
 #include <random>
 #include <vector>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
-using test::capsuleShape;
 
 Shape box(const Vector3d& size_m) {
   Shape s;
@@ -149,7 +148,7 @@ TEST(SignedDistance, KnownPoints_AreExact) {
 // A distance never changes faster than the point moves, and is zero on the surface that its own
 // gradient leads to. The mesh is exact only inside: there the step must end on it, too.
 TEST(SignedDistance, AnyPoint_LeadsToTheSurface) {
-  auto random = test::seededRandom(7);
+  auto random = seededRandom(7);
   std::uniform_real_distribution<double> place(-0.08, 0.08);
   for (const Shape& s : oneOfEach()) {
     for (int i = 0; i < 300; ++i) {
@@ -177,7 +176,7 @@ TEST(Separation, Spheres_IsDistanceLessRadii) {
 }
 
 TEST(Separation, SphereAgainstAnyShape_IsSignedDistanceLessRadius) {
-  auto random = test::seededRandom(11);
+  auto random = seededRandom(11);
   const Shape ball = round(ShapeType::kSphere, 0.01);
   for (const Shape& s : oneOfEach()) {
     for (int i = 0; i < 200; ++i) {
@@ -243,7 +242,7 @@ TEST(Separation, CylinderOnTable_IsItsHeightAboveIt) {
 }
 
 TEST(Separation, MeshBox_EqualsBoxAgainstAnyShape) {
-  auto random = test::seededRandom(3);
+  auto random = seededRandom(3);
   const Shape exact = box({0.04, 0.06, 0.02}), mesh = boxMesh({0.04, 0.06, 0.02});
   for (const Shape& s : oneOfEach()) {
     for (int i = 0; i < 100; ++i) {
@@ -297,15 +296,15 @@ std::vector<Vector3d> likelyDirections(const Shape& s, const Pose& a, const Shap
 // The separation of convex shapes is the largest gap over all directions: closed-form reaches, many
 // directions and a climb from each find it without any of the code under test.
 TEST(Separation, RandomPairs_IsLargestGapOverDirections) {
-  auto random = test::seededRandom(5);
+  auto random = seededRandom(5);
   std::normal_distribution<double> any;
   const auto direction = [&] { return Vector3d(any(random), any(random), any(random)); };
   int overlapping = 0;
-  const int pairs = test::cases(3);
+  const int pairs = cases(3);
   std::size_t kinds = 0;
   for (const Shape& s : oneOfEach()) {
     for (const Shape& t : oneOfEach()) {
-      if (test::leftOutUnderASanitizer(kinds++)) continue;
+      if (leftOutUnderASanitizer(kinds++)) continue;
       for (int i = 0; i < pairs; ++i) {
         const Pose a = randomPose(random, 0.03), b = randomPose(random, 0.03);
         const double d = separation(s, a, t, b);
@@ -329,7 +328,7 @@ TEST(Separation, RandomPairs_IsLargestGapOverDirections) {
       }
     }
   }
-  if (test::kCountsTell) {
+  if (kCountsTell) {
     EXPECT_GT(overlapping, 10 * pairs);
   }
 }
@@ -347,4 +346,4 @@ TEST(CapsuleShape, AnyEnds_AreWhereTheyWereGiven) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -2,6 +2,7 @@
 #include "model/hand/hand_file.hpp"
 #include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"
+#include "model/shipped_models.hpp"
 #include "model/toml/toml_file.hpp"
 
 #include <gtest/gtest.h>
@@ -10,20 +11,17 @@
 #include <set>
 #include <string>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
-const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
 const std::set<std::string> kDevices = {"lambda-pride", "desktop-3axis", "wrist-9axis"};
 const std::set<std::string> kPatients = {"relaxed-adult", "stiff-adult",  "no-arm",
                                          "tremor",        "spastic",      "releases",
                                          "slams",         "fights",       "enslaved-fingers",
                                          "spastic-fist",  "pill-rolling", "holds-a-ball"};
-const std::set<std::string> kSizes = {"adult-median", "woman-p05", "woman-p50", "woman-p95",
-                                      "man-p05",      "man-p50",   "man-p95"};
 const std::set<std::string> kHands = [] {
   std::set<std::string> both;
-  for (const std::string& size : kSizes) both.insert({size + "-left", size + "-right"});
+  for (const std::string& size : kHandSizes) both.insert({size + "-left", size + "-right"});
   return both;
 }();
 
@@ -117,4 +115,4 @@ TEST(ShippedFiles, Kind_IsReadFromTheFileItself) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

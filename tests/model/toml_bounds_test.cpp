@@ -16,7 +16,7 @@
 #include <ctime>
 #include <string>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 constexpr int kBound = 32;
@@ -52,7 +52,7 @@ TEST(TomlBounds, QuotesInFrontOfADeepKey_NeverHideIt) {
   constexpr std::array<const char*, 12> kTokens = {"\"\"\"", "'''", "\"", "'", "\\", "a",
                                                    "\n",     "#",   ",",  "",  "\"", "'"};
   const std::string deep = deepKey(2 * kBound);
-  auto random = test::seededRandom(5601);
+  auto random = seededRandom(5601);
   int refused = 0;
   for (int i = 0; i < 60'000; ++i) {
     std::string text = i % 2 == 0 ? "x = [" : "x = ";
@@ -88,8 +88,7 @@ std::string repeated(const std::string& text, int times) {
   return out;
 }
 
-// What is within the bounds costs no more than a second, ten under a sanitizer: no look-up is
-// quadratic.
+// No look-up is quadratic: within a second, ten under a sanitizer. Judged in ./check --full.
 TEST(TomlBounds, FileOfManyTables_IsRefusedWithinASecond) {
   const std::string head =
       "kind = \"scene\"\nversion = 1\nname = \"n\"\ngravity_m_s2 = [0, 0, -9.81]\n";
@@ -98,7 +97,7 @@ TEST(TomlBounds, FileOfManyTables_IsRefusedWithinASecond) {
     keys += "k" + std::to_string(i) + " = 1\n";
     long_keys += std::string(330, 'k') + std::to_string(i) + " = 1\n";
   }
-  const test::TempFolder folder;
+  const TempFolder folder;
   for (const auto& [text, said] : std::initializer_list<std::pair<std::string, const char*>>{
            {"bodies = [" + repeated("{},", 1'000'000) + "]\n", "more than 12000 inline tables"},
            {"bodies = [" + repeated("{},", 11'000) + "]\n", "more faults"},
@@ -108,7 +107,10 @@ TEST(TomlBounds, FileOfManyTables_IsRefusedWithinASecond) {
     const std::string path = folder.write("many.toml", head + text);
     const double before_s = processor_s();
     const Expected<SceneModel> scene = loadSceneFile(path);
-    EXPECT_LE(processor_s() - before_s, WHOLEHAND_SANITIZED ? 10.0 : 1.0) << text.substr(0, 40);
+    const double took_s = processor_s() - before_s;
+    if (std::getenv("WHOLEHAND_FULL") != nullptr) {
+      EXPECT_LE(took_s, WHOLEHAND_SANITIZED ? 10.0 : 1.0) << text.substr(0, 40);
+    }
     ASSERT_FALSE(scene.ok());
     EXPECT_LE(scene.errors().size(), 21U);
     EXPECT_NE(format(scene.errors()).find(said), std::string::npos) << format(scene.errors());
@@ -116,4 +118,4 @@ TEST(TomlBounds, FileOfManyTables_IsRefusedWithinASecond) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

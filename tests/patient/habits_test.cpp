@@ -3,21 +3,17 @@
 
 #include "patient/active_patient.hpp"
 #include "patient/person_tools.hpp"
+#include "support/constants.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
-#include <numbers>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-constexpr double kDegrees = std::numbers::pi / 180.0;
-
 DeviceModel fingers() {
-  return test::digits({"finger_flexion", "thumb_flexion"});
+  return digits({"finger_flexion", "thumb_flexion"});
 }
 
 PatientInput felt(double q, double qd, double rendered = 0.0, double impedance = 0.0) {
@@ -26,7 +22,7 @@ PatientInput felt(double q, double qd, double rendered = 0.0, double impedance =
 }
 
 TEST(ActivePatient, WithoutHabits_DoesNothingAndHoldsOn) {
-  ActivePatient person(test::calm(2), fingers(), kPeriod_s);
+  ActivePatient person(calm(2), fingers(), kPeriod_s);
   EXPECT_FALSE(person.mayLetGo());
   for (int k = 0; k < 100; ++k) {
     person.advance(felt(0.1 * k, 5.0, 1e3, 1e6));
@@ -39,7 +35,7 @@ TEST(ActivePatient, WithoutHabits_DoesNothingAndHoldsOn) {
 // ---- tremor
 
 PatientConfig trembling(std::uint64_t phase_seed) {
-  PatientConfig patient = test::calm(2);
+  PatientConfig patient = calm(2);
   patient.axes[0].tremor = 0.08;
   patient.axes[1].tremor = 0.05;
   patient.tremor.frequency_hz = 6.0;
@@ -76,8 +72,8 @@ TEST(Tremor, PhaseSeed_DecidesThePhasesAndNothingElse) {
 // ---- spastic catch
 
 PatientConfig spastic(double gain = 0.3) {
-  PatientConfig patient = test::calm(2);
-  patient.axes[0].reflex = {gain, 60.0 * kDegrees, 2.0};
+  PatientConfig patient = calm(2);
+  patient.axes[0].reflex = {gain, 60.0 * kDeg, 2.0};
   patient.reflex = {0.04, 0.03};
   return patient;
 }
@@ -97,7 +93,7 @@ TEST(SpasticCatch, OpenedAtConstantSpeed_IsTheClosedFormAfterTheDelay) {
   for (const double t_s : {0.06, 0.1, 0.2}) {
     // u = a + c s from s = t - delay on; τ' = (u - τ)/L gives
     // τ = a (1 - e^(-s/L)) + c (s - L (1 - e^(-s/L))).
-    const double s = t_s - kDelay_s, c = 0.3 * (kSpeed - 60.0 * kDegrees) * kSpeed;
+    const double s = t_s - kDelay_s, c = 0.3 * (kSpeed - 60.0 * kDeg) * kSpeed;
     const double a = c * kDelay_s, risen = 1.0 - std::exp(-s / kLag_s);
     const double expected = a * risen + c * (s - kLag_s * risen);
     EXPECT_NEAR(pulledAfter(t_s, kSpeed, 1e-4), expected, 0.01 * expected) << t_s;
@@ -106,8 +102,8 @@ TEST(SpasticCatch, OpenedAtConstantSpeed_IsTheClosedFormAfterTheDelay) {
 }
 
 TEST(SpasticCatch, SlowOpeningClosingOrBeyondTheAngle_IsNotCaught) {
-  EXPECT_EQ(pulledAfter(0.3, 59.0 * kDegrees, kPeriod_s), 0.0);
-  EXPECT_GT(pulledAfter(0.3, 70.0 * kDegrees, kPeriod_s), 0.0);
+  EXPECT_EQ(pulledAfter(0.3, 59.0 * kDeg, kPeriod_s), 0.0);
+  EXPECT_GT(pulledAfter(0.3, 70.0 * kDeg, kPeriod_s), 0.0);
   EXPECT_EQ(reflexDrive({0.3, 1.0, 2.0}, 1.0, 3.0), 0.0);   // closing
   EXPECT_EQ(reflexDrive({0.3, 1.0, 2.0}, 2.1, -3.0), 0.0);  // more flexed than the threshold
   EXPECT_EQ(reflexDrive({0.3, 1.0, 2.0}, 1.5, -3.0), 0.3 * 2.0 * 0.5);
@@ -136,7 +132,7 @@ TEST(Fight, WhateverIsFelt_IsAnsweredWithAllOfIt) {
 }
 
 TEST(Fight, ReactionTime_IsThatOfWhatWasFelt) {
-  PatientConfig patient = test::calm(2);
+  PatientConfig patient = calm(2);
   patient.axes[0].fight = 0.4;
   patient.fight_reaction_s = 0.02;
   ActivePatient person(patient, fingers(), kPeriod_s);
@@ -182,7 +178,7 @@ TEST(LettingGo, AtItsTime_NothingOfThePersonIsLeft) {
 }
 
 TEST(LettingGo, AtItsEffort_IsForGood) {
-  PatientConfig patient = test::calm(2);
+  PatientConfig patient = calm(2);
   patient.letting_go.effort_share = 0.5;  // 1 N·m
   ActivePatient person(patient, fingers(), kPeriod_s);
   person.advance(felt(1.0, 0.0, 0.0, 0.99));
@@ -194,4 +190,4 @@ TEST(LettingGo, AtItsEffort_IsForGood) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

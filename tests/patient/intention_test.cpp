@@ -6,10 +6,8 @@
 
 #include <cmath>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
-
-using test::pose;
 
 TEST(Waypoints, BetweenTwo_FollowFlashAndHogan) {
   // Flash and Hogan 1985: half way at half time, peak speed 15/8 of the mean, there.
@@ -77,4 +75,4 @@ TEST(VirtualPatient, EveryAxis_HasItsOwnImpedance) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -2,6 +2,7 @@
 // reflexes of which one triggers all.
 #include "patient/active_patient.hpp"
 #include "patient/person_tools.hpp"
+#include "support/constants.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -9,15 +10,11 @@
 #include <cmath>
 #include <numbers>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
-using test::tolerance;
-
-constexpr double kPeriod_s = 1e-3;
-
 DeviceModel threeDigits() {
-  return test::digits({"finger_flexion", "thumb_circumduction", "thumb_flexion"});
+  return digits({"finger_flexion", "thumb_circumduction", "thumb_flexion"});
 }
 
 PatientInput felt(const AxisPosition& q, const AxisVelocity& qd) {
@@ -26,7 +23,7 @@ PatientInput felt(const AxisPosition& q, const AxisVelocity& qd) {
 
 /// A u sin(2πft + φ): all axes pass zero together, and the direction is u in every tick.
 TEST(TremorAlong, AllAxes_SwingAlongTheDirectionInOnePhase) {
-  PatientConfig patient = test::calm(3);
+  PatientConfig patient = calm(3);
   patient.tremor.along = AxisEffort(3);
   patient.tremor.along[0] = 0.08;
   patient.tremor.along[2] = -0.06;
@@ -44,7 +41,7 @@ TEST(TremorAlong, AllAxes_SwingAlongTheDirectionInOnePhase) {
 }
 
 TEST(TremorAlong, PhasesOfSingleAxes_AreWhatTheyWereWithoutIt) {
-  PatientConfig alone = test::calm(3), both = test::calm(3);
+  PatientConfig alone = calm(3), both = calm(3);
   alone.axes[1].tremor = both.axes[1].tremor = 0.05;
   both.tremor.along = AxisEffort(3);
   both.tremor.along[0] = 0.1;
@@ -53,7 +50,7 @@ TEST(TremorAlong, PhasesOfSingleAxes_AreWhatTheyWereWithoutIt) {
 }
 
 PatientConfig fist(bool together) {
-  PatientConfig patient = test::calm(3);
+  PatientConfig patient = calm(3);
   patient.axes[0].reflex = {0.3, 1.0, 2.0};
   patient.axes[2].reflex = {0.1, 2.0, 1.2};
   patient.reflex = {.delay_s = 0.04, .muscle_lag_s = 0.03, .largest_triggers_all = together};
@@ -92,4 +89,4 @@ TEST(SpasticFist, SlowOpening_CatchesNothing) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

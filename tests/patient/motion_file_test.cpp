@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 std::string written(const std::string& content) {
@@ -169,4 +169,4 @@ TEST(MotionFile, EveryRecordingOfTheProject_Loads) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

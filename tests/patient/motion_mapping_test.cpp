@@ -1,16 +1,14 @@
 #include "patient/motion.hpp"
+#include "support/constants.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 DeviceAxis axisOf(const char* name, AxisKind kind, double lower, double upper, double speed) {
   DeviceAxis axis;
@@ -270,4 +268,4 @@ TEST(MotionMapping, AnyMotion_IsPlayable) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -1,5 +1,6 @@
 // The shipped patients, and what is said of files that are wrong.
 #include "model/patient/patient_config.hpp"
+#include "model/shipped_models.hpp"
 #include "model/temp_folder.hpp"
 
 #include <gtest/gtest.h>
@@ -7,29 +8,13 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
-
-const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-constexpr double kDegrees = std::numbers::pi / 180.0;
-
-DeviceModel device(const std::string& name) {
-  return loadDeviceFile(kConfig + "devices/" + name + ".toml").value();
-}
-
-std::string fileOf(const std::string& name) {
-  return kConfig + "patients/" + name + ".toml";
-}
-
-PatientConfig shipped(const std::string& name, const std::string& on = "lambda-pride") {
-  return loadPatientFile(fileOf(name), device(on)).value();
-}
 
 TEST(ShippedPatients, TheQuietOnes_HaveNoHabits) {
   for (const char* name : {"relaxed-adult", "stiff-adult", "no-arm"}) {
-    const PatientConfig patient = shipped(name);
+    const PatientConfig patient = patientNamed(name);
     for (const PatientAxis& axis : patient.axes) {
       EXPECT_EQ(axis.tremor + axis.fight + axis.reflex.gain_nm_s_rad2, 0.0) << name;
     }
@@ -41,8 +26,8 @@ TEST(ShippedPatients, TheQuietOnes_HaveNoHabits) {
 
 // Ranges of the literature that docs/patients.md names.
 TEST(ShippedPatients, TheOthers_AreWithinWhatPeopleDo) {
-  const DeviceModel model = device("lambda-pride");
-  const PatientConfig tremor = shipped("tremor"), spastic = shipped("spastic");
+  const DeviceModel model = deviceNamed("lambda-pride");
+  const PatientConfig tremor = patientNamed("tremor"), spastic = patientNamed("spastic");
   EXPECT_GE(tremor.tremor.frequency_hz, 3.0);
   EXPECT_LE(tremor.tremor.frequency_hz, 12.0);
   for (std::size_t i = 0; i < model.axes.size(); ++i) {
@@ -54,37 +39,37 @@ TEST(ShippedPatients, TheOthers_AreWithinWhatPeopleDo) {
     const StretchReflex& reflex = spastic.axes[i].reflex;
     EXPECT_EQ(reflex.gain_nm_s_rad2 > 0.0, axis.group == AxisGroup::kHand) << axis.name;
     if (reflex.gain_nm_s_rad2 == 0.0) continue;
-    EXPECT_GE(reflex.from_speed_rad_s, 30.0 * kDegrees) << axis.name;
-    EXPECT_LE(reflex.from_speed_rad_s, 100.0 * kDegrees) << axis.name;
+    EXPECT_GE(reflex.from_speed_rad_s, 30.0 * kDeg) << axis.name;
+    EXPECT_LE(reflex.from_speed_rad_s, 100.0 * kDeg) << axis.name;
   }
   EXPECT_EQ(spastic.reflex.delay_s, 0.04);
   EXPECT_EQ(spastic.reflex.muscle_lag_s, 0.03);
 }
 
 TEST(ShippedPatients, OnADeviceWithoutFingers_KeepTheHabitsOfTheArm) {
-  const PatientConfig fights = shipped("fights", "desktop-3axis");
+  const PatientConfig fights = patientNamed("fights", "desktop-3axis");
   ASSERT_EQ(fights.axes.size(), 3U);
   EXPECT_EQ(fights.axes[2].fight, 12.0);
-  EXPECT_EQ(shipped("spastic", "desktop-3axis").axes[0].reflex.gain_nm_s_rad2, 0.0);
-  EXPECT_EQ(shipped("slams", "desktop-3axis").slam.axis, "x");
+  EXPECT_EQ(patientNamed("spastic", "desktop-3axis").axes[0].reflex.gain_nm_s_rad2, 0.0);
+  EXPECT_EQ(patientNamed("slams", "desktop-3axis").slam.axis, "x");
 }
 
-struct Case {
+struct PatientMistake {
   std::string patient, find, replace;  ///< the shipped file with this for that
   std::string key, says;
 };
 
-class WrongPatientFile : public testing::TestWithParam<Case> {};
+class WrongPatientFile : public testing::TestWithParam<PatientMistake> {};
 
 TEST_P(WrongPatientFile, OneMistake_IsOneMessageWithItsKey) {
-  const Case& c = GetParam();
-  std::ifstream in(fileOf(c.patient));
+  const PatientMistake& c = GetParam();
+  std::ifstream in(patientPath(c.patient));
   std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t at = text.find(c.find);
   ASSERT_NE(at, std::string::npos) << c.find;
   text.replace(at, c.find.size(), c.replace);
-  const test::TempFolder folder;
-  const auto loaded = loadPatientFile(folder.write("p.toml", text), device("lambda-pride"));
+  const TempFolder folder;
+  const auto loaded = loadPatientFile(folder.write("p.toml", text), deviceNamed("lambda-pride"));
   ASSERT_FALSE(loaded.ok());
   ASSERT_EQ(loaded.errors().size(), 1U) << format(loaded.errors());
   const Diagnostic& fault = loaded.errors().front();
@@ -95,37 +80,46 @@ TEST_P(WrongPatientFile, OneMistake_IsOneMessageWithItsKey) {
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, WrongPatientFile,
     testing::Values(
-        Case{"tremor", "frequency_hz = 5.0", "frequency_hz = 2.9", "tremor.frequency_hz",
-             "[3, 12] Hz"},
-        Case{"tremor", "frequency_hz = 5.0", "frequency_hz = 5.0\nfrequency = 6.0",
-             "tremor.frequency", "frequency_hz"},
-        Case{"tremor", "phase_seed = 1", "phase_seed = -1", "tremor.phase_seed", "0"},
-        Case{"tremor", "tremor_n = 2.0", "tremor_n = 11.0", "axes[x].tremor_n", "[0, 10] N"},
-        Case{"tremor", "tremor_n = 2.0", "tremor_nm = 2.0", "axes[x].tremor_nm", "tremor_n"},
-        Case{"tremor", "tremor_n = 2.0", "tremor_tip_n = 2.0", "axes[x].tremor_tip_n", "fingertip"},
-        Case{"tremor", "tremor_n = 2.0", "tremor_n = nan", "axes[x].tremor_n", "finite"},
-        Case{"spastic", "delay_s = 0.04", "delay_s = 0.3", "reflex.delay_s", "[0, 0.2] s"},
-        Case{"spastic", "muscle_lag_s = 0.03", "muscle_lag_s = 0", "reflex.muscle_lag_s",
-             "(0, 0.5] s"},
-        Case{"spastic", "reflex_below_rad = 2.0\n", "", "axes[finger_flexion].reflex_below_rad",
-             "missing"},
-        Case{"spastic", "stiffness_n_m = 300.0", "stiffness_n_m = 300.0\nreflex_gain_nm_s_rad2 = 1",
-             "axes[x].reflex_gain_nm_s_rad2", "rotations"},
-        Case{"releases", "after_s = 4.0 ", "#after_s = -1\nafter_s = -1 ", "letting_go.after_s",
-             "[0, 3600] s"},
-        Case{"releases", "effort_share = 0.6", "effort_share = 0", "letting_go.effort_share",
-             "(0, 10]"},
-        Case{"slams", "axis = \"x\"", "axis = \"w\"", "slam.axis", "neither an axis of the device"},
-        Case{"slams", "towards = \"upper\"", "towards = \"up\"", "slam.towards", "upper"},
-        Case{"slams", "speed_share = 0.98", "speed_share = 2.5", "slam.speed_share", "(0, 2]"},
-        Case{"slams", "effort_share = 2.0", "effort_share = 6", "slam.effort_share", "(0, 5]"},
-        Case{"fights", "reaction_s = 0.0", "reaction_s = 1.5", "fight.reaction_s", "[0, 1] s"},
-        Case{"relaxed-adult", "[motion]", "[fight]\nreaction_s = 0.1\n[motion]", "fight",
-             "has no effect"},
-        Case{"relaxed-adult", "stiffness_n_m = 300.0", "stiffness_n_m = 300.0\nfight_n = 3.0",
-             "fight", "is missing"},
-        Case{"relaxed-adult", "[motion]", "[letting_go]\n[motion]", "letting_go",
-             "neither after_s nor effort_share"}));
+        PatientMistake{"tremor", "frequency_hz = 5.0", "frequency_hz = 2.9", "tremor.frequency_hz",
+                       "[3, 12] Hz"},
+        PatientMistake{"tremor", "frequency_hz = 5.0", "frequency_hz = 5.0\nfrequency = 6.0",
+                       "tremor.frequency", "frequency_hz"},
+        PatientMistake{"tremor", "phase_seed = 1", "phase_seed = -1", "tremor.phase_seed", "0"},
+        PatientMistake{"tremor", "tremor_n = 2.0", "tremor_n = 11.0", "axes[x].tremor_n",
+                       "[0, 10] N"},
+        PatientMistake{"tremor", "tremor_n = 2.0", "tremor_nm = 2.0", "axes[x].tremor_nm",
+                       "tremor_n"},
+        PatientMistake{"tremor", "tremor_n = 2.0", "tremor_tip_n = 2.0", "axes[x].tremor_tip_n",
+                       "fingertip"},
+        PatientMistake{"tremor", "tremor_n = 2.0", "tremor_n = nan", "axes[x].tremor_n", "finite"},
+        PatientMistake{"spastic", "delay_s = 0.04", "delay_s = 0.3", "reflex.delay_s",
+                       "[0, 0.2] s"},
+        PatientMistake{"spastic", "muscle_lag_s = 0.03", "muscle_lag_s = 0", "reflex.muscle_lag_s",
+                       "(0, 0.5] s"},
+        PatientMistake{"spastic", "reflex_below_rad = 2.0\n", "",
+                       "axes[finger_flexion].reflex_below_rad", "missing"},
+        PatientMistake{"spastic", "stiffness_n_m = 300.0",
+                       "stiffness_n_m = 300.0\nreflex_gain_nm_s_rad2 = 1",
+                       "axes[x].reflex_gain_nm_s_rad2", "rotations"},
+        PatientMistake{"releases", "after_s = 4.0 ", "#after_s = -1\nafter_s = -1 ",
+                       "letting_go.after_s", "[0, 3600] s"},
+        PatientMistake{"releases", "effort_share = 0.6", "effort_share = 0",
+                       "letting_go.effort_share", "(0, 10]"},
+        PatientMistake{"slams", "axis = \"x\"", "axis = \"w\"", "slam.axis",
+                       "neither an axis of the device"},
+        PatientMistake{"slams", "towards = \"upper\"", "towards = \"up\"", "slam.towards", "upper"},
+        PatientMistake{"slams", "speed_share = 0.98", "speed_share = 2.5", "slam.speed_share",
+                       "(0, 2]"},
+        PatientMistake{"slams", "effort_share = 2.0", "effort_share = 6", "slam.effort_share",
+                       "(0, 5]"},
+        PatientMistake{"fights", "reaction_s = 0.0", "reaction_s = 1.5", "fight.reaction_s",
+                       "[0, 1] s"},
+        PatientMistake{"relaxed-adult", "[motion]", "[fight]\nreaction_s = 0.1\n[motion]", "fight",
+                       "has no effect"},
+        PatientMistake{"relaxed-adult", "stiffness_n_m = 300.0",
+                       "stiffness_n_m = 300.0\nfight_n = 3.0", "fight", "is missing"},
+        PatientMistake{"relaxed-adult", "[motion]", "[letting_go]\n[motion]", "letting_go",
+                       "neither after_s nor effort_share"}));
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

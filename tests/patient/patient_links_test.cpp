@@ -1,5 +1,6 @@
 // Patients who link their axes: what a file comes to, and what is said of one that is wrong.
 #include "model/patient/patient_config.hpp"
+#include "model/shipped_models.hpp"
 #include "model/temp_folder.hpp"
 #include "patient/virtual_patient.hpp"
 #include "support/tolerance.hpp"
@@ -13,19 +14,11 @@
 #include <iterator>
 #include <sstream>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
-using test::tolerance;
-
-const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-
-DeviceModel device(const std::string& name = "lambda-pride") {
-  return loadDeviceFile(kConfig + "devices/" + name + ".toml").value();
-}
-
 std::string textOf(const std::string& patient) {
-  std::ifstream in(kConfig + "patients/" + patient + ".toml");
+  std::ifstream in(patientPath(patient));
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
@@ -37,19 +30,15 @@ std::string replaced(std::string text, const std::string& find, const std::strin
 }
 
 Expected<PatientConfig> load(const std::string& text, const DeviceModel& model) {
-  const test::TempFolder folder;
+  const TempFolder folder;
   return loadPatientFile(folder.write("p.toml", text), model);
 }
 
 /// A relaxed adult with one table of links.
 PatientConfig linkedBy(const std::string& table, const std::string& on = "lambda-pride") {
-  auto loaded = load(textOf("relaxed-adult") + "\n[[links]]\n" + table, device(on));
+  auto loaded = load(textOf("relaxed-adult") + "\n[[links]]\n" + table, deviceNamed(on));
   EXPECT_TRUE(loaded.ok()) << format(loaded.errors());
   return loaded.ok() ? loaded.value() : PatientConfig{};
-}
-
-PatientConfig shipped(const std::string& name, const std::string& on = "lambda-pride") {
-  return loadPatientFile(kConfig + "patients/" + name + ".toml", device(on)).value();
 }
 
 /// Links and what the axes have of their own.
@@ -66,7 +55,7 @@ AxisMatrix stiffnessOf(const PatientConfig& p) {
 
 TEST(PatientLinks, FilesWithoutThem_LinkNothing) {
   for (const char* name : {"relaxed-adult", "spastic", "tremor", "fights", "no-arm"}) {
-    const PatientConfig patient = shipped(name);
+    const PatientConfig patient = patientNamed(name);
     EXPECT_EQ(patient.links.stiffness.size(), 0) << name;
     EXPECT_EQ(patient.tremor.along.size(), 0) << name;
     EXPECT_FALSE(patient.reflex.largest_triggers_all) << name;
@@ -76,7 +65,7 @@ TEST(PatientLinks, FilesWithoutThem_LinkNothing) {
 // Units: a force at the tip times a lever arm is a torque, a way over it an angle.
 TEST(PatientLinks, ValuesAtTheTip_AreTurnedByBothLeverArms) {
   const std::string on = "wrist-9axis";
-  const DeviceModel model = device(on);
+  const DeviceModel model = deviceNamed(on);
   const int y = model.axisIndex("y"), roll = model.axisIndex("roll"),
             fingers = model.axisIndex("finger_flexion");
   const PatientConfig p = linkedBy(R"(axes = ["finger_flexion", "y", "roll"]
@@ -107,7 +96,7 @@ stiffness_n_m = [[100.0, 0.0], [0.0, 50.0]]
   text = text.substr(0, z) +
          replaced(text.substr(z), "mass_kg = 1.0\ndamping_n_s_m = 15.0\nstiffness_n_m = 300.0",
                   "mass_kg = 1.25\ndamping_n_s_m = 18.0\nstiffness_n_m = 350.0");
-  const PatientConfig own = load(text, device()).value();
+  const PatientConfig own = load(text, deviceNamed()).value();
   EXPECT_EQ(linked.links.stiffness.size(), 0);  // nothing is linked: the path of single axes
   for (std::size_t i = 0; i < own.axes.size(); ++i) {
     EXPECT_EQ(linked.axes[i].mass, own.axes[i].mass);
@@ -135,7 +124,7 @@ stiffness_n_m = [[10, 4], [4, 10]]
 axes = ["y", "x", "z"]
 stiffness_n_m = [[1, 2, 0], [2, 1, 3], [0, 3, 9]]
 )",
-                        device())
+                        deviceNamed())
                        .value();
   EXPECT_EQ(two.links.stiffness(0, 1), 6.0);
   EXPECT_EQ(two.links.stiffness(2, 0), 3.0);
@@ -144,10 +133,10 @@ stiffness_n_m = [[1, 2, 0], [2, 1, 3], [0, 3, 9]]
 
 TEST(PatientLinks, AxesThatTheDeviceDoesNotHave_AreLeftOut) {
   for (const char* name : {"enslaved-fingers", "spastic-fist", "holds-a-ball"}) {
-    EXPECT_EQ(shipped(name, "desktop-3axis").links.stiffness.size(), 0) << name;
-    EXPECT_GT(shipped(name, "lambda-pride").links.stiffness.size(), 0) << name;
+    EXPECT_EQ(patientNamed(name, "desktop-3axis").links.stiffness.size(), 0) << name;
+    EXPECT_GT(patientNamed(name, "lambda-pride").links.stiffness.size(), 0) << name;
   }
-  const PatientConfig pills = shipped("pill-rolling", "desktop-3axis");
+  const PatientConfig pills = patientNamed("pill-rolling", "desktop-3axis");
   ASSERT_EQ(pills.tremor.along.size(), 3);
   EXPECT_EQ(pills.tremor.along[1], 1.0);
 }
@@ -156,7 +145,7 @@ TEST(PatientLinks, AxesThatTheDeviceDoesNotHave_AreLeftOut) {
 TEST(PatientLinks, ShippedMatrices_ArePositiveSemidefinite) {
   for (const char* name : {"enslaved-fingers", "spastic-fist", "holds-a-ball", "pill-rolling"}) {
     for (const char* on : {"lambda-pride", "wrist-9axis", "desktop-3axis"}) {
-      const PatientConfig p = shipped(name, on);
+      const PatientConfig p = patientNamed(name, on);
       for (const AxisMatrix& m : {stiffnessOf(p), total(p, &PatientLinks::mass, &PatientAxis::mass),
                                   total(p, &PatientLinks::damping, &PatientAxis::damping)}) {
         EXPECT_EQ(m, AxisMatrix(m.transpose())) << name;
@@ -169,8 +158,8 @@ TEST(PatientLinks, ShippedMatrices_ArePositiveSemidefinite) {
 
 /// Where one digit is moved by 1 and the others are free, they follow by -K_oo⁻¹ K_od.
 TEST(ShippedPatients, EnslavedFingers_FollowByWhatPeopleDo) {
-  const PatientConfig p = shipped("enslaved-fingers");
-  const DeviceModel model = device();
+  const PatientConfig p = patientNamed("enslaved-fingers");
+  const DeviceModel model = deviceNamed();
   const int fingers = model.axisIndex("finger_flexion"),
             swing = model.axisIndex("thumb_circumduction"),
             thumb = model.axisIndex("thumb_flexion");
@@ -193,10 +182,10 @@ TEST(ShippedPatients, EnslavedFingers_FollowByWhatPeopleDo) {
 
 /// What a ball takes: closing both by 1 cm at the tips stretches it by 2 cm; rolling it, nothing.
 TEST(ShippedPatients, HeldBall_IsPressedByBothAndRolledFreely) {
-  const DeviceModel model = device();
+  const DeviceModel model = deviceNamed();
   const int fingers = model.axisIndex("finger_flexion"), thumb = model.axisIndex("thumb_flexion");
   const AxisMatrix ball =
-      stiffnessOf(shipped("holds-a-ball")) - stiffnessOf(shipped("relaxed-adult"));
+      stiffnessOf(patientNamed("holds-a-ball")) - stiffnessOf(patientNamed("relaxed-adult"));
   const double angle = 0.01 / 0.08;
   Eigen::VectorXd press = Eigen::VectorXd::Zero(6), roll = press;
   press[fingers] = press[thumb] = roll[fingers] = angle;
@@ -204,7 +193,7 @@ TEST(ShippedPatients, HeldBall_IsPressedByBothAndRolledFreely) {
   EXPECT_NEAR(0.5 * press.dot(ball * press), 0.5 * 500.0 * 0.02 * 0.02, tolerance(1e-12));
   EXPECT_NEAR(0.5 * roll.dot(ball * roll), 0.0, tolerance(1e-12));
   // Its weight under the wrist, as a point mass at 0.08 m: ½ m (v + ω r)².
-  const PatientConfig wrist = shipped("holds-a-ball", "wrist-9axis");
+  const PatientConfig wrist = patientNamed("holds-a-ball", "wrist-9axis");
   EXPECT_NEAR(wrist.links.mass(1, 4), 0.05 * 0.08, tolerance(1e-15));
   EXPECT_NEAR(wrist.axes[4].mass, 3e-3 + 0.05 * 0.08 * 0.08, tolerance(1e-15));
 }
@@ -236,7 +225,7 @@ class WrongLinks : public testing::TestWithParam<Mistake> {};
 TEST_P(WrongLinks, OneMistake_IsOneMessageWithFileLineKeyValueAndRemedy) {
   const Mistake& c = GetParam();
   const std::string text = replaced(textOf(c.patient), c.find, c.replace);
-  const auto loaded = load(text, device("wrist-9axis"));
+  const auto loaded = load(text, deviceNamed("wrist-9axis"));
   ASSERT_FALSE(loaded.ok());
   ASSERT_EQ(loaded.errors().size(), 1U) << format(loaded.errors());
   const Diagnostic& fault = loaded.errors().front();
@@ -343,13 +332,14 @@ TEST(WrongLinks, ShareThatIsNamed_Passes) {
   const std::string find = "[[500.0, 500.0],\n                     [500.0, 500.0]]";
   // 620 and 600 N/m on the diagonal with 900 off it: sqrt(620 600) / 900 = 0.677.
   const auto wrong =
-      load(replaced(textOf("holds-a-ball"), find, "[[500, 900], [900, 500]]"), device());
+      load(replaced(textOf("holds-a-ball"), find, "[[500, 900], [900, 500]]"), deviceNamed());
   ASSERT_FALSE(wrong.ok());
   EXPECT_NE(wrong.errors().front().remedy.find("by 0.677 or less"), std::string::npos)
       << format(wrong.errors());
   EXPECT_TRUE(
-      load(replaced(textOf("holds-a-ball"), find, "[[500, 609.3], [609.3, 500]]"), device()).ok());
+      load(replaced(textOf("holds-a-ball"), find, "[[500, 609.3], [609.3, 500]]"), deviceNamed())
+          .ok());
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

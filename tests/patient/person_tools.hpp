@@ -15,6 +15,11 @@ inline AxisPosition pose(double a, double b) {
   return q;
 }
 
+struct Moved {
+  AxisPosition q;
+  AxisVelocity qd;
+};
+
 /// Rotations of 0 to 3 rad.
 inline DeviceModel digits(std::initializer_list<const char*> names) {
   DeviceModel device;

@@ -2,6 +2,7 @@
 #include "patient/person_tools.hpp"
 #include "patient/scripted_player.hpp"
 #include "patient/steered_player.hpp"
+#include "support/constants.hpp"
 #include "support/player_commands.hpp"
 #include "support/seed.hpp"
 
@@ -11,14 +12,8 @@
 #include <cmath>
 #include <limits>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
-
-using test::aim;
-using test::pose;
-using test::steer;
-
-constexpr double kPeriod_s = 1e-3;
 
 DeviceModel twoAxes() {
   DeviceModel device;
@@ -44,11 +39,6 @@ Intention swinging() {
 std::unique_ptr<Player> script() {
   return std::make_unique<ScriptedPlayer>(swinging());
 }
-
-struct Moved {
-  AxisPosition q;
-  AxisVelocity qd;
-};
 
 Moved advanceOf(Player& player, int periods = 1) {
   Moved m;
@@ -139,7 +129,7 @@ TEST(SteeredPlayer, AimsThatAreNone_AreIgnored) {
 /// Position is the sum of velocity, and velocity changes by no more than the two filters and the
 /// script may ask for: no jump when the hand goes from one to the other.
 TEST(SteeredPlayer, SteeringThatChangesHandsAtRandom_IsContinuousInPositionAndVelocity) {
-  auto random = test::seededRandom(31);
+  auto random = seededRandom(31);
   const auto share = [&random] { return static_cast<double>(random() >> 11U) * 0x1.0p-53; };
   SteeredPlayer player(script(), twoAxes());
   Moved before = advanceOf(player);
@@ -179,4 +169,4 @@ TEST(SteeredPlayer, HandedBack_IsWhereTheVirtualPatientWantsToBeSoon) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

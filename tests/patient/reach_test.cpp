@@ -4,15 +4,8 @@
 
 #include <gtest/gtest.h>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
-
-using test::pose;
-
-struct Moved {
-  AxisPosition q;
-  AxisVelocity qd;
-};
 
 Moved after(Reach& reach, int periods, double period_s = 1e-3) {
   Moved m;
@@ -64,4 +57,4 @@ TEST(Reach, AxisWithItsOwnTime_MovesThenOnly) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -3,6 +3,7 @@
 #include "model/hand/hand_file.hpp"
 #include "physics/analytic/analytic_world.hpp"
 #include "realtime/allocation_counter.hpp"
+#include "support/constants.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -11,8 +12,6 @@
 
 namespace wholehand::test {
 namespace {
-
-constexpr double kPeriod_s = 1e-3;
 
 /// A mass on a rail along x.
 HandModel slider(double mass_kg) {
@@ -52,7 +51,7 @@ HandDrive push(double effort) {
   return {{}, JointEffort(1, effort), {}, {}, nullptr};
 }
 
-WorldState look(AnalyticWorld& world) {
+WorldState stateOfWorld(AnalyticWorld& world) {
   WorldState s;
   EXPECT_EQ(world.observe(s), Fault::kNone);
   return s;
@@ -64,7 +63,7 @@ TEST(AnalyticWorld, CriticallyDampedFreeMotion_FollowsTheDoublePole) {
   ASSERT_TRUE(world.placeHand(AxisPosition(1, 0.01)).ok());
   const double kp = 2500.0, kd = criticalDamping(kp, kPeriod_s), pole = 0.95;
   for (int k = 0; k < 200; ++k) {
-    const WorldState s = look(world);
+    const WorldState s = stateOfWorld(world);
     // x[k] = (A + B k) poleᵏ; from rest x[1] = (1 − T²k_p) x[0].
     const double b = ((1.0 - kPeriod_s * kPeriod_s * kp) / pole - 1.0) * 0.01;
     ASSERT_NEAR(s.q_s[0], (0.01 + b * k) * std::pow(pole, k), tolerance(1e-13)) << k;
@@ -92,10 +91,10 @@ TEST(AnalyticWorld, RigidStop_IsReachedExactlyAndHoldsWithTheDrivingEffort) {
   AnalyticWorld& world = placed.world;
   for (int k = 0; k < 300; ++k) {
     ASSERT_EQ(world.step(push(5.0), kPeriod_s), Fault::kNone);
-    ASSERT_LE(look(world).q_s[0], 0.02 + 1e-15);
+    ASSERT_LE(stateOfWorld(world).q_s[0], 0.02 + 1e-15);
   }
-  EXPECT_NEAR(look(world).q_s[0], 0.02, tolerance(1e-15));
-  EXPECT_NEAR(look(world).qd_s[0], 0.0, tolerance(1e-12));
+  EXPECT_NEAR(stateOfWorld(world).q_s[0], 0.02, tolerance(1e-15));
+  EXPECT_NEAR(stateOfWorld(world).qd_s[0], 0.0, tolerance(1e-12));
   EXPECT_NEAR(world.stopEffort()[0], -5.0, tolerance(1e-12));
   ContactList contacts;
   world.contacts(contacts);
@@ -107,7 +106,7 @@ TEST(AnalyticWorld, RigidStop_IsReachedExactlyAndHoldsWithTheDrivingEffort) {
   ASSERT_EQ(world.step(push(-1.0), kPeriod_s), Fault::kNone);
   world.contacts(contacts);
   EXPECT_EQ(contacts.count, 0);
-  EXPECT_LT(look(world).q_s[0], 0.02);
+  EXPECT_LT(stateOfWorld(world).q_s[0], 0.02);
 }
 
 TEST(AnalyticWorld, Spring_SwingsWithItsPeriodAndKeepsItsEnergy) {
@@ -119,7 +118,7 @@ TEST(AnalyticWorld, Spring_SwingsWithItsPeriodAndKeepsItsEnergy) {
   // Symplectic Euler keeps ½ m v² + ½ k x² − ½ T k x v exactly; its angle a step is
   // 2 asin(T √(k/m) / 2).
   const auto kept = [&] {
-    const WorldState s = look(world);
+    const WorldState s = stateOfWorld(world);
     const double x = s.q_s[0] - 0.1, v = s.qd_s[0];
     return 0.25 * v * v + 25.0 * x * x - 25.0 * kPeriod_s * x * v;
   };
@@ -132,7 +131,7 @@ TEST(AnalyticWorld, Spring_SwingsWithItsPeriodAndKeepsItsEnergy) {
   // x[k] = 0.05 (cos kφ − tan(φ/2) sin kφ): starts at rest half a step late.
   const double expected =
       0.05 * (std::cos(5000 * angle) - std::tan(angle / 2.0) * std::sin(5000 * angle));
-  EXPECT_NEAR(look(world).q_s[0] - 0.1, expected, tolerance(1e-11));
+  EXPECT_NEAR(stateOfWorld(world).q_s[0] - 0.1, expected, tolerance(1e-11));
 }
 
 TEST(AnalyticWorld, AttachedMass_SharesTheEffort) {
@@ -141,7 +140,7 @@ TEST(AnalyticWorld, AttachedMass_SharesTheEffort) {
   Placed placed(0.25, carried, 0.0);
   AnalyticWorld& world = placed.world;
   ASSERT_EQ(world.step(push(2.0), kPeriod_s), Fault::kNone);
-  EXPECT_NEAR(look(world).qd_s[0], 2.0 / 0.4 * kPeriod_s, tolerance(1e-15));
+  EXPECT_NEAR(stateOfWorld(world).qd_s[0], 2.0 / 0.4 * kPeriod_s, tolerance(1e-15));
 }
 
 TEST(AnalyticWorld, Damper_DecaysAsItsPower) {
@@ -151,7 +150,8 @@ TEST(AnalyticWorld, Damper_DecaysAsItsPower) {
   AnalyticWorld& world = placed.world;
   ASSERT_EQ(world.step(push(250.0), kPeriod_s), Fault::kNone);  // 1 m/s
   for (int k = 0; k < 100; ++k) ASSERT_EQ(world.step(push(0.0), kPeriod_s), Fault::kNone);
-  EXPECT_NEAR(look(world).qd_s[0], std::pow(1.0 - kPeriod_s * 2.0 / 0.25, 100), tolerance(1e-12));
+  EXPECT_NEAR(stateOfWorld(world).qd_s[0], std::pow(1.0 - kPeriod_s * 2.0 / 0.25, 100),
+              tolerance(1e-12));
 }
 
 TEST(AnalyticWorld, HandInsideAStop_IsRefusedByName) {

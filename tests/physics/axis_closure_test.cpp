@@ -104,7 +104,7 @@ TEST(FirstTouchOfAMovingHand, IsFollowedToAFractionOfAMillimetre) {
   EXPECT_GT(share, 0.95);
 }
 
-TEST(FirstTouch, CalledAgainAfterReset_GivesTheSameBits) {
+TEST(FirstTouchAskedFor, CalledAgainAfterReset_GivesTheSameBits) {
   Still still(sceneOf(cylinder(0.025, 0.2)));
   std::vector<AxisPosition> first, second;
   glide(still, 300, [&](const AxisPosition& touch) { first.push_back(touch); });
@@ -116,7 +116,7 @@ TEST(FirstTouch, CalledAgainAfterReset_GivesTheSameBits) {
   }
 }
 
-TEST(FirstTouch, OfBaseAxesAndWhereNothingIsAsked_IsNaN) {
+TEST(FirstTouchAskedFor, OfBaseAxesAndWhereNothingIsAsked_IsNaN) {
   Still still(sceneOf(cylinder(0.025, 0.2)));
   still.body_pose.translation_m = {0.049, 0.06, 0.004};
   AxisPosition touch;
@@ -130,7 +130,7 @@ TEST(FirstTouch, OfBaseAxesAndWhereNothingIsAsked_IsNaN) {
   }
 }
 
-TEST(FirstTouch, AfterTheBodyWasPutElsewhere_IsFoundAnew) {
+TEST(FirstTouchAskedFor, AfterTheBodyWasPutElsewhere_IsFoundAnew) {
   Still still(sceneOf(cylinder(0.025, 0.2)));
   still.q[kCircumduction] = 0.35;
   for (const double y : {0.06, 0.045, 0.07, 0.4, 0.05}) {

@@ -1,18 +1,16 @@
 // An upright bottle that stands fixed, taken in the power grasp as at the bar, through the whole
 // renderer: what the squeeze, the thumb, the fingers' backs and the first touch are like.
 #include "physics/engine_bench.hpp"
+#include "physics/still_hand.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace wholehand::test {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kLever_m = 0.08;
-constexpr int kFingers = 3, kCircumduction = 4, kThumb = 5;
 
 SceneBody bottle(const Eigen::Vector3d& at_m) {
   SceneBody body = ball(at_m, 0.025, 0.0);
@@ -24,13 +22,13 @@ SceneBody bottle(const Eigen::Vector3d& at_m) {
 
 /// A person who moves the hand to the bottle, closes it, and then holds fingers and thumb at an
 /// effort at the tips.
-struct Grasp {
+struct BarGrasp {
   double tip_n;
   AxisPosition q_m{6};
   AxisEffort coupling{6};  ///< of the last tick
   std::unique_ptr<Rig> rig;
 
-  Grasp(double effort_tip_n, double aside_m) : tip_n(effort_tip_n) {
+  BarGrasp(double effort_tip_n, double aside_m) : tip_n(effort_tip_n) {
     Models m = load(shippedFiles());
     // Where the power grasp wants it, seen from the hand's base.
     m.scene.bodies = {bottle({0.049, 0.041 + aside_m, 0.004})};
@@ -61,7 +59,7 @@ constexpr int kHeld = 8000;
 class Squeeze : public testing::TestWithParam<double> {};
 
 TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
-  Grasp grasp(GetParam(), 0.0);
+  BarGrasp grasp(GetParam(), 0.0);
   ASSERT_TRUE(grasp.rig->renderer->arm());
   double sum_n = 0.0, squares_n2 = 0.0, thumb_n = 0.0, fingers_n = 0.0, deepest_m = 0.0;
   int counted = 0;
@@ -107,7 +105,7 @@ TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
 INSTANTIATE_TEST_SUITE_P(Efforts, Squeeze, testing::Values(1.0, 4.0, 10.0));
 
 TEST(FirstTouchInAGrasp, IsWhereTheFingersAre) {
-  Grasp grasp(2.0, 0.0);
+  BarGrasp grasp(2.0, 0.0);
   ASSERT_TRUE(grasp.rig->renderer->arm());
   const auto last = runTicks(*grasp.rig->renderer, 5000,
                              [&](const TickRecord& r) { grasp.coupling = r.coupling; });

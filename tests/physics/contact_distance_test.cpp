@@ -1,19 +1,17 @@
 #include "physics/segment_distance.hpp"
+#include "support/constants.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::vector<Shape> shapes() {
   Shape box, sphere, cylinder, capsule;
@@ -43,7 +41,7 @@ double leastDistance_m(const Shape& shape, const Vector3d& a_m, const Vector3d& 
 }
 
 TEST(ContactDistance, OfRandomCapsules_IsTheLeastAlongTheirAxis) {
-  auto random = test::seededRandom(371);
+  auto random = seededRandom(371);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   for (const Shape& shape : shapes()) {
     for (int i = 0; i < 500; ++i) {
@@ -64,7 +62,7 @@ TEST(ContactDistance, OfRandomCapsules_IsTheLeastAlongTheirAxis) {
 
 // What is given up early must be farther than was asked, and what is near never is given up.
 TEST(ContactDistance, WithALimit_GivesUpOnlyWhatIsBeyond) {
-  auto random = test::seededRandom(372);
+  auto random = seededRandom(372);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   int beyond = 0;
   for (const Shape& shape : shapes()) {
@@ -87,7 +85,7 @@ TEST(ContactDistance, WithALimit_GivesUpOnlyWhatIsBeyond) {
 
 // To 0.1 µm, where the nearest point lies at an edge, too: 12 steps of the search left 2 µm there.
 TEST(SegmentDistance, OfRandomCapsules_IsExactToATenthOfAMicrometre) {
-  auto random = test::seededRandom(374);
+  auto random = seededRandom(374);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   for (const Shape& shape : shapes()) {
     for (int i = 0; i < (WHOLEHAND_SANITIZED ? 500 : 8000); ++i) {
@@ -105,7 +103,7 @@ TEST(SegmentDistance, OfRandomCapsules_IsExactToATenthOfAMicrometre) {
 // The search for a first touch goes by this bound: it may nowhere exceed the distance, and along
 // the capsule it never falls below its least. The distance itself is signedDistance()'s.
 TEST(SegmentDistance, OfAnyPoint_IsNotBelowItsBound) {
-  auto random = test::seededRandom(373);
+  auto random = seededRandom(373);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   for (Shape shape : shapes()) {
     shape.in_body.rotation =
@@ -144,4 +142,4 @@ TEST(ContactDistance, AlongAFace_IsAtTheNearerEnd) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

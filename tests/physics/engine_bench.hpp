@@ -4,12 +4,11 @@
 #include "dynamics/synergy.hpp"
 #include "physics/engine_bounds.hpp"
 #include "physics/hand_probe.hpp"
+#include "support/constants.hpp"
 #include "support/rig_tools.hpp"
 
 /// A world of any engine with the shipped hand, stepped without device or renderer.
 namespace wholehand::test {
-
-inline constexpr double kPeriod_s = 1e-3;
 
 inline WorldState look(PhysicsWorld& world) {
   WorldState state;

@@ -245,9 +245,9 @@ TEST_P(Grasp, OfEveryTunedTrial_HoldsItsObject) {
 }
 
 /// A push along an axis of the device at its speed limit, far beyond a fixed box.
-class Slam : public testing::TestWithParam<std::tuple<std::string, int>> {};
+class EngineSlam : public testing::TestWithParam<std::tuple<std::string, int>> {};
 
-TEST_P(Slam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
+TEST_P(EngineSlam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
   const auto& [engine, axis] = GetParam();
   Models m = load(shippedFiles());
   const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis);
@@ -283,7 +283,7 @@ TEST_P(Slam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
   EXPECT_LE(deepest_m, bounds.slam_strides * stride_m);
   EXPECT_LT(depth_m, bounds.slammed_m);
 }
-INSTANTIATE_TEST_SUITE_P(Engines, Slam,
+INSTANTIATE_TEST_SUITE_P(Engines, EngineSlam,
                          testing::Combine(testing::ValuesIn(builtEngines(true)),
                                           testing::Values(0, 1, 2)),
                          [](const auto& one) {

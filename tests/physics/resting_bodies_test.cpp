@@ -1,13 +1,12 @@
 // Bodies that rest: they cost nothing, and nothing is lost when something comes to them.
 #include "physics/engine_bench.hpp"
+#include "support/constants.hpp"
 #include "support/tolerance.hpp"
 
 #include <cstring>
 
 namespace wholehand::test {
 namespace {
-
-constexpr double kGravity_m_s2 = 9.81;
 
 /// The hand stays here, away from everything.
 AxisPosition aside() {

@@ -13,16 +13,16 @@
 namespace wholehand::test {
 namespace {
 
-struct Closing {
+struct ClosingHand {
   const char* name;
   double fingers, circumduction, thumb;  ///< where the person wants to be [rad]
 };
 // Found by closing in steps: thumb tip on the index; on index and middle; a fist round the thumb.
-constexpr std::array<Closing, 3> kClosings{
+constexpr std::array<ClosingHand, 3> kClosings{
     {{"pinch", 2.3, 1.2, 1.39}, {"three tips", 2.3, 1.4, 1.39}, {"fist", 3.14, 1.57, 1.39}}};
 
 /// From the open hand with the thumb opposed to the posture in half a second, then held.
-ScriptedDevice::Script close(const Closing& c, int ticks = 500) {
+ScriptedDevice::Script close(const ClosingHand& c, int ticks = 500) {
   return [c, ticks](int read) {
     const double u = std::min(1.0, static_cast<double>(read) / ticks);
     AxisPosition q(6);
@@ -31,7 +31,8 @@ ScriptedDevice::Script close(const Closing& c, int ticks = 500) {
   };
 }
 
-std::unique_ptr<Rig> closingRig(const Closing& c, const std::string& hand = "adult-median-right") {
+std::unique_ptr<Rig> closingRig(const ClosingHand& c,
+                                const std::string& hand = "adult-median-right") {
   Models m = load(shippedFiles("lambda-pride", "empty", hand));
   m.scene.gravity_m_s2.setZero();
   return buildScripted(std::move(m), close(c));
@@ -68,7 +69,7 @@ double virtualWork(const HandModel& hand, const AxisPosition& q_s, const SelfFor
 
 TEST(SelfContact, HeldClosed_IsFeltAsTheVirtualWorkOfItsForcesAndPushesNoArm) {
   double worst = 0.0, base = 0.0, deepest_m = 0.0;
-  for (const Closing& c : kClosings) {
+  for (const ClosingHand& c : kClosings) {
     SCOPED_TRACE(c.name);
     const auto rig = closingRig(c);
     ASSERT_TRUE(rig->renderer->arm());
@@ -127,7 +128,7 @@ TEST(SelfContact, RowsOfTheBase_AreExactlyZero) {
 
 TEST(SelfContact, AtTheSpeedLimit_NeitherOverlapsNorIsPassedThrough) {
   double deepest_m = 0.0;
-  for (const Closing& c : kClosings) {
+  for (const ClosingHand& c : kClosings) {
     SCOPED_TRACE(c.name);
     Models m = load(shippedFiles());
     m.scene.gravity_m_s2.setZero();
@@ -153,7 +154,7 @@ TEST(SelfContact, AtTheSpeedLimit_NeitherOverlapsNorIsPassedThrough) {
 
 TEST(SelfContact, HeldForAMinute_GainsNoEnergy) {
   const std::uint64_t ticks = WHOLEHAND_SANITIZED ? 15'000 : 60'000;  // a sanitizer sees no energy
-  for (const Closing& c : kClosings) {
+  for (const ClosingHand& c : kClosings) {
     SCOPED_TRACE(c.name);
     const auto rig = closingRig(c);
     ASSERT_TRUE(rig->renderer->arm());
@@ -182,7 +183,7 @@ TEST(SelfContact, MadeByAPersonOnTheDevice_ComesToRest) {
   // The whole loop: the device's mass, friction, delay and encoders, and a person who goes on
   // closing. A rigid stop is one passive object among those the gains are certified with.
   for (const std::string patient : {"relaxed-adult", "stiff-adult", "spastic"}) {
-    for (const Closing& c : kClosings) {
+    for (const ClosingHand& c : kClosings) {
       SCOPED_TRACE(patient + ", " + c.name);
       Models m = load(shippedFiles("lambda-pride", "empty", "adult-median-right", patient));
       const AxisPosition open = close(c)(0), shut = close(c)(500);
@@ -223,7 +224,7 @@ TEST(SelfContact, RunAgain_GivesTheSameBits) {
 
 TEST(SelfContact, FistAgainstTheFingersEnds_AllocatesNothing) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "malloc is not ours to count";
-  const Closing c = kClosings[2];
+  const ClosingHand c = kClosings[2];
   Models m = load(shippedFiles());
   // Fingers pressed open against their ends, then a fist, then again.
   const auto rig = buildScripted(std::move(m), [c](int read) {
@@ -251,7 +252,7 @@ TEST(SelfContact, FistAgainstTheFingersEnds_AllocatesNothing) {
 }
 
 TEST(SelfContact, ArmedClosed_IsNotPushedOpenAndTouchesOnceItHasParted) {
-  const Closing c = kClosings[2];
+  const ClosingHand c = kClosings[2];
   Models m = load(shippedFiles());
   m.scene.gravity_m_s2.setZero();
   // Closed for 0.5 s, open at 1 s, closed again at 1.5 s.

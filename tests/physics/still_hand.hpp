@@ -8,12 +8,12 @@
 #include "physics/axis_closure.hpp"
 #include "support/ball_shape.hpp"
 #include "support/capsule_shape.hpp"
+#include "support/constants.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -31,7 +31,6 @@ inline const HandModel& hand() {
   return hand;
 }
 inline constexpr int kFingers = 3, kCircumduction = 4, kThumb = 5;
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 inline SceneModel sceneOf(const Shape& shape) {
   SceneModel scene;

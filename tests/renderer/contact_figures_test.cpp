@@ -41,9 +41,9 @@ TEST(FingertipForce, OneAxisFingerOnAFixedBall_DoesTheVirtualWorkOfTheEffort) {
 }
 
 /// Which way a hand with locked joints is pushed against a wall.
-class FixedContact : public testing::TestWithParam<std::pair<int, int>> {};
+class FixedContactFigures : public testing::TestWithParam<std::pair<int, int>> {};
 
-TEST_P(FixedContact, FeltForceAtRest_IsStiffnessTimesPenetration) {
+TEST_P(FixedContactFigures, FeltForceAtRest_IsStiffnessTimesPenetration) {
   const auto [axis, sign] = GetParam();
   constexpr double kGap_m = 0.02, kPenetration_m = 0.005;
   Models m = load(shippedFiles("desktop-3axis"));
@@ -68,7 +68,7 @@ TEST_P(FixedContact, FeltForceAtRest_IsStiffnessTimesPenetration) {
   for (int i = 0; i < last->contact_count; ++i) wall_n += last->contacts[i].force_n.eigen();
   EXPECT_NEAR(wall_n[axis], last->sent[axis], tolerance(0.01) * std::abs(expected));
 }
-INSTANTIATE_TEST_SUITE_P(AllSides, FixedContact,
+INSTANTIATE_TEST_SUITE_P(AllSides, FixedContactFigures,
                          testing::Values(std::pair{0, 1}, std::pair{0, -1}, std::pair{1, 1},
                                          std::pair{1, -1}, std::pair{2, 1}, std::pair{2, -1}),
                          [](const auto& tested) {

@@ -67,7 +67,7 @@ struct Therapy {
   int axis(const char* name) const { return device.axisIndex(name); }
 };
 
-Therapy shipped(const std::string& device) {
+Therapy therapyOn(const std::string& device) {
   const Models m = load(shippedFiles(device));
   return Therapy(m.device, makeAdaptiveDamping(m.device, m.rendering));
 }
@@ -97,7 +97,7 @@ void expectParameter(const LiveParameter& p, const char* unit, double lower, dou
 }
 
 TEST(LiveSettings, SixAxes_HaveFourParametersWithTheDevicesOwnLimitsAtTheTop) {
-  const Therapy t = shipped("lambda-pride");
+  const Therapy t = therapyOn("lambda-pride");
   ASSERT_EQ(namesOf(t.live),
             (std::vector<std::string>{"effort_limit_hand_tip_n", "effort_limit_arm_n",
                                       "damping_full_n", "damping_decay_s"}));
@@ -109,7 +109,7 @@ TEST(LiveSettings, SixAxes_HaveFourParametersWithTheDevicesOwnLimitsAtTheTop) {
 }
 
 TEST(LiveSettings, NoHandAxes_HaveNoTipLimit) {
-  const Therapy t = shipped("desktop-3axis");
+  const Therapy t = therapyOn("desktop-3axis");
   ASSERT_EQ(namesOf(t.live),
             (std::vector<std::string>{"effort_limit_arm_n", "damping_full_n", "damping_decay_s"}));
   expectParameter(t.live.parameters()[0], "N", 0.8, 8.0, 8.0);
@@ -143,7 +143,7 @@ TEST(LiveSettings, AxisWithoutLeverArmBesideOneWithIt_GoesByRatio) {
 
 TEST(LiveSettings, UpperEnd_IsTheDevicesLimitBitByBit) {
   for (const char* device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
-    const Therapy t = shipped(device);
+    const Therapy t = therapyOn(device);
     // Nothing changed, then every parameter as high as it goes.
     std::vector<std::pair<std::string, double>> top;
     for (const LiveParameter& p : t.live.parameters()) top.emplace_back(p.name, p.upper);
@@ -173,7 +173,7 @@ TEST(LiveSettings, UpperEndWhereQuotientsAreRounded_IsTheDevicesLimitBitByBit) {
 
 TEST(LiveSettings, NothingChanged_DampsAsAtTheStartBitByBit) {
   for (const char* device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
-    const Therapy t = shipped(device);
+    const Therapy t = therapyOn(device);
     const auto now = t.at({});
     for (int i = 0; i < t.device.axisCount(); ++i) {
       EXPECT_EQ(now.damping.effort_full[i], t.damping.effort_full[i]);
@@ -184,7 +184,7 @@ TEST(LiveSettings, NothingChanged_DampsAsAtTheStartBitByBit) {
 }
 
 TEST(LiveSettings, TipLimit_TimesTheLeverArmIsTheJointsAndTheArmKeepsItsOwn) {
-  const Therapy t = shipped("lambda-pride");
+  const Therapy t = therapyOn("lambda-pride");
   for (const double tip_n : {1.0, 4.0, 7.0}) {
     const auto now = t.at({{"effort_limit_hand_tip_n", tip_n}});
     for (const char* finger : {"finger_flexion", "thumb_circumduction", "thumb_flexion"}) {
@@ -196,14 +196,14 @@ TEST(LiveSettings, TipLimit_TimesTheLeverArmIsTheJointsAndTheArmKeepsItsOwn) {
 
 TEST(LiveSettings, TipLimitAboveAWeakerAxis_LeavesThatAxisItsOwn) {
   // The thumb's circumduction is limited to 0.6 N·m, 7.5 N at the tip; the others to 10 N.
-  const Therapy t = shipped("lambda-pride");
+  const Therapy t = therapyOn("lambda-pride");
   const auto now = t.at({{"effort_limit_hand_tip_n", 9.0}});
   EXPECT_EQ(now.limit[t.axis("thumb_circumduction")], 0.6);
   EXPECT_NEAR(now.limit[t.axis("finger_flexion")], 0.72, tolerance(1e-15));
 }
 
 TEST(LiveSettings, ArmLimit_IsTheTranslationsAndByRatioTheWrists) {
-  const Therapy t = shipped("wrist-9axis");
+  const Therapy t = therapyOn("wrist-9axis");
   const auto now = t.at({{"effort_limit_arm_n", 5.0}});  // a quarter of 20 N
   for (const char* arm : {"x", "y", "z"}) EXPECT_EQ(now.limit[t.axis(arm)], 5.0);
   for (const char* wrist : {"roll", "pitch", "yaw"}) {
@@ -215,7 +215,7 @@ TEST(LiveSettings, ArmLimit_IsTheTranslationsAndByRatioTheWrists) {
 TEST(LiveSettings, AnyValues_NeverExceedTheDeviceAndNeverFallBelowATenth) {
   std::mt19937_64 random = seededRandom(31);
   for (const char* device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
-    const Therapy t = shipped(device);
+    const Therapy t = therapyOn(device);
     for (int k = 0; k < cases(200); ++k) {
       std::vector<std::pair<std::string, double>> values;
       for (const LiveParameter& p : t.live.parameters()) {
@@ -231,7 +231,7 @@ TEST(LiveSettings, AnyValues_NeverExceedTheDeviceAndNeverFallBelowATenth) {
 }
 
 TEST(LiveSettings, DampingFull_ScalesFullAndDeadEffortOfEveryAxisAlike) {
-  const Therapy t = shipped("lambda-pride");
+  const Therapy t = therapyOn("lambda-pride");
   const auto now = t.at({{"damping_full_n", 2.0}});  // of 5 N: times 0.4
   for (const char* arm : {"x", "y", "z"}) {
     EXPECT_NEAR(now.damping.effort_full[t.axis(arm)], 2.0, tolerance(1e-15));
@@ -259,7 +259,7 @@ TEST(LiveSettings, DampingFullOfAFingerDevice_IsAtTheTip) {
 }
 
 TEST(LiveSettings, DampingDecay_IsTheTimeConstantWithWhichPhiFades) {
-  const Therapy t = shipped("lambda-pride");
+  const Therapy t = therapyOn("lambda-pride");
   const auto now = t.at({{"damping_decay_s", 0.6}});
   for (int i = 0; i < 6; ++i) {
     EXPECT_NEAR(now.damping.decay_s[i], 0.6, tolerance(1e-15));
@@ -289,7 +289,7 @@ TEST(LiveSettings, DecayOfTheFileOutsideTheUsualRange_CanBeHadAgain) {
 
 TEST(LiveSettings, LimitDownAndUpAgainByRamps_IsTheDevicesBitByBit) {
   // What the two do together: at 1 kHz, where sums are rounded, from anywhere back to the top.
-  const Therapy t = shipped("lambda-pride");
+  const Therapy t = therapyOn("lambda-pride");
   ParameterRamps ramps(t.live.parameters());
   std::mt19937_64 random = seededRandom(32);
   for (int k = 0; k < cases(20); ++k) {

@@ -1,6 +1,8 @@
 // How a parameter gets to where somebody wants it: at its slope, and only where that makes sense.
 #include "renderer/parameter_ramps.hpp"
 
+#include "support/constants.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,9 +14,8 @@ namespace wholehand::test {
 namespace {
 
 // Numbers that binary fractions hold exactly, so that nothing is rounded: 4 /s at 1024 Hz.
-constexpr double kPeriod_s = 1.0 / 1024.0;
+constexpr double kRampPeriod_s = 1.0 / 1024.0;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ParameterRamps twoRamps() {
   return ParameterRamps({{"first", "N", 1.0, 8.0, 2.0, 4.0}, {"second", "s", -1.0, 1.0, 0.0, 0.5}});
@@ -25,9 +26,9 @@ TEST(ParameterRamps, Asked_GoesThereAtItsSlopeAndStays) {
   ramps.ask(0, 6.0);
   ramps.ask(1, -1.0);
   for (int tick = 1; tick <= 3000; ++tick) {
-    ramps.advance(1, kPeriod_s);
+    ramps.advance(1, kRampPeriod_s);
     // Straight lines: 2 + 4 t up to 6 after a second, −t/2 down to −1 after two.
-    const double t_s = tick * kPeriod_s;
+    const double t_s = tick * kRampPeriod_s;
     ASSERT_EQ(ramps.values()[0], std::min(6.0, 2.0 + 4.0 * t_s)) << "tick " << tick;
     ASSERT_EQ(ramps.values()[1], std::max(-1.0, -0.5 * t_s)) << "tick " << tick;
   }
@@ -36,18 +37,18 @@ TEST(ParameterRamps, Asked_GoesThereAtItsSlopeAndStays) {
 TEST(ParameterRamps, NotAsked_StaysAtItsStart) {
   ParameterRamps ramps = twoRamps();
   ramps.ask(0, 6.0);
-  for (int tick = 0; tick < 100; ++tick) ramps.advance(1, kPeriod_s);
+  for (int tick = 0; tick < 100; ++tick) ramps.advance(1, kRampPeriod_s);
   EXPECT_EQ(ramps.values()[1], 0.0);
 }
 
 TEST(ParameterRamps, AskedAnewMidway_TurnsWithoutAJump) {
   ParameterRamps ramps = twoRamps();
   ramps.ask(0, 8.0);
-  ramps.advance(512, kPeriod_s);  // half a second: 2 + 2
+  ramps.advance(512, kRampPeriod_s);  // half a second: 2 + 2
   ASSERT_EQ(ramps.values()[0], 4.0);
   ramps.ask(0, 1.0);
   EXPECT_EQ(ramps.values()[0], 4.0);
-  ramps.advance(1, kPeriod_s);
+  ramps.advance(1, kRampPeriod_s);
   EXPECT_EQ(ramps.values()[0], 4.0 - 4.0 / 1024.0);
 }
 
@@ -55,11 +56,11 @@ TEST(ParameterRamps, SkippedPeriods_CountAsIfEachHadRun) {
   ParameterRamps one_by_one = twoRamps();
   ParameterRamps stalled = twoRamps();
   for (ParameterRamps* ramps : {&one_by_one, &stalled}) ramps->ask(0, 6.0);
-  for (int tick = 0; tick < 7; ++tick) one_by_one.advance(1, kPeriod_s);
-  stalled.advance(7, kPeriod_s);
+  for (int tick = 0; tick < 7; ++tick) one_by_one.advance(1, kRampPeriod_s);
+  stalled.advance(7, kRampPeriod_s);
   EXPECT_EQ(stalled.values()[0], 2.0 + 7.0 * 4.0 / 1024.0);
   EXPECT_EQ(stalled.values()[0], one_by_one.values()[0]);
-  stalled.advance(1'000'000, kPeriod_s);  // never beyond what was asked
+  stalled.advance(1'000'000, kRampPeriod_s);  // never beyond what was asked
   EXPECT_EQ(stalled.values()[0], 6.0);
 }
 
@@ -67,7 +68,7 @@ TEST(ParameterRamps, EndsOfTheRange_MayBeAskedFor) {
   ParameterRamps ramps = twoRamps();
   for (const double end : {8.0, 1.0}) {
     ramps.ask(0, end);
-    ramps.advance(100'000, kPeriod_s);
+    ramps.advance(100'000, kRampPeriod_s);
     EXPECT_EQ(ramps.values()[0], end);
   }
 }
@@ -80,7 +81,7 @@ TEST(ParameterRamps, WhatMakesNoSense_ChangesNothing) {
                           std::numeric_limits<int>::max()}) {
     ramps.ask(index, 0.5);
   }
-  ramps.advance(100'000, kPeriod_s);
+  ramps.advance(100'000, kRampPeriod_s);
   EXPECT_EQ(ramps.values()[0], 6.0);  // what was asked before still holds
   EXPECT_EQ(ramps.values()[1], 0.0);
   EXPECT_EQ(ramps.values()[2], 0.0);
@@ -89,10 +90,10 @@ TEST(ParameterRamps, WhatMakesNoSense_ChangesNothing) {
 TEST(ParameterRamps, Reset_IsAtTheStartAtOnceAndWantsNothingElse) {
   ParameterRamps ramps = twoRamps();
   ramps.ask(0, 6.0);
-  ramps.advance(100, kPeriod_s);
+  ramps.advance(100, kRampPeriod_s);
   ramps.reset();
   EXPECT_EQ(ramps.values()[0], 2.0);
-  ramps.advance(100, kPeriod_s);
+  ramps.advance(100, kRampPeriod_s);
   EXPECT_EQ(ramps.values()[0], 2.0);
 }
 
@@ -106,7 +107,7 @@ TEST(ParameterRamps, StartElsewhere_IsWhereItIsAfterReset) {
   EXPECT_EQ(ramps.values()[0], 5.0);
   EXPECT_EQ(ramps.values()[1], 0.0);
   EXPECT_EQ(ramps.atStart()[0], 5.0);
-  ramps.advance(100, kPeriod_s);
+  ramps.advance(100, kRampPeriod_s);
   EXPECT_EQ(ramps.values()[0], 5.0);  // and it wants nothing else
 }
 
@@ -118,7 +119,7 @@ TEST(ParameterRamps, MoreThanThereIsRoomFor_TheFirstOnesWork) {
   ParameterRamps ramps(many);
   ASSERT_EQ(ramps.count(), kMaxLiveParameters);
   for (int i = 0; i < kMaxLiveParameters + 6; ++i) ramps.ask(i, 100.0);
-  ramps.advance(1024, kPeriod_s);  // a second
+  ramps.advance(1024, kRampPeriod_s);  // a second
   for (int i = 0; i < kMaxLiveParameters; ++i) EXPECT_EQ(ramps.values()[i], i + 1.0);
   EXPECT_EQ(ParameterRamps({}).count(), 0);
 }

@@ -1,19 +1,14 @@
 #pragma once
 
+#include "support/constants.hpp"
 #include "support/rig_tools.hpp"
+#include "support/seed.hpp"
 
 #include <cmath>
 #include <random>
 
 /// Persons who throw a device about, and what must hold of the effort that is sent to it.
 namespace wholehand::test {
-
-inline constexpr double kPeriod_s = 1e-3;
-inline constexpr int kNeutralWithin = 100;  // ticks; 100 ms is the longest ramp allowed
-
-inline double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
-}
 
 /// A person who slams the device about: every 150 ms another random place, extremes included, as
 /// far as `speed_share` of every axis's speed limit reaches. Minimum jerk is 1.875 times as fast

@@ -1,6 +1,7 @@
 #include "safety/neutral_ramp.hpp"
 
 #include "realtime/allocation_counter.hpp"
+#include "support/constants.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -13,20 +14,19 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kPeriod_s = 1e-3;
-const NeutralRampConfig kConfig;
+const NeutralRampConfig kRamp;
 
-AxisEffort two(double a, double b) {
+AxisEffort pairOf(double a, double b) {
   AxisEffort f(2);
   f[0] = a;
   f[1] = b;
   return f;
 }
-const AxisEffort kNeutral = two(4.0, -0.1);  // e.g. carries the device's own weight
-const AxisEffort kWanted = two(-12.0, 0.5);
+const AxisEffort kNeutral = pairOf(4.0, -0.1);  // e.g. carries the device's own weight
+const AxisEffort kWanted = pairOf(-12.0, 0.5);
 
 NeutralRampState tick(const NeutralRampState& s, const AxisEffort& wanted, bool stop, int k = 1) {
-  return advanceRamp(s, wanted, kNeutral, stop, k, kPeriod_s, kConfig);
+  return advanceRamp(s, wanted, kNeutral, stop, k, kPeriod_s, kRamp);
 }
 
 NeutralRampState engaged() {
@@ -57,7 +57,7 @@ TEST(NeutralRamp, Engaging_RisesByTheSmoothstepAndEndsExactlyAtWanted) {
   NeutralRampState s = engageFrom(kNeutral);
   for (int k = 1; k <= 250; ++k) {
     s = tick(s, kWanted, false);
-    const double a = smooth(k * kPeriod_s / kConfig.engage_s);
+    const double a = smooth(k * kPeriod_s / kRamp.engage_s);
     EXPECT_NEAR(s.authority, a, tolerance(1e-12));
     EXPECT_NEAR(s.sent[0], 4.0 + a * (-12.0 - 4.0), tolerance(1e-11));
   }
@@ -71,14 +71,14 @@ TEST(NeutralRamp, StallWhileEngaging_DoesNotEndInAStep) {
   for (int k = 0; k < 50; ++k) s = tick(s, kWanted, false);
   const NeutralRampState next = tick(s, kWanted, false, 500);
   // The first step of the smoothstep, of a span that is less than the 16 N from neutral to wanted.
-  EXPECT_LE(std::abs(next.sent[0] - s.sent[0]), 16.0 * smooth(kPeriod_s / kConfig.engage_s));
+  EXPECT_LE(std::abs(next.sent[0] - s.sent[0]), 16.0 * smooth(kPeriod_s / kRamp.engage_s));
 }
 
 TEST(NeutralRamp, Stop_FollowsTheSmoothstepFromTheLastEffortToExactlyNeutral) {
   NeutralRampState s = engaged();
   for (int k = 1; k <= 120; ++k) {
-    s = tick(s, two(1e9, 1e9), true);  // what is wanted now is not looked at
-    const double share = 1.0 - smooth(k * kPeriod_s / kConfig.ramp_s);
+    s = tick(s, pairOf(1e9, 1e9), true);  // what is wanted now is not looked at
+    const double share = 1.0 - smooth(k * kPeriod_s / kRamp.ramp_s);
     EXPECT_NEAR(s.sent[0], 4.0 + share * (-12.0 - 4.0), tolerance(1e-11));
     EXPECT_NEAR(s.authority, share, tolerance(1e-12));
     EXPECT_EQ(s.phase, k < 80 ? RampPhase::kRamping : RampPhase::kNeutral) << k;
@@ -91,7 +91,7 @@ TEST(NeutralRamp, Stop_FollowsTheSmoothstepFromTheLastEffortToExactlyNeutral) {
 TEST(NeutralRamp, FirstTickOfAStop_BarelyDiffersFromTheLastGoodEffort) {
   const NeutralRampState before = engaged();
   for (const int skipped : {0, 3, 80, 5000}) {  // a stall before the fault does not shorten the way
-    const NeutralRampState s = tick(before, two(99.0, 99.0), true, 1 + skipped);
+    const NeutralRampState s = tick(before, pairOf(99.0, 99.0), true, 1 + skipped);
     EXPECT_EQ(s.phase, RampPhase::kRamping);
     EXPECT_NEAR(s.sent[0], -12.0, 16.0 * 3.0 * (1.0 / 80.0) * (1.0 / 80.0));  // 3u² of the span
     EXPECT_GT(s.sent[0], -12.0);
@@ -110,7 +110,7 @@ TEST(NeutralRamp, NeutralIsTheEnd_NothingRisesAgain) {
 
 TEST(NeutralRamp, NonFiniteEffort_IsAStopAndIsNeverSent) {
   for (const double bad : {std::nan(""), HUGE_VAL}) {
-    NeutralRampState s = tick(engaged(), two(bad, 0.0), false);
+    NeutralRampState s = tick(engaged(), pairOf(bad, 0.0), false);
     EXPECT_EQ(s.phase, RampPhase::kRamping);
     EXPECT_TRUE(allFinite(s.sent));
   }
@@ -143,13 +143,13 @@ TEST(NeutralRamp, ConfiguredSlowerThanAllowed_StillEndsIn100Milliseconds) {
 
 // ---- after a stall, while rendering
 
-const AxisEffort kWantedNow = two(9.0, -0.5);  // far from kWanted: the device has moved on
+const AxisEffort kWantedNow = pairOf(9.0, -0.5);  // far from kWanted: the device has moved on
 
 TEST(NeutralRamp, StallLongerThanTheGap_EngagesAnewFromTheEffortThatWasHeld) {
   NeutralRampState s = engaged();
   for (int k = 1; k <= 220; ++k) {
     s = tick(s, kWantedNow, false, k == 1 ? 200 : 1);
-    const double a = smooth(k * kPeriod_s / kConfig.reengage_s);  // the first tick counts as one
+    const double a = smooth(k * kPeriod_s / kRamp.reengage_s);  // the first tick counts as one
     EXPECT_NEAR(s.authority, a, tolerance(1e-12)) << k;
     EXPECT_NEAR(s.sent[0], -12.0 + a * (9.0 + 12.0), tolerance(1e-11)) << k;
     EXPECT_NEAR(s.sent[1], 0.5 + a * (-0.5 - 0.5), tolerance(1e-12)) << k;
@@ -163,7 +163,7 @@ TEST(NeutralRamp, StallLongerThanTheGap_EngagesAnewFromTheEffortThatWasHeld) {
 TEST(NeutralRamp, GapOfExactlyFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
   for (const int rate_khz : {1, 2, 4}) {
     const auto after = [&](int periods) {
-      return advanceRamp(engaged(), kWantedNow, kNeutral, false, periods, 1e-3 / rate_khz, kConfig);
+      return advanceRamp(engaged(), kWantedNow, kNeutral, false, periods, 1e-3 / rate_khz, kRamp);
     };
     for (int periods = 1; periods <= 5 * rate_khz; ++periods) {
       EXPECT_EQ(after(periods).authority, 1.0) << periods << " periods at " << rate_khz << " kHz";
@@ -173,7 +173,7 @@ TEST(NeutralRamp, GapOfExactlyFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
     EXPECT_LT(stalled.authority, 4e-3);
     // The first step of the smoothstep, of a span of 21 N.
     EXPECT_LE(std::abs(stalled.sent[0] + 12.0),
-              21.0 * smooth(1e-3 / rate_khz / kConfig.reengage_s) + 1e-12);
+              21.0 * smooth(1e-3 / rate_khz / kRamp.reengage_s) + 1e-12);
   }
 }
 
@@ -182,7 +182,7 @@ TEST(NeutralRamp, StallAfterStall_EachBeginsFromWhatWasSentLast) {
   for (int k = 0; k < 400; ++k) {
     const AxisEffort& wanted = k % 2 == 0 ? kWantedNow : kWanted;
     const NeutralRampState next = tick(s, wanted, false, 50);
-    const double first = smooth(kPeriod_s / kConfig.reengage_s);
+    const double first = smooth(kPeriod_s / kRamp.reengage_s);
     EXPECT_NEAR(next.sent[0], s.sent[0] + first * (wanted[0] - s.sent[0]), tolerance(1e-12)) << k;
     s = next;
   }
@@ -195,7 +195,7 @@ TEST(NeutralRamp, StopWhileEngagingAnew_RampsFromWhatWasSentLast) {
   EXPECT_NEAR(held, -1.5, 1e-9);  // halfway from -12 to 9
   for (int k = 1; k <= 120; ++k) {
     s = tick(s, kWanted, true);
-    const double share = 1.0 - smooth(k * kPeriod_s / kConfig.ramp_s);
+    const double share = 1.0 - smooth(k * kPeriod_s / kRamp.ramp_s);
     EXPECT_NEAR(s.sent[0], 4.0 + share * (held - 4.0), tolerance(1e-11)) << k;
     EXPECT_NEAR(s.authority, 0.5 * share, tolerance(1e-9)) << k;
   }
@@ -220,14 +220,14 @@ TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) 
       double wanted = limit * (*rc::gen::inRange(-1000, 1001) / 1000.0);
       if (stop && by_nan) wanted = std::numeric_limits<double>::quiet_NaN();
       const int elapsed = *rc::gen::weightedElement<int>({{20, 1}, {2, 2}, {1, 9}});
-      const NeutralRampState next = advanceRamp(s, AxisEffort(1, wanted), neutral, stop && !by_nan,
-                                                elapsed, period_s, kConfig);
+      const NeutralRampState next =
+          advanceRamp(s, AxisEffort(1, wanted), neutral, stop && !by_nan, elapsed, period_s, kRamp);
       RC_ASSERT(std::isfinite(next.sent[0]));
       RC_ASSERT(std::abs(next.sent[0]) <= limit);
-      if (k < stop_at && elapsed * period_s > kConfig.gap_s) {
+      if (k < stop_at && elapsed * period_s > kRamp.gap_s) {
         // After a stall: no more than the smoothstep's first step of the way.
         RC_ASSERT(std::abs(next.sent[0] - s.sent[0]) <=
-                  smooth(period_s / kConfig.reengage_s) * std::abs(wanted - s.sent[0]) + 1e-12);
+                  smooth(period_s / kRamp.reengage_s) * std::abs(wanted - s.sent[0]) + 1e-12);
       }
       if (k >= stop_at) {
         const double counted_s = (k == stop_at ? 1 : elapsed) * period_s;
@@ -235,7 +235,7 @@ TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) 
         // Slew: the smoothstep's steepest slope, 1.5 of the span over ramp_s.
         const double span = std::abs(next.held[0] - neutral_effort);
         RC_ASSERT(std::abs(next.sent[0] - s.sent[0]) <=
-                  1.5 * span * counted_s / kConfig.ramp_s + 1e-12);
+                  1.5 * span * counted_s / kRamp.ramp_s + 1e-12);
         // Monotone towards neutral.
         RC_ASSERT(std::abs(next.sent[0] - neutral_effort) <= std::abs(s.sent[0] - neutral_effort));
         RC_ASSERT(next.authority <= s.authority);

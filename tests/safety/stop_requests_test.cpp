@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace wholehand {
+namespace wholehand::test {
 namespace {
 
 TEST(StopRequests, NobodyAsked_NothingIsSaid) {
@@ -61,4 +61,4 @@ TEST(StopRequests, AskedAfterTheLastTick_RefusesTheNextArming) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -28,6 +28,10 @@ Random seededRandom(unsigned stream) {
   return Random(mixed);
 }
 
+inline double uniform(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
+}
+
 /// Of what a test goes through one by one: three of four are left out under a sanitizer, which by
 /// the seed. The release build judges all of them.
 inline bool leftOutUnderASanitizer(std::size_t index) {

@@ -1,5 +1,6 @@
 // Force Dimension devices against a fake of their SDK: what is read, and what is pushed.
 #include "fake_sdk.hpp"
+#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ TEST_F(ForceDimension, ForceThatAnotherProgramLeft_IsGoneBeforeForceIsOn) {
 TEST_F(ForceDimension, ForceButton_DecidesWhetherItIsEnabled) {
   at.fake->waits_for_button = 1;
   enable();
-  EXPECT_NE(at.said.find("press it"), std::string::npos) << at.said;
+  EXPECT_TRUE(says(at.said, "press it"));
   EXPECT_EQ(at.read().status & WH_ENABLED, 0U);
   at.fake->force_on = 1;  // a person presses it
   EXPECT_EQ(at.read().status, static_cast<std::uint32_t>(WH_ENABLED | WH_HOMED));
@@ -47,7 +48,7 @@ TEST_P(ForceOffBy, IsToldWithItsCodeAndItsReason) {
   EXPECT_EQ(sample.vendor_code, GetParam().cause);
   at.said.clear();
   (void)at.driver->control(WH_DISABLE, 0.0);
-  EXPECT_NE(at.said.find(GetParam().says), std::string::npos) << at.said;
+  EXPECT_TRUE(says(at.said, GetParam().says));
 }
 INSTANTIATE_TEST_SUITE_P(
     Causes, ForceOffBy,

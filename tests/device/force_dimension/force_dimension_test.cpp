@@ -1,5 +1,6 @@
 // Force Dimension devices against a fake of their SDK: finding, opening, homing.
 #include "fake_sdk.hpp"
+#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,8 +21,7 @@ TEST_P(OtherSdk, IsRefusedWithWhatIsMissing) {
   ForceDimensionDriver at(GetParam().name);
   const auto driver = at.load();
   ASSERT_FALSE(driver);
-  EXPECT_NE((at.said + whyNot(driver)).find(GetParam().says), std::string::npos)
-      << at.said << whyNot(driver);
+  EXPECT_TRUE(says((at.said + whyNot(driver)), GetParam().says)) << at.said << whyNot(driver);
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, OtherSdk,
                          testing::Values(Sdks{"none", "name its folder in FORCEDIM_SDK"},
@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OtherSdk,
 TEST_F(ForceDimension, InTheLoop_IsRefusedForAHost) {
   const auto driver = at.load("", std::string(kForceSettings) + kGripperSettings, CalledBy::kLoop);
   ASSERT_FALSE(driver);
-  EXPECT_NE(whyNot(driver).find("a host can"), std::string::npos) << whyNot(driver);
+  EXPECT_TRUE(says(whyNot(driver), "a host can"));
 }
 
 TEST_F(ForceDimension, Opened_MovesNothingAndSwitchesNoForceOn) {
@@ -47,7 +47,7 @@ TEST_F(ForceDimension, Opened_MovesNothingAndSwitchesNoForceOn) {
   EXPECT_NEAR(axes[3].effort_limit, 8.0 * 0.07 / 4.0, 1e-12);  // ratio 1.6 / 0.4
   EXPECT_EQ(axes[0].effort_limit, 12.0);
   EXPECT_EQ(axes[0].silence_s, 0.02);
-  EXPECT_NE(at.said.find("fake.7, SDK 3.17.1"), std::string::npos) << at.said;
+  EXPECT_TRUE(says(at.said, "fake.7, SDK 3.17.1"));
 }
 
 TEST_F(ForceDimension, SerialNumber_OpensThatDeviceAndClosesTheOthers) {
@@ -70,7 +70,7 @@ TEST_P(NotFound, SaysWhatThereIs) {
   at.fake->devices = GetParam().devices;
   const auto driver = at.load(GetParam().locator);
   ASSERT_FALSE(driver);
-  EXPECT_NE(whyNot(driver).find(GetParam().says), std::string::npos) << whyNot(driver);
+  EXPECT_TRUE(says(whyNot(driver), GetParam().says));
 }
 INSTANTIATE_TEST_SUITE_P(Locators, NotFound,
                          testing::Values(Finding{"none", "", 0, "no device: the fake says why"},
@@ -83,7 +83,7 @@ TEST_F(ForceDimension, WithoutAGripper_IsRefusedWhereOneIsAskedFor) {
   at.fake->has_gripper = 0;
   const auto asked = at.load();
   ASSERT_FALSE(asked);
-  EXPECT_NE(whyNot(asked).find("fake.7 has no gripper"), std::string::npos) << whyNot(asked);
+  EXPECT_TRUE(says(whyNot(asked), "fake.7 has no gripper"));
   ASSERT_TRUE(at.load("", kForceSettings));
   EXPECT_EQ(at.driver->axes().size(), 3U);
 }
@@ -101,7 +101,7 @@ force_limit_n = 8.0
 step_rad = 1e-4
 )");
   ASSERT_FALSE(crossed);
-  EXPECT_NE(at.said.find("is not below open_rad"), std::string::npos) << at.said;
+  EXPECT_TRUE(says(at.said, "is not below open_rad"));
 }
 
 TEST_F(ForceDimension, NotHomed_HomesOnlyOnRequestAndLeavesForceOff) {
@@ -126,7 +126,7 @@ TEST_F(ForceDimension, HomingThatFails_IsSaidAndForceIsOff) {
   at.fake->init_returns = -1;
   open();
   EXPECT_FALSE(at.driver->control(WH_HOME, 0.0));
-  EXPECT_NE(at.said.find("homing failed: the fake says why"), std::string::npos) << at.said;
+  EXPECT_TRUE(says(at.said, "homing failed: the fake says why"));
   EXPECT_EQ(at.fake->stops, 1) << "whatever it had begun ends";
   EXPECT_EQ(at.read().status & WH_HOMED, 0U);
 }

@@ -24,7 +24,7 @@ namespace wholehand::test {
 namespace {
 
 constexpr double kLoopPeriod_s = 1e-3;
-constexpr int kTicks = 5000;
+constexpr int kLockSteps = 5000;
 constexpr double kTorqueStep_nm =
     0.01;  // the step of a torque as int16 (docs of moteus); in N alike
 constexpr double kRev_rad = 2.0 * std::numbers::pi;
@@ -82,7 +82,7 @@ Apart runBoth(const Models& models, HapticDevice& built_in, HapticDevice& other,
   Apart apart;
   const int axes = models.device.axisCount();
   AxisPosition lowest(axes, 1e9), highest(axes, -1e9);
-  for (int tick = 0; tick < kTicks; ++tick) {
+  for (int tick = 0; tick < kLockSteps; ++tick) {
     DeviceReading expected, read;
     EXPECT_EQ(built_in.read(expected, 1), Fault::kNone);
     before_read();

@@ -3,6 +3,7 @@
 
 #include "fake_drive.hpp"
 #include "hand_settings.hpp"
+#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
@@ -116,7 +117,7 @@ TEST_P(UnsafeDrive, WhenOpened_IsRefusedAndSaysHowToSetIt) {
   ASSERT_EQ(checked.errors().size(), 1U) << format(checked.errors());
   const std::string why = format(checked.errors());
   for (const char* part : {"drive 2 (thumb base)", GetParam().setting, GetParam().says}) {
-    EXPECT_NE(why.find(part), std::string::npos) << why;
+    EXPECT_TRUE(test::says(why, part));
   }
 }
 INSTANTIATE_TEST_SUITE_P(
@@ -140,8 +141,8 @@ TEST_F(MoteusDrives, SilentDrive_IsRefusedByNameAndTheOthersAreStillJudged) {
   const auto checked = device->check();
   ASSERT_FALSE(checked);
   const std::string why = format(checked.errors());
-  EXPECT_NE(why.find("drive 3 (thumb tip): does not answer"), std::string::npos) << why;
-  EXPECT_NE(why.find("drive 1 (fingers) servo.timeout_mode"), std::string::npos) << why;
+  EXPECT_TRUE(test::says(why, "drive 3 (thumb tip): does not answer"));
+  EXPECT_TRUE(test::says(why, "drive 1 (fingers) servo.timeout_mode"));
 }
 
 TEST_F(MoteusDrives, Enabled_StandWithoutTorqueUntilTheFirstCommand) {
@@ -158,7 +159,7 @@ TEST_F(MoteusDrives, NotHomed_AreNotEnabledAndSaidByName) {
   bus.drives[1].home = 1;
   EXPECT_EQ(device->control(WH_ENABLE), WH_FAILED);
   EXPECT_EQ(device->control(WH_ENABLE), WH_FAILED);
-  EXPECT_NE(said.find("drive 2 (thumb base) is not homed"), std::string::npos) << said;
+  EXPECT_TRUE(test::says(said, "drive 2 (thumb base) is not homed"));
   EXPECT_EQ(write({}), WH_FAILED);
   for (const auto& drive : bus.drives) EXPECT_EQ(drive.mode, 0);
 }
@@ -211,7 +212,7 @@ TEST_F(MoteusDrives, LoopThatStops_IsLetGoByTheDrivesAndStaysSo) {
   for (int i = 0; i < 50; ++i) (void)tick({0.5, 0.0, 0.0});
   EXPECT_EQ(bus.drives[0].torque_nm(), 0.0) << "commands do not wake it";
   ASSERT_EQ(device->control(WH_ENABLE), WH_OK);
-  EXPECT_NE(said.find("has let go"), std::string::npos);
+  EXPECT_TRUE(test::says(said, "has let go"));
   EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED);
 }
 
@@ -239,9 +240,8 @@ TEST_F(MoteusDrives, DriveFault_IsToldWithItsCodeAndItsReason) {
   EXPECT_EQ(wrote, WH_OK) << "the others are ramped";
   EXPECT_EQ(said, "") << "the tick says nothing";
   ASSERT_EQ(device->control(WH_DISABLE), WH_OK);
-  EXPECT_NE(said.find("drive 3 (thumb tip) has stopped itself: fault 38, over temperature"),
-            std::string::npos)
-      << said;
+  EXPECT_TRUE(
+      test::says(said, "drive 3 (thumb tip) has stopped itself: fault 38, over temperature"));
 }
 
 TEST_F(MoteusDrives, LimitsOfADrive_AreInformation) {

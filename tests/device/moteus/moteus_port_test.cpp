@@ -3,6 +3,7 @@
 #include "hand_settings.hpp"
 #include "pty_adapter.hpp"
 #include "realtime/allocation_counter.hpp"
+#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
@@ -169,8 +170,7 @@ TEST(MoteusPortRefused, UnsafeDrive_IsSaidByTheDriver) {
   Port port;
   port.adapter.with([](auto& drives) { drives[0].conf["servo.default_timeout_s"] = "nan"; });
   ASSERT_FALSE(port.load());
-  EXPECT_NE(port.said.find("drive 1 (fingers) servo.default_timeout_s = nan"), std::string::npos)
-      << port.said;
+  EXPECT_TRUE(says(port.said, "drive 1 (fingers) servo.default_timeout_s = nan"));
 }
 
 struct Locator {
@@ -182,7 +182,7 @@ class MoteusLocator : public testing::TestWithParam<Locator> {};
 TEST_P(MoteusLocator, ThatLeadsNowhere_IsRefusedByName) {
   Port port;
   ASSERT_FALSE(port.load(GetParam().locator));
-  EXPECT_NE(port.said.find(GetParam().says), std::string::npos) << port.said;
+  EXPECT_TRUE(says(port.said, GetParam().says));
 }
 INSTANTIATE_TEST_SUITE_P(Words, MoteusLocator,
                          testing::Values(Locator{"empty", "", "must be fdcanusb:PORT"},
@@ -197,10 +197,10 @@ TEST(SocketCan, WhereItCannotBeHad_SaysWhy) {
   const int probe = ::socket(AF_CAN, SOCK_RAW, 1);
   const bool kernel_has_can = probe >= 0 || errno != EAFNOSUPPORT;
   if (probe >= 0) ::close(probe);
-  const char* says = kernel_has_can ? "is no interface" : "no CAN in this kernel";
+  const char* why = kernel_has_can ? "is no interface" : "no CAN in this kernel";
   Port port;
   ASSERT_FALSE(port.load("socketcan:no-such-can"));
-  EXPECT_NE(port.said.find(says), std::string::npos) << port.said;
+  EXPECT_TRUE(says(port.said, why));
 }
 
 }  // namespace
