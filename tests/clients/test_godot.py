@@ -46,6 +46,8 @@ def setUpModule():
 
 
 class PlayedInGodot:
+    paced = True
+
     def start(self, test, port, **more):
         home = tempfile.mkdtemp(prefix="wholehand-test-")
         self.addCleanup(shutil.rmtree, home)

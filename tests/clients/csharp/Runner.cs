@@ -39,13 +39,13 @@ public static class Check
         }
     }
 
-    /// <summary>Waits for what must come true, up to 20 s: no test depends on how fast the machine is.</summary>
+    /// <summary>Waits for what must come true, up to 300 s: no test depends on how fast the machine is.</summary>
     public static void Until(Func<bool> condition, string what)
     {
-        DateTime end = DateTime.UtcNow.AddSeconds(20);
+        DateTime end = DateTime.UtcNow.AddSeconds(300);
         while (!condition())
         {
-            if (DateTime.UtcNow > end) throw new Failure("not within 20 s: " + what);
+            if (DateTime.UtcNow > end) throw new Failure("not within 300 s: " + what);
             System.Threading.Thread.Sleep(2);
         }
     }
@@ -59,7 +59,7 @@ public static class Latency
     {
         if (p99Ms <= 5.0) return;
         Check.True(machineP99Ms > 2.0, "latency p99 is " + p99Ms + " ms");
-        Console.WriteLine("       {0} ms is not judged: this machine is {1} ms late itself", p99Ms, machineP99Ms);
+        Console.WriteLine("not judged: clients_csharp.Latency: this machine kept a sleeper waiting for {1} ms (p99 {0} ms)", p99Ms, machineP99Ms);
     }
 }
 
