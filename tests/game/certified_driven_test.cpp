@@ -308,7 +308,7 @@ TEST(CertifiedDriven, GainsPersonsAndDrivenBodies_NoneIsUnstable) {
 
 TEST(CertifiedDriven, GainsFarFromCertified_AreFoundUnstable) {
   Draw draw(4311);
-  constexpr int kSets = kCountsTell ? 8 : 1;
+  const int kSets = kCountsTell ? 8 : 1;
   int unstable = 0;
   for (int n = 0; n < kSets; ++n) {
     Models models = gameModels("lambda-pride");

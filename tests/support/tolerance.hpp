@@ -13,21 +13,29 @@ inline double tolerance(double value) {
   return scale != nullptr ? value * std::atof(scale) : value;
 }
 
-/// How many random cases to try: thirty times as many where every large count is asked for, a fifth
-/// under a sanitizer. What a case computes is judged by the release build; a sanitizer looks at the
-/// memory of the same code.
+/// Whether every large count is asked for (./check --full).
+inline bool fullCounts() {
+  return std::getenv("WHOLEHAND_FULL") != nullptr;
+}
+
+/// Whether a sanitizer runs at counts for everyday: ./check judges unit tests there and nowhere
+/// else. ./check --full judges them in a release build at every large count besides.
+inline const bool kFew = WHOLEHAND_SANITIZED != 0 && !fullCounts();
+
+/// How many random cases to try: a tenth under a sanitizer, thirty times as many in a release build
+/// where every large count is asked for.
 inline int cases(int sampled) {
-  if (std::getenv("WHOLEHAND_FULL") != nullptr) return 30 * sampled;
-  return WHOLEHAND_SANITIZED ? std::max(1, sampled / 5) : sampled;
+  if (kFew) return std::max(1, sampled / 10);
+  return fullCounts() && !WHOLEHAND_SANITIZED ? 30 * sampled : sampled;
 }
 
 /// The same where a case is there for the memory: damaged files and messages. As many under a
 /// sanitizer.
 inline int damagedCases(int sampled) {
-  return std::getenv("WHOLEHAND_FULL") != nullptr ? 30 * sampled : sampled;
+  return fullCounts() ? 30 * sampled : sampled;
 }
 
-/// Whether enough cases run that how often something was seen says anything: a sanitizer sees few.
-inline constexpr bool kCountsTell = WHOLEHAND_SANITIZED == 0;
+/// Whether enough cases run that how often something was seen says anything.
+inline const bool kCountsTell = !kFew;
 
 }  // namespace wholehand::test
