@@ -9,6 +9,7 @@
 #include "support/folder.hpp"
 #include "support/python.hpp"
 #include "support/recorded_run.hpp"
+#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "telemetry/synthetic_recording.hpp"
 #include "unpacked.hpp"
@@ -311,7 +312,7 @@ TEST(ReplayedRecording, WithoutItsFiles_HasNoPictureAndEverythingElse) {
   const Json about = aboutOf(*recording);
   EXPECT_EQ(about["picture"], false);
   const std::string why = about["no_picture_because"];
-  EXPECT_NE(why.find("carries no scene file"), std::string::npos) << why;
+  EXPECT_TRUE(says(why, "carries no scene file"));
   EXPECT_EQ(about["run_again"], false) << "its models were changed in memory";
   EXPECT_EQ(about["device"], "lambda-pride");
   EXPECT_EQ(about["axes"].size(), 6U);
@@ -328,8 +329,7 @@ TEST(ReplayedRecording, OfNoTicks_IsRefused) {
   const Folder folder;
   const ReplayAnswer refused = ask(*openedAgain(synthetic(folder, 0)), "about");
   EXPECT_EQ(refused.status, 422);
-  EXPECT_NE(Json::parse(refused.body)["error"].get<std::string>().find("holds no ticks"),
-            std::string::npos);
+  EXPECT_TRUE(says(Json::parse(refused.body)["error"].get<std::string>(), "holds no ticks"));
 }
 
 /// A recording of 2000 ticks, eight chunks of 250, of which one chunk of a dataset is zeros.
@@ -370,7 +370,7 @@ TEST(ReplayedRecording, DamagedChunk_IsToldAndTheRestIsShown) {
   const ReplayAnswer state =
       ask(*recording, "states?tick=" + std::to_string(kBad) + "&count=1&step=1");
   EXPECT_EQ(state.status, 422);
-  EXPECT_NE(state.body.find("cannot be read"), std::string::npos) << state.body;
+  EXPECT_TRUE(says(state.body, "cannot be read"));
   const Series series(ask(*recording, "series?from_s=-0.0005&to_s=1.9995&columns=2000").body);
   EXPECT_TRUE(series.header["truncated"]);
   const std::size_t channel = series.channel("q_m", 0);

@@ -2,6 +2,7 @@
 
 #include "support/file_bytes.hpp"
 #include "support/python.hpp"
+#include "support/says.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>
@@ -40,8 +41,7 @@ std::unique_ptr<RecordingReader> reader(const std::string& path) {
 
 void expectRefused(const std::string& path, const std::string& why) {
   const auto opened = RecordingReader::open(path);
-  ASSERT_FALSE(opened.ok()) << path;
-  EXPECT_NE(format(opened.errors()).find(why), std::string::npos) << format(opened.errors());
+  EXPECT_TRUE(test::refusedWith(opened, why)) << path;
 }
 
 /// So many rows, all of synthetic::noisy() in rising order; `change` makes of a tick what is read.
@@ -299,9 +299,8 @@ TEST(Recording, FullFileSystem_DropsCountsAndGoesOnSilently) {
 TEST(RecordingWriter, FolderMissing_SaysSoAndLeavesNothing) {
   const Folder folder;
   const auto created = RecordingWriter::create(folder.file("none/a.h5"), synthetic::meta());
-  ASSERT_FALSE(created.ok());
-  EXPECT_NE(format(created.errors()).find("none/a.h5"), std::string::npos);
-  EXPECT_NE(format(created.errors()).find("No such file or directory"), std::string::npos);
+  EXPECT_TRUE(test::refusedWith(created, "none/a.h5"));
+  EXPECT_TRUE(test::refusedWith(created, "No such file or directory"));
   EXPECT_FALSE(std::filesystem::exists(folder.file("none")));
 }
 
@@ -313,8 +312,7 @@ TEST(RecordingWriter, NoRoomForTheDescription_KeepsTheOldFile) {
   const FileSizeLimit limit(4096);
   const auto created = RecordingWriter::create(path, synthetic::meta());
   limit.lift();
-  ASSERT_FALSE(created.ok());
-  EXPECT_NE(format(created.errors()).find("disk is full"), std::string::npos);
+  EXPECT_TRUE(test::refusedWith(created, "disk is full"));
   EXPECT_EQ(test::bytesOfFile(path), before_it);
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
@@ -428,7 +426,7 @@ TEST(Recording, DocumentedPythonLines_ReadWhatWasWritten) {
   double sum = 0.0;
   for (const TickRecord& tick : ticks) sum += tick.sent[3];
   const std::string lines = documentedPython();
-  ASSERT_NE(lines.find("wholehand.open("), std::string::npos);
+  ASSERT_TRUE(test::says(lines, "wholehand.open("));
   const std::string out = python(
       "import os, sys\nsys.path.insert(0, '" WHOLEHAND_SOURCE_DIR "/clients/python')\nos.chdir('" +
       folder.path() + "')\n" + lines +
