@@ -2,6 +2,7 @@
 """Counts the instructions of a tick, stage by stage, and compares them with a baseline.
 
 usage: tick_cost.py show [SCENE ...]   counts, and prints each scene's ratio to the baseline and its spread
+       tick_cost.py check [SCENE ...]  counts, and fails where a tick takes more instructions than were kept
        tick_cost.py write              counts every scene, keeps the counts and writes docs/performance.md
        tick_cost.py baseline           the same, and makes these counts the baseline
        tick_cost.py spread             the spread of single ticks only; does not keep it
@@ -30,6 +31,9 @@ SCENES = {
     "hold-cylinder": "a cylinder grasped, lifted and held",
     "pile-100": "100 balls in a pile, the hand presses on them and sways",
 }
+# What ./check counts: nothing touched, and a grip through the bar's walls. By how much the counts of two
+# processors and versions of libraries differ.
+CHECKED, ALLOWED = ("near", "squeeze"), 1.03
 # Ticks whose spread is shown: the bar from its start, through the approach and the first squeeze, as well.
 FROM_START = "approach to squeeze"
 SPREADS = {**{scene: (scene, TICKS) for scene in SCENES if scene != "approach"}, FROM_START: ("approach", 5000)}
@@ -140,6 +144,20 @@ def show(scenes):
             print(f"  single ticks: {spread_text(spread(scene))}", flush=True)
 
 
+def check(scenes):
+    """Ends with exit code 1 where a tick has become dearer."""
+    kept, dearer = load()["counts"], []
+    for scene in scenes:
+        now, before = count(scene), kept[scene]
+        ratio = total(now) / total(before)
+        print(f"figure: {scene}: {total(now):,} instructions a tick, {ratio:.3f} x those kept", flush=True)
+        if ratio > ALLOWED:
+            stages = sorted(now, key=lambda stage: before[stage] - now[stage])[:3]
+            dearer.append(f"{scene}: {ratio:.3f} x; most in " + ", ".join(f"{s} ({now[s] - before[s]:+,})" for s in stages))
+    if dearer:
+        sys.exit("a tick takes more instructions than were kept (if it must: scripts/tick_cost.py write):\n" + "\n".join(dearer))
+
+
 def hardening_lines(hardening):
     """The section of the page, from what scripts/hardening_cost.py counted."""
     if not hardening:
@@ -201,10 +219,12 @@ def write(as_baseline):
 def main():
     command, scenes = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
     unknown = [scene for scene in scenes if scene not in SCENES]
-    if command not in ("show", "write", "baseline", "spread") or unknown:
+    if command not in ("show", "check", "write", "baseline", "spread") or unknown:
         sys.exit(__doc__ + "\nScenes: " + ", ".join(SCENES))
     if command == "show":
         show(scenes or SCENES)
+    elif command == "check":
+        check(scenes or CHECKED)
     elif command == "spread":
         for name in SPREADS:
             print(f"{name}: {spread_text(spread(name))}", flush=True)
