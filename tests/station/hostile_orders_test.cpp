@@ -120,10 +120,7 @@ TEST_F(HostileOrders, EmergencyStopBeforeTheRun_IsNotForgotten) {
 
 TEST_F(HostileOrders, LimitLoweredWhileArming_HoldsInThatSession) {
   run(false);
-  auto armed = std::make_shared<std::promise<OrderReply>>();
-  auto answer = armed->get_future();
-  station_->order(of(OrderType::kArm),
-                  [armed](const OrderReply& reply) { armed->set_value(reply); });
+  auto answer = askLater(of(OrderType::kArm));
   // What it begins with is settled; the world is being built.
   ASSERT_TRUE(becomes([&] { return station_->status().session == 1U; }));
   Order limit = of(OrderType::kSetParameter);

@@ -63,10 +63,7 @@ TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
   run(false);
   int overtaken = 0;
   for (const auto after : {0ms, 5ms, 20ms, 60ms, 120ms}) {
-    const Order arm = of(OrderType::kArm);
-    auto answered = std::make_shared<std::promise<OrderReply>>();
-    auto answer = answered->get_future();
-    station_->order(arm, [answered](const OrderReply& reply) { answered->set_value(reply); });
+    auto answer = askLater(of(OrderType::kArm));
     std::this_thread::sleep_for(after);
     ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
     ASSERT_EQ(answer.wait_for(kHang), std::future_status::ready);
@@ -188,15 +185,11 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
 TEST_F(SafetyStates, OrdersThatCannotBe_AreRefused) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order;
-  order.type = OrderType::kAim;
-  order.aim = AxisPosition(6);
-  order.aim[2] = std::nan("");
-  EXPECT_FALSE(ask(order).accepted);
-  order.type = OrderType::kSetParameter;
-  order.name = "effort_limit_arm_n";
-  order.value = -1.0;
-  EXPECT_FALSE(ask(order).accepted);
+  Order aim{.type = OrderType::kAim, .aim = AxisPosition(6)};
+  aim.aim[2] = std::nan("");
+  EXPECT_FALSE(ask(aim).accepted);
+  EXPECT_FALSE(ask({.type = OrderType::kSetParameter, .name = "effort_limit_arm_n", .value = -1.0})
+                   .accepted);
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
 }
 

@@ -98,10 +98,13 @@ class Bar : public testing::Test {
     const std::lock_guard lock(log_mutex_);
     return log_;
   }
-  OrderReply ask(const Order& order) {
+  std::future<OrderReply> askLater(const Order& order) {
     auto answered = std::make_shared<std::promise<OrderReply>>();
-    auto answer = answered->get_future();
     station_->order(order, [answered](const OrderReply& reply) { answered->set_value(reply); });
+    return answered->get_future();
+  }
+  OrderReply ask(const Order& order) {
+    auto answer = askLater(order);
     if (answer.wait_for(kHang) != std::future_status::ready) return {false, "no answer"};
     return answer.get();
   }

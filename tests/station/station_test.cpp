@@ -178,10 +178,7 @@ TEST_F(Bar, OwnerSilent_FadesTheExerciseAndNothingElse) {
 TEST_F(Bar, StopWhileArming_NothingPushes) {
   for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
     if (!thread_.joinable()) run(false);
-    const Order arm = of(OrderType::kArm);
-    auto answered = std::make_shared<std::promise<OrderReply>>();
-    auto answer = answered->get_future();
-    station_->order(arm, [answered](const OrderReply& reply) { answered->set_value(reply); });
+    auto answer = askLater(of(OrderType::kArm));
     std::this_thread::sleep_for(30ms);
     ASSERT_TRUE(ask(stop).accepted);
     EXPECT_FALSE(answer.get().accepted) << kAlways << "the person must hear that nothing was armed";
@@ -199,10 +196,7 @@ TEST_F(Bar, StopWhileArming_IsShownOnceAndForAll) {
   run(false);
   for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
     const std::uint32_t session = station_->status().session;
-    auto answered = std::make_shared<std::promise<OrderReply>>();
-    auto answer = answered->get_future();
-    station_->order(of(OrderType::kArm),
-                    [answered](const OrderReply& reply) { answered->set_value(reply); });
+    auto answer = askLater(of(OrderType::kArm));
     ASSERT_TRUE(becomes([&] { return station_->status().session > session; })) << "being built";
     ASSERT_TRUE(ask(stop).accepted);
     std::set<RunState> shown;

@@ -17,11 +17,6 @@ class StopNotSeen : public Bar {
     order.level = level;
     return order;
   }
-  std::future<OrderReply> askLater(const Order& order) {
-    auto answered = std::make_shared<std::promise<OrderReply>>();
-    station_->order(order, [answered](const OrderReply& reply) { answered->set_value(reply); });
-    return answered->get_future();
-  }
 };
 
 TEST_F(StopNotSeen, ArmThatNamesNone_IsRefusedWithTheRemedy) {
