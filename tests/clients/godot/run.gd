@@ -13,6 +13,12 @@ const State = preload("res://addons/wholehand/state.gd")
 const World = preload("res://addons/wholehand/world.gd")
 
 const PATIENCE_MS = 20000
+# Conditions of until(), which takes both sides of an `and`.
+const NO_BODIES = "connection.bodies.bodies.empty() and world.game_bodies.empty()"
+const HAS_STATE = "connection.state != null and connection.scene != null"
+const DRAWN = "hand.drawn_tick >= 0 and world.drawn_tick >= 0"
+const STOPPED = "_run_state() == Protocol.RunState.Stopped"
+const RENDERS = "_run_state() == Protocol.RunState.Rendering"
 
 # Godot's manual: Vector3.FORWARD is where a camera looks. Columns: away from the person, left, up.
 const FROM_PROGRAM = Basis(Vector3.FORWARD, Vector3.LEFT, Vector3.UP)
@@ -55,28 +61,28 @@ func check(condition, what):
 	return condition
 
 
-# Frames until it is so; at most 20 s, however slow the machine.
-func until(method, what):
+# Frames until an expression of this script's is true; at most 20 s, however slow the machine.
+func until(condition, what):
+	var expression = Expression.new()
+	check(expression.parse(condition) == OK, condition)
 	yield(self, "idle_frame")
 	var end = OS.get_ticks_msec() + PATIENCE_MS
-	while not call(method):
-		if OS.get_ticks_msec() > end:
+	while not expression.execute([], self):
+		if OS.get_ticks_msec() > end or expression.has_execute_failed():
 			check(false, "not within 20 s: " + what)
 			break
 		yield(self, "idle_frame")
 
 
+func frames_for(ms):
+	var end = OS.get_ticks_msec() + ms
+	while OS.get_ticks_msec() < end:
+		yield(self, "idle_frame")
+
+
 func start():
 	root.add_child(connection)
-	yield(until("_has_state", "a state"), "completed")
-
-
-func _is_drawn():
-	return hand.drawn_tick >= 0 and world.drawn_tick >= 0
-
-
-func _has_state():
-	return connection.state != null and connection.scene != null
+	yield(until(HAS_STATE, "a state"), "completed")
 
 
 # ---- drawn against the program's own poses, which are in the same message ----
@@ -93,7 +99,7 @@ var highest = -Vector3(1e9, 1e9, 1e9)
 
 func drawn_where_the_program_says():
 	yield(start(), "completed")
-	yield(until("_has_compared", "200 states"), "completed")
+	yield(until("_has_compared()", "200 states"), "completed")
 	check(hand.links.size() == connection.scene.links.size() and hand.links.size() == 19, "links of the hand")
 	check(world.bodies.size() == connection.scene.bodies.size() and world.bodies.size() == 4, "bodies of the bar")
 	check(not_drawn < 20, "states that are not drawn: %d" % not_drawn)
@@ -148,14 +154,9 @@ func _difference(reader, place, frame, node):
 
 func answered(command, what):
 	check(command != 0, what + " is sent")
-	var end = OS.get_ticks_msec() + PATIENCE_MS
-	while not replies.has(command) and OS.get_ticks_msec() < end:
-		yield(self, "idle_frame")
+	yield(until("replies.has(%d)" % command, what + " is answered"), "completed")
 	yield(self, "idle_frame")
-	if not replies.has(command):
-		check(false, what + " is not answered")
-		return [false, ""]
-	return replies[command]
+	return replies.get(command, [false, ""])
 
 
 func accepted(command, what):
@@ -168,16 +169,8 @@ func refused(command, what, text):
 	check(not answer[0] and text in answer[1], "%s: refused with \"%s\"" % [what, answer[1]])
 
 
-func _renders():
-	return connection.state != null and connection.state.run_state == Protocol.RunState.Rendering
-
-
-func _is_stopped():
-	return connection.state != null and connection.state.run_state == Protocol.RunState.Stopped
-
-
-func _holds():
-	return connection.holds_controls
+func _run_state():
+	return connection.state.run_state if connection.state != null else -1
 
 
 func commands_are_obeyed_or_refused_with_the_reason():
@@ -185,15 +178,15 @@ func commands_are_obeyed_or_refused_with_the_reason():
 	yield(start(), "completed")
 	yield(refused(connection.arm(connection.state.endings), "arm", "controls"), "completed")
 	yield(accepted(connection.take_controls(), "take the controls"), "completed")
-	yield(until("_holds", "the controls"), "completed")
+	yield(until("connection.holds_controls", "the controls"), "completed")
 	yield(refused(connection.arm(connection.state.endings + 7), "arm after an unseen stop", "stopped after"), "completed")
 	yield(refused(connection.load_exercise("chess"), "load", "chess"), "completed")
 	yield(refused(connection.set_parameter("no_such", 1.0), "set", "no_such"), "completed")
 	ring = Spatial.new()
 	hand.link("ring_pip_flexion").add_child(ring)
 	yield(accepted(connection.arm(connection.state.endings), "arm"), "completed")
-	yield(until("_renders", "rendering"), "completed")
-	yield(until("_is_drawn", "the new scene"), "completed")
+	yield(until(RENDERS, "rendering"), "completed")
+	yield(until(DRAWN, "the new scene"), "completed")
 	check(is_instance_valid(ring) and ring.get_parent() == hand.link("ring_pip_flexion"), "what hangs on a link stays")
 	check(hand.link("ring_pip_flexion").get_child_count() == 2, "beside the one capsule of the new scene")
 	var parameter = connection.scene.parameters[0]
@@ -203,13 +196,13 @@ func commands_are_obeyed_or_refused_with_the_reason():
 	yield(_aim_3_cm_to_the_left(), "completed")
 	yield(accepted(connection.act(Protocol.Act.Pause), "pause"), "completed")
 	yield(accepted(connection.stop(), "stop"), "completed")
-	yield(until("_is_stopped", "stopped"), "completed")
+	yield(until(STOPPED, "stopped"), "completed")
 	yield(accepted(connection.load_exercise("free-grasping", 1), "load"), "completed")
 	yield(accepted(connection.arm(connection.state.endings), "arm again"), "completed")
-	yield(until("_renders", "rendering"), "completed")
+	yield(until(RENDERS, "rendering"), "completed")
 	yield(accepted(connection.release_controls(), "release"), "completed")
 	yield(accepted(connection.emergency_stop(), "emergency stop without the controls"), "completed")
-	yield(until("_is_stopped", "stopped"), "completed")
+	yield(until(STOPPED, "stopped"), "completed")
 	check(world.body("glass") == null and world.bodies.size() == connection.scene.bodies.size(), "bodies of the new scene")
 	check(connection.ignored == 0, "messages were ignored")
 
@@ -228,19 +221,13 @@ func _aim_3_cm_to_the_left():
 func a_game_that_hangs_loses_the_controls():
 	yield(start(), "completed")
 	yield(accepted(connection.take_controls(), "take the controls"), "completed")
-	yield(until("_holds", "the controls"), "completed")
-	var end = OS.get_ticks_msec() + 600
-	while OS.get_ticks_msec() < end:
-		yield(self, "idle_frame")
+	yield(until("connection.holds_controls", "the controls"), "completed")
+	yield(frames_for(600), "completed")
 	check(connection.holds_controls, "frames keep them")
 	OS.delay_msec(600)
-	yield(until("_has_lost", "the controls are lost"), "completed")
+	yield(until("not connection.holds_controls", "the controls are lost"), "completed")
 	check(connection.connected, "it is connected all the same")
 	yield(accepted(connection.take_controls(), "take them anew"), "completed")
-
-
-func _has_lost():
-	return not connection.holds_controls
 
 
 # ---- bodies of a game: game_table.toml, whose table's top is at 0.02 m beside the hand ----
@@ -265,8 +252,8 @@ func start_with_controls():
 	yield(start(), "completed")
 	yield(accepted(connection.take_controls(), "take the controls"), "completed")
 	yield(accepted(connection.arm(connection.state.endings), "arm"), "completed")
-	yield(until("_renders", "rendering"), "completed")
-	yield(until("_is_drawn", "the new scene"), "completed")
+	yield(until(RENDERS, "rendering"), "completed")
+	yield(until(DRAWN, "the new scene"), "completed")
 	if not connection.holds_controls: # a slow machine takes more than 200 ms to build the scene
 		yield(accepted(connection.take_controls(), "take the controls again"), "completed")
 	check(connection.scene.budget.slots == 64 and world.bodies.size() == 2, "the scene: %s" % [connection.scene.budget])
@@ -309,17 +296,17 @@ func a_ball_falls_rests_and_is_removed():
 	yield(accepted(world.spawn({"slot": 2, "generation": 7, "shape_set": 3}, placed(ABOVE)), "spawn"), "completed")
 	var solid = yield(becomes("solid", 2), "completed")
 	check(solid[2] == 7, "generation: %s" % [solid])
-	yield(until("_is_ball_drawn", "the ball is drawn"), "completed")
+	yield(until("world.game_bodies.has(2) and connection.state.body_positions.size() == 5", "the ball is drawn"), "completed")
 	var ball = world.game_bodies[2]
 	check(ball.get_child_count() == 1 and abs(ball.get_child(0).mesh.radius - RADIUS) < 1e-6, "as a ball")
-	yield(until("_rests", "it rests on the table for 30 states"), "completed")
+	yield(until("_rests()", "it rests on the table for 30 states"), "completed")
 	var listed = connection.bodies.bodies[0]
 	check(connection.bodies.bodies.size() == 1 and listed.slot == 2 and listed.generation == 7
 			and listed.state == Protocol.SlotState.Solid, "listed: %s" % [connection.bodies.bodies])
 	yield(accepted(world.remove_body(2, 7), "remove"), "completed")
 	var left = yield(becomes("left", 2), "completed")
 	check(left[2] == 7, "what left: %s" % [left])
-	yield(until("_has_no_bodies", "no body is left"), "completed")
+	yield(until(NO_BODIES, "no body is left"), "completed")
 	yield(self, "idle_frame")
 	check(not is_instance_valid(ball) and connection.shapes.empty(), "nothing is left of it")
 	check(connection.ignored == 0, "messages were ignored")
@@ -330,7 +317,7 @@ func a_ball_that_falls_on_the_hand_tells_its_touch():
 	yield(start_with_controls(), "completed")
 	yield(accepted(world.prepare_shapes(0, [Shapes.ball_piece(RADIUS)]), "shapes"), "completed")
 	yield(accepted(world.spawn({"slot": 1, "generation": 9, "shape_set": 0, "mass_kg": 0.2}, placed(OVER_THE_HAND)), "spawn"), "completed")
-	yield(until("_is_touched", "the ball touches the hand"), "completed")
+	yield(until("not touches.empty()", "the ball touches the hand"), "completed")
 	# It falls 0.15 m at most: 1.7 m/s.
 	check(touches[0][0] == 1 and touches[0][1] == 9 and touches[0][2] > 0.005 and touches[0][2] < 0.2 * 1.7, "touch: %s" % [touches])
 
@@ -339,23 +326,11 @@ func _on_body_touched(slot, generation, impulse_ns):
 	touches.append([slot, generation, impulse_ns])
 
 
-func _is_touched():
-	return not touches.empty()
-
-
-func _is_ball_drawn():
-	return world.game_bodies.has(2) and connection.state.body_positions.size() == 5
-
-
 func _rests():
 	if compared_tick != connection.state.tick:
 		compared_tick = connection.state.tick
 		resting = resting + 1 if _off(2, RESTS) < 0.002 else 0
 	return resting >= 30
-
-
-func _has_no_bodies():
-	return connection.bodies.bodies.empty() and world.game_bodies.empty()
 
 
 func a_driven_body_follows_its_target():
@@ -370,27 +345,23 @@ func a_driven_body_follows_its_target():
 	yield(accepted(world.prepare_shapes(0, pieces), "shapes"), "completed")
 	yield(accepted(world.spawn({"slot": 5, "shape_set": 0, "owner": Protocol.BodyOwner.Game}, placed(ABOVE)), "spawn"), "completed")
 	yield(becomes("solid", 5), "completed")
-	yield(until("_is_own_moved", "the game's own node"), "completed")
+	yield(until("world.game_bodies.has(5)", "the game's own node"), "completed")
 	check(world.game_bodies[5] == own and own.get_child_count() == 0, "is moved, and not drawn over")
 	var made = connection.shapes.values()[0].pieces
 	check((made[0].half_extents_m - Vector3(0.015, 0.02, 0.01)).length() < 1e-6, "half extents: %s" % made[0].half_extents_m)
 	check(made[1].points_m.size() == 4 and made[1].triangles.size() == 12, "the mesh: %s" % [made[1]])
 	goal = ABOVE + Vector3(0, 0.08, 0.03)
 	world.set_target(5, placed(goal, Basis(Vector3(0, 0, 1), 1.0)))
-	yield(until("_is_at_goal", "the target is reached"), "completed")
+	yield(until("_is_at_goal()", "the target is reached"), "completed")
 	world.clear_target(5)
 	yield(accepted(world.set_body_owner(5, 1, Protocol.BodyOwner.Fixed), "hand over"), "completed")
 	goal = ABOVE
 	yield(accepted(world.teleport_body(5, 1, placed(goal, Basis(Vector3(0, 0, 1), 1.0))), "teleport"), "completed")
-	yield(until("_is_at_goal", "it is put elsewhere"), "completed")
+	yield(until("_is_at_goal()", "it is put elsewhere"), "completed")
 	yield(accepted(connection.stop(), "stop"), "completed")
-	yield(until("_has_no_bodies", "bodies end with their session"), "completed")
+	yield(until(NO_BODIES, "bodies end with their session"), "completed")
 	check(is_instance_valid(own), "the game's own node stays")
 	check(connection.ignored == 0, "messages were ignored")
-
-
-func _is_own_moved():
-	return world.game_bodies.has(5)
 
 
 func _is_at_goal():
@@ -413,24 +384,24 @@ func bodies_beyond_the_slots_are_one_node_in_and_out_of_reach():
 	var orders = [{"slot": 1000, "generation": 6, "shape_set": 0, "owner": Protocol.BodyOwner.Fixed, "position_m": NEAR},
 			{"slot": 2000, "generation": 7, "shape_set": 0, "owner": Protocol.BodyOwner.Game, "position_m": FAR}]
 	yield(accepted(connection.spawn_bodies(orders), "spawn"), "completed")
-	yield(until("_are_both_drawn", "both are drawn"), "completed")
+	yield(until("_are_both_drawn()", "both are drawn"), "completed")
 	var node = world.game_bodies[2000]
 	check(connection.body_list.registered[2000].whereabouts == Protocol.Whereabouts.OutOfReach, "out of reach")
-	yield(until("_is_solid", "the event of the near one, by the game's name"), "completed")
+	yield(until("[\"solid\", 1000, 6] in named_events", "the event of the near one, by the game's name"), "completed")
 	goal = ELSEWHERE
 	world.set_target(2000, placed(goal))
-	yield(until("_is_2000_at_goal", "out of reach it is at its target at once"), "completed")
+	yield(until("_is_2000_at_goal()", "out of reach it is at its target at once"), "completed")
 	world.clear_target(2000)
 	goal = BESIDE
 	yield(accepted(world.teleport_body(2000, 7, placed(goal)), "teleport"), "completed")
-	yield(until("_is_2000_at_goal_in_a_slot", "it has come near, and has a slot"), "completed")
+	yield(until("world._slots.has(2000) and _is_2000_at_goal()", "it has come near, and has a slot"), "completed")
 	check(world.game_bodies[2000] == node and world.game_bodies.size() == 2, "the same node")
 	goal = FAR
 	yield(accepted(world.teleport_body(2000, 7, placed(goal)), "teleport"), "completed")
-	yield(until("_is_2000_at_goal_without_slot", "and is far again"), "completed")
+	yield(until("not world._slots.has(2000) and _is_2000_at_goal()", "and is far again"), "completed")
 	check(world.game_bodies[2000] == node, "still the same node")
 	yield(accepted(connection.remove_bodies([[1000, 6], [2000, 7]]), "remove"), "completed")
-	yield(until("_has_no_bodies", "they are gone"), "completed")
+	yield(until(NO_BODIES, "they are gone"), "completed")
 	yield(self, "idle_frame")
 	check(not is_instance_valid(node) and connection.shapes.empty(), "nothing is left of them")
 	check(connection.ignored == 0, "messages were ignored")
@@ -444,20 +415,8 @@ func _are_both_drawn():
 	return world.game_bodies.size() == 2 and _off(1000, NEAR) < 1e-4 and _off(2000, FAR) < 1e-4 and world._slots.has(1000)
 
 
-func _is_solid():
-	return ["solid", 1000, 6] in named_events
-
-
 func _is_2000_at_goal():
 	return _off(2000, goal) < 1e-4
-
-
-func _is_2000_at_goal_in_a_slot():
-	return world._slots.has(2000) and _is_2000_at_goal()
-
-
-func _is_2000_at_goal_without_slot():
-	return not world._slots.has(2000) and _is_2000_at_goal()
 
 
 # All of them move, in every frame: each list tells of 1,000 bodies, 20 times a second.
@@ -474,8 +433,8 @@ func a_thousand_bodies_are_cheap():
 			yield(answered(connection.take_controls(), "take the controls again"), "completed")
 			answer = yield(answered(connection.spawn_bodies(orders), "spawn"), "completed")
 		check(answer[0], "spawn: %s" % answer[1])
-	yield(until("_are_a_thousand_drawn", "1,000 are drawn"), "completed")
-	yield(until("_have_followed", "100 frames, and all have followed"), "completed")
+	yield(until("world.game_bodies.size() == 1000", "1,000 are drawn"), "completed")
+	yield(until("_have_followed()", "100 frames, and all have followed"), "completed")
 	print("figure: Godot 3.2.3 headless, 1,000 bodies of a game follow their targets beyond the slots: %d frames, the longest %d ms"
 			% [frames, longest_ms])
 
@@ -484,10 +443,6 @@ var frames = 0
 var longest_ms = 0
 var frame_ms = 0
 var taken_ms = 0
-
-
-func _are_a_thousand_drawn():
-	return world.game_bodies.size() == 1000
 
 
 func _have_followed():
@@ -543,15 +498,11 @@ func a_program_that_is_restarted_is_found_again():
 	connection.connect("connection_changed", self, "_on_connection_changed")
 	yield(start(), "completed")
 	print("connected") # test_godot.py ends the program now, and starts another
-	yield(until("_is_gone", "the program is gone"), "completed")
+	yield(until("not connection.connected", "the program is gone"), "completed")
 	check(connection.state == null and not connection.holds_controls, "nothing is left of it")
-	yield(until("_has_state", "found again"), "completed")
+	yield(until(HAS_STATE, "found again"), "completed")
 	check(news[0][0] and not news[1][0] and news[-1][0], "told: %s" % [news])
 	check("connected to Wholehand" in news[0][1] and "lost" in news[1][1], "in words: %s" % [news])
-
-
-func _is_gone():
-	return not connection.connected
 
 
 func _on_connection_changed(connected, why):
@@ -562,22 +513,16 @@ func a_token_opens_the_program():
 	var right = connection.token
 	connection.token = "another-secret-of-24-bytes"
 	root.add_child(connection)
-	yield(until("_is_told", "refused"), "completed")
+	yield(until("\"no connection\" in connection.message", "refused"), "completed")
 	check("another token" in connection.message and not connection.connected, connection.message)
 	connection.token = right
-	yield(until("_has_state", "a state"), "completed")
-
-
-func _is_told():
-	return "no connection" in connection.message
+	yield(until(HAS_STATE, "a state"), "completed")
 
 
 func nobody_there_is_told_once():
 	connection.connect("connection_changed", self, "_on_connection_changed")
 	root.add_child(connection)
-	var end = OS.get_ticks_msec() + 1500
-	while OS.get_ticks_msec() < end:
-		yield(self, "idle_frame")
+	yield(frames_for(1500), "completed")
 	check(news.size() == 1 and not news[0][0] and "no connection to 127.0.0.1" in news[0][1], "told: %s" % [news])
 
 
@@ -585,7 +530,7 @@ func nobody_there_is_told_once():
 
 func damaged_messages_are_ignored():
 	yield(start(), "completed")
-	yield(until("_is_drawn", "a whole state"), "completed")
+	yield(until(DRAWN, "a whole state"), "completed")
 	var kept = [] # a whole scene and a whole state
 	for payload in [Protocol.Payload.WorldState, Protocol.Payload.Scene]:
 		kept.append(yield(_next_message(payload), "completed"))
@@ -698,12 +643,12 @@ var furthest_ahead = 0.0
 func a_predicted_hand_is_ahead_of_the_state():
 	hand.predict_motion = true
 	yield(start(), "completed")
-	yield(until("_is_often_ahead", "frames in which the hand is ahead"), "completed")
+	yield(until("_is_often_ahead()", "frames in which the hand is ahead"), "completed")
 	check(furthest_ahead < 0.1, "%f m ahead of the newest state" % furthest_ahead)
 	hand.predict_motion = false
-	yield(until("_is_another_tick", "another state"), "completed")
+	yield(until("_is_another_tick()", "another state"), "completed")
 	yield(self, "idle_frame")
-	yield(until("_is_another_tick", "and one that is drawn as it comes"), "completed")
+	yield(until("_is_another_tick()", "and one that is drawn as it comes"), "completed")
 	check(hand.drawn_tick == connection.state.tick and _ahead() < 1e-6, "it is drawn where the state says")
 
 
@@ -758,7 +703,7 @@ func axes_are_godots():
 
 func states_are_cheap():
 	yield(start(), "completed")
-	yield(until("_is_drawn", "a whole state"), "completed")
+	yield(until(DRAWN, "a whole state"), "completed")
 	var built = OS.get_ticks_usec()
 	hand._build(connection.scene)
 	world._build(connection.scene)
