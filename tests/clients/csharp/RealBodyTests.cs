@@ -6,12 +6,12 @@ using Wholehand;
 using wholehand.protocol;
 using static Answers;
 
-/// <summary>Bodies of a game against the program itself, in a scene that has bodies of its own (game_table.toml): the
-/// table's top is at z = 0.02 m.</summary>
+/// <summary>Bodies of a game against the program itself, in a scene that has bodies of its own (game_table.toml). How they
+/// fall, follow and are put elsewhere: unity/GameBodyTests.cs, by the same client.</summary>
 [Tests]
 public static class RealBodyTests
 {
-    private const float RadiusM = 0.03f, TopM = 0.02f;
+    private const float RadiusM = 0.03f;
     private static readonly Vector Above = new Vector(0.5f, 0.3f, 0.17f);
     private static readonly Vector OverTheHand = new Vector(0.034f, 0.0f, 0.15f); // of the hand at the device's zero
 
@@ -47,19 +47,7 @@ public static class RealBodyTests
             return found;
         }
 
-        /// <summary>Where a body is in the newest state, once that has it.</summary>
-        public bool TryGetPosition(BodyId body, out Vector position)
-        {
-            position = new Vector();
-            Client.TryGetBodies(Slots);
-            if (!Client.TryGetWorld(World) || World.Session != Slots.Session || Slots.Find(body) < 0) return false;
-            int pose = Slots.PoseOf(body.Slot);
-            if (pose >= World.BodyCount) return false;
-            position = World.BodyPositions[pose];
-            return true;
-        }
-
-        /// <summary>The same by the list of all bodies.</summary>
+        /// <summary>Where a body is, by the list of all bodies.</summary>
         public bool TryGetPlace(BodyId body, out Vector position)
         {
             position = new Vector();
@@ -106,78 +94,6 @@ public static class RealBodyTests
     private static double Distance(Vector a, Vector b)
     {
         return Math.Sqrt(Math.Pow(a.X - b.X, 2) + Math.Pow(a.Y - b.Y, 2) + Math.Pow(a.Z - b.Z, 2));
-    }
-
-    public static void Ball_FallsRestsOnTheTableAndIsRemoved()
-    {
-        using (var play = new Play())
-        {
-            Accepted(play.Client.PrepareShapes(3, BodyShape.Ball(RadiusM)));
-            var ball = new BodyToSpawn { Slot = 2, Generation = 7, ShapeSet = 3, PositionM = Above };
-            Accepted(play.Client.Spawn(ball));
-            BodyEvent solid = play.Becomes(BodyEventKind.Solid, 2);
-            Check.Equal(7u, solid.Generation, "generation");
-            double period = play.Client.LatestScene.Value.PeriodS, lower = 0, higher = 0, lowest = 1;
-            int falling = 0, resting = 0;
-            Check.Until(() =>
-            {
-                if (!play.TryGetPosition(ball.Id, out Vector at)) return false;
-                // Free fall, z = z0 - g t² / 2, until the ball touches the table; a tick is 1.5 mm of way at most. A program
-                // that is held up skips ticks: the ball is then higher.
-                double fallen = (play.World.Tick - (double)solid.Tick) * period, free = Above.Z - 0.5 * 9.81 * fallen * fallen;
-                if (play.World.Tick >= solid.Tick && free > TopM + RadiusM + 0.005)
-                {
-                    lower = Math.Max(lower, free - at.Z);
-                    higher = Math.Max(higher, at.Z - free);
-                    ++falling;
-                }
-                lowest = Math.Min(lowest, at.Z);
-                resting = Math.Abs(at.Z - (TopM + RadiusM)) < 0.002 ? resting + 1 : 0;
-                return resting >= 30;
-            }, "the ball rests for half a second");
-            Console.WriteLine("figure: a ball of a C# game falls: {0} states, at worst {1:0.00} mm below free fall and {2:0.00} mm above; "
-                + "{3:0.00} mm in the table", falling, 1e3 * lower, 1e3 * higher, 1e3 * (TopM + RadiusM - lowest));
-            Check.True(falling >= 3, "states of the fall");
-            Check.True(lower < 0.003 && higher < 0.03, "free fall");
-            Check.True(lowest > TopM + RadiusM - 0.005, "the table holds it");
-            Check.Equal(1, play.Slots.Count, "bodies of the game");
-            Check.Equal(SlotState.Solid, play.Slots.States[play.Slots.Find(ball.Id)], "state");
-            Check.True(play.Client.TryGetShapes(play.Slots.Shapes[0], out GameShapes shapes), "its shapes");
-            Check.Equal(ShapeType.Sphere, shapes.Pieces(0).Value.Type, "type");
-            Check.Near(RadiusM, shapes.Pieces(0).Value.RadiusM, 1e-9, "radius");
-            uint id = play.Slots.Shapes[0];
-            Accepted(play.Client.Remove(ball.Id));
-            Check.Equal(7u, play.Becomes(BodyEventKind.Left, 2).Generation, "what left");
-            Check.Until(() => play.Client.TryGetBodies(play.Slots) && play.Slots.Count == 0, "no body is left");
-            Check.True(!play.Client.TryGetShapes(id, out shapes), "its shapes are forgotten");
-        }
-    }
-
-    public static void DrivenBody_FollowsItsTargetAndStandsWhereItIsPut()
-    {
-        using (var play = new Play())
-        {
-            Accepted(play.Client.PrepareShapes(0, BodyShape.Box(new Vector(0.04f, 0.03f, 0.02f))));
-            var body = new BodyToSpawn { Slot = 5, ShapeSet = 0, Owner = BodyOwner.Game, PositionM = Above };
-            Accepted(play.Client.Spawn(body));
-            play.Becomes(BodyEventKind.Solid, 5);
-            var goal = new Vector(Above.X, Above.Y - 0.1f, Above.Z + 0.05f);
-            // A quarter turn about z.
-            var turned = new Rotation(0, 0, (float)Math.Sqrt(0.5), (float)Math.Sqrt(0.5));
-            Check.Until(() =>
-            {
-                play.Client.BodyTargets(new BodyAt(body.Id, goal, turned));
-                System.Threading.Thread.Sleep(15);
-                return play.TryGetPosition(body.Id, out Vector at) && Distance(at, goal) < 0.002
-                    && Math.Abs(play.World.BodyOrientations[play.Slots.PoseOf(5)].Z - turned.Z) < 0.01;
-            }, "the target is reached");
-            Accepted(play.Client.SetOwner(new BodyOwnerChange(body.Id, BodyOwner.Fixed)));
-            Accepted(play.Client.Teleport(new BodyAt(body.Id, Above)));
-            Check.Until(() =>
-            {
-                return play.TryGetPosition(body.Id, out Vector at) && Distance(at, Above) < 1e-6;
-            }, "it stands where it is put");
-        }
     }
 
     public static void BodiesBeyondTheSlots_AreInTheWorldAndSimulatedNearTheHand()

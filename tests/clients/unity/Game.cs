@@ -57,6 +57,21 @@ internal sealed class Game : IDisposable
         NoErrors();
     }
 
+    /// <summary>What so many frames allocate, of which `each` is called behind each, uncounted.</summary>
+    public static long AllocatedIn(int frames, Action each)
+    {
+        long sum = 0;
+        for (int i = 0; i < frames; ++i)
+        {
+            long before = GC.GetAllocatedBytesForCurrentThread();
+            Player.Frame(1, FixedPeriodS);
+            sum += GC.GetAllocatedBytesForCurrentThread() - before;
+            each();
+            Thread.Sleep(2);
+        }
+        return sum;
+    }
+
     public static void NoErrors()
     {
         Check.Equal("", string.Join("\n", Debug.Errors), "errors in the console");
