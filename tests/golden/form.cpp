@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
+#include <map>
 #include <stdexcept>
 #include <vector>
 
@@ -20,61 +20,42 @@ std::string shortName(const std::string& name) {
   return name.starts_with(kPackage) ? name.substr(std::string(kPackage).size()) : name;
 }
 
-/// Name of a scalar type in the layout; nullptr: not a scalar.
-const char* scalarName(BaseType type) {
-  switch (type) {
-    case BaseType::Bool:
-      return "bool";
-    case BaseType::Byte:
-      return "i8";
-    case BaseType::UByte:
-    case BaseType::UType:
-      return "u8";
-    case BaseType::Short:
-      return "i16";
-    case BaseType::UShort:
-      return "u16";
-    case BaseType::Int:
-      return "i32";
-    case BaseType::UInt:
-      return "u32";
-    case BaseType::Long:
-      return "i64";
-    case BaseType::ULong:
-      return "u64";
-    case BaseType::Float:
-      return "f32";
-    case BaseType::Double:
-      return "f64";
-    default:
-      return nullptr;
-  }
+/// A scalar type: its name in the layout, and how the form has it. 64-bit integers and
+/// floating-point numbers are written as their bits: JSON readers round them.
+struct Scalar {
+  const char* name;
+  std::string (*form)(const std::uint8_t* at);
+};
+
+template <class T>
+std::string number(const std::uint8_t* at) {
+  return std::to_string(flatbuffers::ReadScalar<T>(at));
+}
+template <class T>
+std::string bits(const std::uint8_t* at) {
+  return fmt::format("\"{:0{}x}\"", flatbuffers::ReadScalar<T>(at), 2 * sizeof(T));
+}
+std::string truth(const std::uint8_t* at) {
+  return *at != 0 ? "true" : "false";
 }
 
-/// 64-bit integers and floating-point numbers are written as their bits: JSON readers round them.
-std::string scalar(const std::uint8_t* at, BaseType type) {
-  using flatbuffers::ReadScalar;
-  switch (type) {
-    case BaseType::Bool:
-      return ReadScalar<std::uint8_t>(at) != 0 ? "true" : "false";
-    case BaseType::Byte:
-      return fmt::format("{}", static_cast<int>(ReadScalar<std::int8_t>(at)));
-    case BaseType::UByte:
-    case BaseType::UType:
-      return fmt::format("{}", static_cast<int>(ReadScalar<std::uint8_t>(at)));
-    case BaseType::Short:
-      return fmt::format("{}", ReadScalar<std::int16_t>(at));
-    case BaseType::UShort:
-      return fmt::format("{}", ReadScalar<std::uint16_t>(at));
-    case BaseType::Int:
-      return fmt::format("{}", ReadScalar<std::int32_t>(at));
-    case BaseType::UInt:
-      return fmt::format("{}", ReadScalar<std::uint32_t>(at));
-    case BaseType::Float:
-      return fmt::format("\"{:08x}\"", ReadScalar<std::uint32_t>(at));
-    default:
-      return fmt::format("\"{:016x}\"", ReadScalar<std::uint64_t>(at));
-  }
+/// nullptr: not a scalar.
+const Scalar* scalarOf(BaseType type) {
+  static const std::map<BaseType, Scalar> kScalars = {
+      {BaseType::Bool, {"bool", truth}},
+      {BaseType::Byte, {"i8", number<std::int8_t>}},
+      {BaseType::UByte, {"u8", number<std::uint8_t>}},
+      {BaseType::UType, {"u8", number<std::uint8_t>}},
+      {BaseType::Short, {"i16", number<std::int16_t>}},
+      {BaseType::UShort, {"u16", number<std::uint16_t>}},
+      {BaseType::Int, {"i32", number<std::int32_t>}},
+      {BaseType::UInt, {"u32", number<std::uint32_t>}},
+      {BaseType::Long, {"i64", bits<std::uint64_t>}},
+      {BaseType::ULong, {"u64", bits<std::uint64_t>}},
+      {BaseType::Float, {"f32", bits<std::uint32_t>}},
+      {BaseType::Double, {"f64", bits<std::uint64_t>}}};
+  const auto found = kScalars.find(type);
+  return found == kScalars.end() ? nullptr : &found->second;
 }
 
 std::string defaultOf(const reflection::Field& field) {
@@ -85,7 +66,7 @@ std::string defaultOf(const reflection::Field& field) {
   const void* value = &integer;
   if (type == BaseType::Float) value = &as_float;
   if (type == BaseType::Double) value = &real;
-  return scalar(static_cast<const std::uint8_t*>(value), type);
+  return scalarOf(type)->form(static_cast<const std::uint8_t*>(value));
 }
 
 /// In the order of their ids; reflection has them by name.
@@ -125,8 +106,8 @@ class Reader {
     const std::uint8_t* at = table.GetAddressOf(field.offset());
     const BaseType type = field.type()->base_type();
     if (at == nullptr || type == BaseType::UType) return "";
-    if (scalarName(type) != nullptr) {
-      std::string value = scalar(at, type);
+    if (const Scalar* scalar = scalarOf(type)) {
+      std::string value = scalar->form(at);
       return value == defaultOf(field) ? "" : value;
     }
     if (type == BaseType::Union) return unionOf(table, object, field);
@@ -168,7 +149,7 @@ class Reader {
 
   std::string element(const std::uint8_t* at, BaseType type, const reflection::Type& of) const {
     if (type == BaseType::String) return string(at);
-    if (type != BaseType::Obj) return scalar(at, type);
+    if (type != BaseType::Obj) return scalarOf(type)->form(at);
     const auto& object = objectOf(of);
     if (object.is_struct()) return structOf(at, object);
     return table(*reinterpret_cast<const flatbuffers::Table*>(target(at)), object);
@@ -188,7 +169,7 @@ class Reader {
 };
 
 std::string kindOf(const Schema& schema, BaseType type, int index) {
-  if (const char* name = scalarName(type)) return name;
+  if (const Scalar* scalar = scalarOf(type)) return scalar->name;
   if (type == BaseType::String) return "string";
   if (type == BaseType::Union) return "union";
   if (type == BaseType::Vector) return "vector";
@@ -213,7 +194,7 @@ std::string fieldLayout(const Schema& schema, const reflection::Field& field) {
   } else if (type.index() >= 0) {
     out += ",\"of\":" + quoted(shortName(schema.enums()->Get(index)->name()->str()));
   }
-  if (scalarName(type.base_type()) != nullptr) out += ",\"default\":" + defaultOf(field);
+  if (scalarOf(type.base_type()) != nullptr) out += ",\"default\":" + defaultOf(field);
   return out + "}";
 }
 

@@ -16,6 +16,7 @@
 #include <cstring>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <sstream>
 #include <vector>
 
@@ -71,23 +72,14 @@ std::string headerOf(const udp::Header& h) {
 }
 
 const char* nameOf(udp::Flaw flaw) {
-  switch (flaw) {
-    case udp::Flaw::kTooShort:
-      return "too_short";
-    case udp::Flaw::kTooLong:
-      return "too_long";
-    case udp::Flaw::kWrongMagic:
-      return "magic";
-    case udp::Flaw::kWrongVersion:
-      return "version";
-    case udp::Flaw::kWrongChecksum:
-      return "checksum";
-    case udp::Flaw::kBadHeader:
-      return "header";
-    case udp::Flaw::kNone:
-      break;
-  }
-  return "none";
+  static const std::map<udp::Flaw, const char*> kNames = {{udp::Flaw::kNone, "none"},
+                                                          {udp::Flaw::kTooShort, "too_short"},
+                                                          {udp::Flaw::kTooLong, "too_long"},
+                                                          {udp::Flaw::kWrongMagic, "magic"},
+                                                          {udp::Flaw::kWrongVersion, "version"},
+                                                          {udp::Flaw::kWrongChecksum, "checksum"},
+                                                          {udp::Flaw::kBadHeader, "header"}};
+  return kNames.at(flaw);
 }
 
 /// Why the program ignores the last datagram of a game with that key; empty: it does not.
