@@ -64,6 +64,7 @@ class KilledRun : public testing::Test {
 
   /// Starts a run in a child; returns when it ticks.
   pid_t start(const std::string& recording) {
+    seesRealTime();
     progress_->ticks = 0;
     std::fflush(nullptr);
     const pid_t child = ::fork();

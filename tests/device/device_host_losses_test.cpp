@@ -242,7 +242,7 @@ TEST_P(LostHost, IsAFaultWithinTheLongestGap) {
     Partner host({"host", name, path, GetParam().settings, desktopFile()});
     // The first connects; from then on a new arming finds the new host.
     bool open = false;
-    for (int i = 0; i < 5000 && !open; ++i) {
+    for (int i = 0; i < 60'000 && !open; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       if (!driver) {
         auto connected = HostedDriver::connect(name);
@@ -299,7 +299,7 @@ TEST(StoppedHost, KeepsNoRunFromEndingAndIsNotArmed) {
   Partner host({"host", name, std::string(WHOLEHAND_BINARY_DIR) + "/drivers/may_wait.so", "",
                 desktopFile()});
   std::shared_ptr<HostedDriver> driver;
-  for (int i = 0; i < 5000 && !driver; ++i) {
+  for (int i = 0; i < 60'000 && !driver; ++i) {
     if (auto connected = HostedDriver::connect(name)) driver = *connected;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

@@ -6,6 +6,7 @@
 #include "realtime/periodic_thread.hpp"
 #include "realtime/thread_setup.hpp"
 #include "support/figure.hpp"
+#include "support/watched_main.hpp"
 
 #include <algorithm>
 #include <array>
@@ -48,6 +49,7 @@ class HostThread {
         thread_(threadConfig(rate_hz), [this](std::uint32_t elapsed_periods, std::int64_t) {
           return host_.cycle(static_cast<int>(elapsed_periods));
         }) {
+    seesRealTime();
     describeDevice(segment_->frame(), *driver_, config_, ::getpid());
     (void)orThrow(thread_.start());
   }
@@ -146,6 +148,7 @@ class LongestGap {
 class Partner {
  public:
   explicit Partner(std::vector<std::string> arguments) {
+    seesRealTime();
     arguments.insert(arguments.begin(), std::string(WHOLEHAND_BINARY_DIR) + "/host_partner");
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());

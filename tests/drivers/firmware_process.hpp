@@ -1,5 +1,7 @@
 #pragma once
 
+#include "support/watched_main.hpp"
+
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -27,6 +29,7 @@ class FirmwareProcess {
  public:
   /// @param where "serial", "udp:0" or "shm:NAME"
   explicit FirmwareProcess(const std::string& where, bool commanded = false) {
+    seesRealTime();
     std::vector<std::string> words = {std::string(WHOLEHAND_BINARY_DIR) + "/frame_firmware", where};
     if (commanded) words.emplace_back("commanded");
     std::vector<char*> argv;

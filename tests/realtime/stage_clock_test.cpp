@@ -1,5 +1,7 @@
 #include "realtime/stage_clock.hpp"
 
+#include "support/watched_main.hpp"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -44,6 +46,7 @@ TEST(StageClock, NoExcess_ChangesNothing) {
 // What others took of the processor is taken off the longest lap, and that may be the one at
 // work: the stages are told apart in a try that was left in peace.
 TEST(StageClock, SleepIsNoCpuTime_WorkIsWhereItWasDone) {
+  test::seesRealTime();
   bool told_apart = false;
   for (int attempt = 0; attempt < 50 && !told_apart; ++attempt) {
     StageClock clock;

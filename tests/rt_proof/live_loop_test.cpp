@@ -50,6 +50,7 @@ class CountingPlayer final : public Player {
 };
 
 TEST(LiveLoop, WithRecordingAndCommands_OnlyTicksAndSleeps) {
+  seesRealTime();
   ModelFiles files = shippedFiles();
   files.scene.clear();
   files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";

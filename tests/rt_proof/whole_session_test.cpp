@@ -140,6 +140,7 @@ class Watchers {
 struct Program {
   explicit Program(const std::string& folder)
       : station(barConfig(folder)), bridge(station, controls) {
+    seesRealTime();
     (void)orThrow(station.load());
     ServerOptions options;
     options.port = 0;

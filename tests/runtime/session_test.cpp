@@ -87,6 +87,7 @@ struct Rail {
 };
 
 void startThread(Session& session) {
+  seesRealTime();
   PeriodicThreadConfig thread;
   thread.period_ns = 1'000'000;
   const Expected<SetupReport> started = session.start(thread);

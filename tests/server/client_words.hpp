@@ -1,6 +1,7 @@
 #pragma once
 
 #include "server/wire.hpp"
+#include "support/watched_main.hpp"
 #include "wholehand_generated.h"
 
 #include <cstdint>
@@ -66,7 +67,9 @@ inline wire::Bytes setHelp(std::uint32_t id, fb::Help help) {
 inline wire::Bytes action(std::uint32_t id, fb::Act act) {
   return command(id, [&](Builder& b) { return fb::CreateAction(b, act); });
 }
+/// Whoever has them must show every 200 ms that it is alive.
 inline wire::Bytes takeControls(std::uint32_t id, const char* token = "") {
+  seesRealTime();
   return command(id, [&](Builder& b) { return fb::CreateTakeControlsDirect(b, token); });
 }
 inline wire::Bytes releaseControls(std::uint32_t id) {

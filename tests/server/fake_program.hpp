@@ -4,6 +4,7 @@
 #include "server/backend.hpp"
 #include "server/raw_client.hpp"
 #include "server/server.hpp"
+#include "support/watched_main.hpp"
 #include "wholehand_generated.h"
 
 #include <atomic>
@@ -135,6 +136,7 @@ class FakeLoop {
  public:
   FakeLoop(FakeProgram& program, Server& server)
       : thread_([this, &program, &server] {
+          seesRealTime();
           TickRecord r = busyRecord();
           auto next = std::chrono::steady_clock::now();
           while (!stopping_) {

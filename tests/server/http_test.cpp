@@ -110,6 +110,7 @@ TEST_F(HttpTest, ForeignHost_IsRefused) {  // a page that renamed itself to 127.
 }
 
 TEST_F(HttpTest, Health_FollowsTheLoop) {
+  seesRealTime();
   open();
   HttpReply r = get(port(), "/healthz");
   EXPECT_EQ(r.status, 200);

@@ -125,20 +125,16 @@ double agesWithFourClients(std::uint16_t port, double seconds) {
   return ages_ms[ages_ms.size() * 99 / 100];
 }
 
-// The median of five runs: a virtual machine stalls now and then, the server must not.
 TEST_F(LoadTest, RecordToBrowser_P99WithFourClientsWithin15ms) {
   open();
   FakeLoop loop(program, *server);
-  std::vector<double> p99_ms;
-  for (int run = 0; run < 5; ++run) p99_ms.push_back(agesWithFourClients(port(), 1.5));
-  std::sort(p99_ms.begin(), p99_ms.end());
-  figure("record to browser, p99, median of 5 runs", p99_ms[2], "ms");
-  figure("record to browser, p99, worst of 5 runs", p99_ms[4], "ms");
-  EXPECT_LE(p99_ms[2], 15.0);
+  const double p99_ms = agesWithFourClients(port(), 3.0);
+  figure("record to browser, p99", p99_ms, "ms");
+  EXPECT_LE(p99_ms, 15.0);
   const double sent_s = metric("record_to_send_seconds{quantile=\"0.99\"}");
   figure("record to written, p99, by /metrics", 1e3 * sent_s, "ms");
   EXPECT_GT(sent_s, 0.0);
-  EXPECT_LE(1e3 * sent_s, p99_ms[4] + 5.0);
+  EXPECT_LE(1e3 * sent_s, p99_ms + 5.0);
 }
 
 }  // namespace

@@ -65,6 +65,7 @@ class Audience {
 /// The loop, its server, and the CPU time of its ticks, with clients and without.
 struct LoadedStation {
   LoadedStation() : station(barConfig()) {
+    seesRealTime();
     (void)orThrow(station.load());
     ServerOptions options;
     options.port = 0;

@@ -3,6 +3,7 @@
 #include "station/report_child.hpp"
 
 #include "support/folder.hpp"
+#include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
 
@@ -45,6 +46,7 @@ TEST_F(ReportChildTest, HasTheLowestPriorityAndSaysWhetherItWasMade) {
 }
 
 TEST_F(ReportChildTest, ThatTakesTooLong_IsEnded) {
+  seesRealTime();
   ReportChild reports(script("echo $$ > \"$4/id\"; exec sleep 60"), 700ms);
   const auto began = Clock::now();
   const auto made = reports.make("a.h5", folder.path());

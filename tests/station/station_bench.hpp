@@ -77,6 +77,7 @@ class Bar : public testing::Test {
   }
 
   void run(bool arm_at_once) {
+    seesRealTime();
     if (!station_) load(barConfig());
     thread_ = std::thread([this, arm_at_once] {
       auto outcome = station_->run(arm_at_once, 0.0);

@@ -1,7 +1,18 @@
 #pragma once
 
+#include <atomic>
+
 /// What watched_main.cpp, the main() of programs whose tests see real time, goes by.
 namespace wholehand::test {
+
+inline std::atomic<bool> g_sees_real_time{false};
+
+/// Said by what runs on the real clock, when it begins: a loop, a host, whoever must show that it
+/// is alive. From then on a failure of this test may be the machine's. Failures of other tests are
+/// never excused.
+inline void seesRealTime() {
+  g_sees_real_time = true;
+}
 
 /// Begins the message of a failure that no machine excuses: EXPECT_LE(force_n, limit_n) << kAlways.
 /// For what holds however late anybody is: limits of effort, nothing sent after a stop.

@@ -15,6 +15,7 @@ namespace {
 
 /// Stops this whole process for 50 ms, the sleeper with it; a child continues it.
 void standStill() {
+  seesRealTime();
   const pid_t stopped = ::getpid();
   const pid_t child = ::fork();
   for (int i = 0; child == 0 && i < 1000; ++i) {
@@ -28,6 +29,7 @@ void standStill() {
 }
 
 TEST(WatchedMainCase, DISABLED_FailsAtOnce) {
+  seesRealTime();
   FAIL() << "at once";
 }
 TEST(WatchedMainCase, DISABLED_FailsAfterAStall) {
@@ -37,6 +39,11 @@ TEST(WatchedMainCase, DISABLED_FailsAfterAStall) {
 TEST(WatchedMainCase, DISABLED_FailsWhateverTheMachineDoes) {
   standStill();
   EXPECT_EQ(1, 2) << kAlways << "late";
+}
+TEST(WatchedMainCase, DISABLED_FailsAfterAStallAndSeesNoRealTime) {
+  standStill();
+  g_sees_real_time = false;
+  FAIL() << "by itself";
 }
 TEST(WatchedMainCase, DISABLED_CrashesAfterAStall) {
   standStill();
@@ -74,10 +81,11 @@ struct Case {
 };
 
 TEST(WatchedMain, FailedTest_IsExcusedByAStallOnly) {
-  const std::array<Case, 4> cases{{
+  const std::array<Case, 5> cases{{
       {"FailsAtOnce", true, "real time: 1 judged, 0 not judged"},
       {"FailsAfterAStall", false, "real time: 0 judged, 1 not judged"},
       {"FailsWhateverTheMachineDoes", true, "real time: 1 judged, 0 not judged"},
+      {"FailsAfterAStallAndSeesNoRealTime", true, "real time: 0 judged, 0 not judged"},
       {"PassesAfterAStall", false, "real time: 1 judged, 0 not judged"},
   }};
   for (const Case& c : cases) {

@@ -3,6 +3,7 @@
 #include "support/file_bytes.hpp"
 #include "support/python.hpp"
 #include "support/says.hpp"
+#include "support/watched_main.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>
@@ -158,6 +159,7 @@ int endOfChild(Body body) {
 }
 
 TEST(Recording, KillMinusNine_LosesLessThanASecond) {
+  test::seesRealTime();
   const Folder folder;
   const std::string path = folder.file("a.h5");
   int pipe_ends[2];
