@@ -65,26 +65,5 @@ TEST_P(ShippedDevice, RecordedMotion_IsFollowedInsideTheRange) {
   }
 }
 
-TEST_P(ShippedDevice, OneAndFourKilohertz_MoveAlike) {
-  const FileBench s = shipped(GetParam().first);
-  SimulatedDevice slow(s.device, s.patient, s.intention, 1e-3);
-  SimulatedDevice fast(s.device, s.patient, s.intention, 0.25e-3);
-  ASSERT_TRUE(slow.open().ok() && fast.open().ok());
-  DeviceReading reading;
-  ASSERT_EQ(slow.read(reading, 1), Fault::kNone);
-  ASSERT_EQ(fast.read(reading, 1), Fault::kNone);
-  for (int i = 0; i < static_cast<int>(1000.0 * s.intention.duration_s()); ++i) {
-    ASSERT_EQ(slow.read(reading, 1), Fault::kNone);
-    ASSERT_EQ(fast.read(reading, 4), Fault::kNone);
-    for (int k = 0; k < s.device.axisCount(); ++k) {
-      // The pull of the aim is taken as linear over a period: its error is a''T²/8, here under a
-      // ten-thousandth of the range.
-      const double range = s.device.axes[k].upper - s.device.axes[k].lower;
-      ASSERT_NEAR(slow.position()[k], fast.position()[k], 1e-4 * range)
-          << s.device.axes[k].name << " at " << i << " ms";
-    }
-  }
-}
-
 }  // namespace
 }  // namespace wholehand

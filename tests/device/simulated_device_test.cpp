@@ -149,15 +149,6 @@ TEST(SimulatedDevice, SinusoidalIntention_IsFollowedAsTheTransferFunctionSays) {
   EXPECT_NEAR(std::abs(moved / wanted - expected), 0.0, 1e-4);
 }
 
-TEST(SimulatedDevice, PatientEffort_HoldsTheDeviceInEquilibrium) {
-  // At rest the person's effort is minus the device's, whatever the stiffness.
-  PatientConfig patient = personOf({"x", 0.5, 8.0, 135.0});
-  const auto device = opened(oneAxisDevice(0.8), patient, stayAt(0.02));
-  const DeviceReading reading = hold(*device, -2.7, 8000);
-  EXPECT_NEAR(reading.patient_effort[0], 2.7, 0.5 / 0x1p24);  // half a step of what is reported
-  EXPECT_NEAR(reading.q_m[0], 0.02 - 2.7 / 135.0, 1e-11);
-}
-
 /// A rendered spring of stiffness K on a quantised device, let go off its middle: the largest speed
 /// in the last second of five.
 double lateSpeed(double stiffness, double coulomb, double encoder_step) {

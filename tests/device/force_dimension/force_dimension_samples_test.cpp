@@ -30,34 +30,31 @@ TEST_F(ForceDimension, ForceButton_DecidesWhetherItIsEnabled) {
   EXPECT_EQ(at.read().status, static_cast<std::uint32_t>(WH_ENABLED | WH_HOMED));
 }
 
-struct Cause {
-  const char* name;
-  int cause;
-  std::uint32_t bits;
-  const char* says;
-};
-class ForceOffBy : public testing::TestWithParam<Cause> {};
-TEST_P(ForceOffBy, IsToldWithItsCodeAndItsReason) {
-  ForceDimensionDriver at;
-  ASSERT_TRUE(at.load());
-  ASSERT_TRUE(at.driver->control(WH_ENABLE, 0.0));
-  at.fake->force_on = 0;
-  at.fake->cause = GetParam().cause;
-  const wh_sample sample = at.read();
-  EXPECT_EQ(sample.status, GetParam().bits | WH_HOMED);
-  EXPECT_EQ(sample.vendor_code, GetParam().cause);
-  at.said.clear();
-  (void)at.driver->control(WH_DISABLE, 0.0);
-  EXPECT_TRUE(says(at.said, GetParam().says));
+TEST_F(ForceDimension, ForceOff_IsToldWithItsCodeAndItsReason) {
+  struct Cause {
+    int code;
+    std::uint32_t bits;
+    const char* says;
+  };
+  open();
+  for (const Cause& cause : {Cause{1, 0, "force button"},
+                             {2, WH_DRIVE_FAULT, "faster than its own limit"},
+                             {3, WH_SILENCED, "watchdog"},
+                             {4, 0, "a program"},
+                             {5, 0, "USB"},
+                             {6, 0, "dead man"},
+                             {9, 0, "not known"}}) {
+    ASSERT_TRUE(at.driver->control(WH_ENABLE, 0.0)) << at.said;
+    at.fake->force_on = 0;
+    at.fake->cause = cause.code;
+    const wh_sample sample = at.read();
+    EXPECT_EQ(sample.status, cause.bits | WH_HOMED) << cause.says;
+    EXPECT_EQ(sample.vendor_code, cause.code);
+    at.said.clear();
+    (void)at.driver->control(WH_DISABLE, 0.0);
+    EXPECT_TRUE(says(at.said, cause.says));
+  }
 }
-INSTANTIATE_TEST_SUITE_P(
-    Causes, ForceOffBy,
-    testing::Values(Cause{"button", 1, 0, "force button"},
-                    Cause{"velocity", 2, WH_DRIVE_FAULT, "faster than its own limit"},
-                    Cause{"watchdog", 3, WH_SILENCED, "watchdog"},
-                    Cause{"software", 4, 0, "a program"}, Cause{"usb", 5, 0, "USB"},
-                    Cause{"deadman", 6, 0, "dead man"}, Cause{"unknown", 9, 0, "not known"}),
-    [](const auto& tested) { return tested.param.name; });
 
 TEST_F(ForceDimension, ControllerError_IsADriveFault) {
   enable();

@@ -1,38 +1,32 @@
 // Force Dimension devices against a fake of their SDK: finding, opening, homing.
 #include "fake_sdk.hpp"
+#include "support/file_bytes.hpp"
 #include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <string>
+#include <tuple>
+#include <utility>
 
 namespace wholehand::test {
 namespace {
 
-struct Sdks {
-  const char* name;
-  const char* says;
-};
-class OtherSdk : public testing::TestWithParam<Sdks> {};
-
-TEST_P(OtherSdk, IsRefusedWithWhatIsMissing) {
-  ForceDimensionDriver at(GetParam().name);
-  const auto driver = at.load();
-  ASSERT_FALSE(driver);
-  EXPECT_TRUE(says((at.said + whyNot(driver)), GetParam().says)) << at.said << whyNot(driver);
+TEST(ForceDimensionSdk, OtherOne_IsRefusedWithWhatIsMissing) {
+  for (const auto& [sdk, why] : {std::pair{"none", "name its folder in FORCEDIM_SDK"},
+                                 {"without_angle", "has no dhdGetGripperAngleRad"},
+                                 {"old", "is SDK 3.13"},
+                                 {"next", "is SDK 4.17"}}) {
+    ForceDimensionDriver at(sdk);
+    const auto driver = at.load();
+    ASSERT_FALSE(driver) << sdk;
+    EXPECT_TRUE(says(at.said + whyNot(driver), why));
+  }
 }
-INSTANTIATE_TEST_SUITE_P(Kinds, OtherSdk,
-                         testing::Values(Sdks{"none", "name its folder in FORCEDIM_SDK"},
-                                         Sdks{"without_angle", "has no dhdGetGripperAngleRad"},
-                                         Sdks{"old", "is SDK 3.13"}, Sdks{"next", "is SDK 4.17"}),
-                         [](const auto& tested) { return tested.param.name; });
 
 TEST_F(ForceDimension, InTheLoop_IsRefusedForAHost) {
-  const auto driver = at.load("", std::string(kForceSettings) + kGripperSettings, CalledBy::kLoop);
-  ASSERT_FALSE(driver);
-  EXPECT_TRUE(says(whyNot(driver), "a host can"));
+  EXPECT_TRUE(refusedWith(
+      at.load("", std::string(kForceSettings) + kGripperSettings, CalledBy::kLoop), "a host can"));
 }
 
 TEST_F(ForceDimension, Opened_MovesNothingAndSwitchesNoForceOn) {
@@ -58,32 +52,19 @@ TEST_F(ForceDimension, SerialNumber_OpensThatDeviceAndClosesTheOthers) {
   EXPECT_EQ(at.driver->identity().sdk, "3.17.1");
 }
 
-struct Finding {
-  const char* name;
-  const char* locator;
-  int devices;
-  const char* says;
-};
-class NotFound : public testing::TestWithParam<Finding> {};
-TEST_P(NotFound, SaysWhatThereIs) {
-  ForceDimensionDriver at;
-  at.fake->devices = GetParam().devices;
-  const auto driver = at.load(GetParam().locator);
-  ASSERT_FALSE(driver);
-  EXPECT_TRUE(says(whyNot(driver), GetParam().says));
+TEST_F(ForceDimension, NotFound_SaysWhatThereIs) {
+  for (const auto& [locator, devices, why] : {std::tuple{"", 0, "no device: the fake says why"},
+                                              {"serial:7", 2, "there are: 11111, 22222"},
+                                              {"usb", 2, "names no device"},
+                                              {"serial:12x", 2, "names no device"}}) {
+    at.fake->devices = devices;
+    EXPECT_TRUE(refusedWith(at.load(locator), why));
+  }
 }
-INSTANTIATE_TEST_SUITE_P(Locators, NotFound,
-                         testing::Values(Finding{"none", "", 0, "no device: the fake says why"},
-                                         Finding{"other", "serial:7", 2, "there are: 11111, 22222"},
-                                         Finding{"word", "usb", 2, "names no device"},
-                                         Finding{"half", "serial:12x", 2, "names no device"}),
-                         [](const auto& tested) { return tested.param.name; });
 
 TEST_F(ForceDimension, WithoutAGripper_IsRefusedWhereOneIsAskedFor) {
   at.fake->has_gripper = 0;
-  const auto asked = at.load();
-  ASSERT_FALSE(asked);
-  EXPECT_TRUE(says(whyNot(asked), "fake.7 has no gripper"));
+  EXPECT_TRUE(refusedWith(at.load(), "fake.7 has no gripper"));
   ASSERT_TRUE(at.load("", kForceSettings));
   EXPECT_EQ(at.driver->axes().size(), 3U);
 }
@@ -91,15 +72,10 @@ TEST_F(ForceDimension, WithoutAGripper_IsRefusedWhereOneIsAskedFor) {
 TEST_F(ForceDimension, Settings_AreReadStrictly) {
   const auto driver = at.load("", std::string(kForceSettings) + "watchdog = 3\n");
   ASSERT_FALSE(driver);
-  const auto crossed = at.load("", std::string(kForceSettings) + R"([gripper]
-axis = "finger_flexion"
-open_rad = 0.1
-closed_rad = 0.5
-flexion_rad = 1.6
-lever_m = 0.07
-force_limit_n = 8.0
-step_rad = 1e-4
-)");
+  std::string gripper = kGripperSettings;
+  gripper.replace(gripper.find("open_rad = 0.5"), 14, "open_rad = 0.1");
+  gripper.replace(gripper.find("closed_rad = 0.1"), 16, "closed_rad = 0.5");
+  const auto crossed = at.load("", kForceSettings + gripper);
   ASSERT_FALSE(crossed);
   EXPECT_TRUE(says(at.said, "is not below open_rad"));
 }
@@ -133,9 +109,8 @@ TEST_F(ForceDimension, HomingThatFails_IsSaidAndForceIsOff) {
 
 TEST(ForceDimensionSettings, ShippedExample_IsRead) {
   ForceDimensionDriver at;
-  std::ifstream file(WHOLEHAND_SOURCE_DIR "/drivers/force_dimension/lambda-7.toml");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const auto driver = at.load("", text);
+  const auto driver =
+      at.load("", bytesOfFile(WHOLEHAND_SOURCE_DIR "/drivers/force_dimension/lambda-7.toml"));
   EXPECT_TRUE(driver) << whyNot(driver);
 }
 

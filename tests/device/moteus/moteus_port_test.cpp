@@ -173,25 +173,17 @@ TEST(MoteusPortRefused, UnsafeDrive_IsSaidByTheDriver) {
   EXPECT_TRUE(says(port.said, "drive 1 (fingers) servo.default_timeout_s = nan"));
 }
 
-struct Locator {
-  const char* name;
-  const char* locator;
-  const char* says;
-};
-class MoteusLocator : public testing::TestWithParam<Locator> {};
-TEST_P(MoteusLocator, ThatLeadsNowhere_IsRefusedByName) {
-  Port port;
-  ASSERT_FALSE(port.load(GetParam().locator));
-  EXPECT_TRUE(says(port.said, GetParam().says));
+TEST(MoteusPortRefused, LocatorThatLeadsNowhere_IsSaidByTheDriver) {
+  for (const auto& [locator, why] : {std::pair{"", "must be fdcanusb:PORT"},
+                                     {"usb:0", "must be fdcanusb:PORT"},
+                                     {"fdcanusb:", "must be fdcanusb:PORT"},
+                                     {"fdcanusb:/dev/no-such-port", "cannot be opened"},
+                                     {"slcan:/dev/null", "is no serial port"}}) {
+    Port port;
+    ASSERT_FALSE(port.load(locator));
+    EXPECT_TRUE(says(port.said, why));
+  }
 }
-INSTANTIATE_TEST_SUITE_P(Words, MoteusLocator,
-                         testing::Values(Locator{"empty", "", "must be fdcanusb:PORT"},
-                                         Locator{"unknown", "usb:0", "must be fdcanusb:PORT"},
-                                         Locator{"no_port", "fdcanusb:", "must be fdcanusb:PORT"},
-                                         Locator{"not_there", "fdcanusb:/dev/no-such-port",
-                                                 "cannot be opened"},
-                                         Locator{"no_tty", "slcan:/dev/null", "is no serial port"}),
-                         [](const auto& tested) { return tested.param.name; });
 
 TEST(SocketCan, WhereItCannotBeHad_SaysWhy) {
   const int probe = ::socket(AF_CAN, SOCK_RAW, 1);
