@@ -63,6 +63,10 @@ class DeviceTest(PacedTest):
         self.page.hold_controls()
         return run
 
+    def wait_for_ticks(self, run, count):
+        """Of the session that renders, as the page is told."""
+        self.wait_until(run, lambda: self.page.state is not None and self.page.state.number(1, "Q") >= count)
+
     def arm(self, endings_seen=1):
         accepted, reason = self.page.arm(endings_seen)
         self.assertTrue(accepted, reason)

@@ -35,7 +35,7 @@ class Driver(DeviceTest):
         self.assertEqual(self.recordings(), [], "nothing is armed before somebody asks")
         self.assertFalse(self.page.answer(self.page.say(client.STEER, ("i", client.PERSON)))[0])
         self.arm()
-        time.sleep(1.0)
+        self.wait_for_ticks(run, 700)
         device = self.page.state.inner(client.DEVICE_STATE)
         self.assertEqual([device.number(i, "B") for i in range(4)], [1, 1, 0, 0])  # enabled, homed; rails.c has no heat
         self.assertTrue(0.0 <= device.number(5, "f") < 2.0, "the age of the sample")

@@ -12,7 +12,7 @@ import time
 import unittest
 
 import numpy
-from app import BINARY, FULL, HANG_S, SEED, SOURCE, AppTest, main
+from app import BINARY, FULL, HANG_S, SEED, SOURCE, AppTest, PacedTest, main
 
 import wholehand
 import wholehand.protocol
@@ -26,7 +26,7 @@ MUTATIONS = 100_000 if FULL else 3_000
 RENDERING, STOPPED = 1, 3
 
 
-class Connected(AppTest):
+class Connected(PacedTest):
     """The bar, waiting to be armed."""
     options = ()
 

@@ -6,11 +6,10 @@ import re
 import signal
 import subprocess
 import sys
-import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "apps"))
 import client  # noqa: E402
-from app import DONE, SOURCE, PacedTest, read_recording  # noqa: E402
+from app import DONE, HANG_S, SOURCE, PacedTest, main, read_recording  # noqa: E402
 
 EXAMPLES = pathlib.Path(os.environ["WHOLEHAND_EXAMPLES"])
 DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", SOURCE / "build/release/drivers"))
@@ -83,7 +82,7 @@ class Examples(PacedTest):
         self.assertTrue(accepted, reason)
         self.assertTrue(page.answer(page.say(client.EMERGENCY_STOP))[0])
         run.send_signal(signal.SIGINT)
-        said = run.communicate(timeout=60)[0]
+        said = run.communicate(timeout=HANG_S)[0]
         self.assertIn("1 sessions", said)
         self.assertIn(run.returncode, (0, 1), said)  # a machine that stalls stops a real device
 
@@ -126,4 +125,4 @@ class Examples(PacedTest):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -7,7 +7,7 @@ import urllib.request
 
 import faulty_disk  # noqa: F401  the way to what follows
 import client
-from app import BAD_INPUT, DONE, FREE_RUN, HANG_S, INTERRUPTED, AppTest, main
+from app import BAD_INPUT, DONE, FREE_RUN, HANG_S, INTERRUPTED, AppTest, PacedTest, main
 
 FAILED = 4
 
@@ -30,6 +30,18 @@ class Limits(AppTest):
                     *FREE_RUN, "--simulated-clock", "--duration", "0.2", "--record", f"{descriptors}.h5",
                     preexec_fn=limit(resource.RLIMIT_NOFILE, descriptors)))
 
+    def test_no_memory_for_a_thread_is_a_sentence(self):
+        # A thread's stack is as large as this limit: no machine has it.
+        no_stack = limit(resource.RLIMIT_STACK, 1 << 46)
+        for more in (["--simulated-clock"], ["--no-rehearsal"], []):
+            with self.subTest(more=more):
+                result = self.run_app(*FREE_RUN, "--duration", "0.2", "--record", "run.h5", *more, preexec_fn=no_stack)
+                self.expect_a_sentence(result)
+        result = self.run_app("run", "--port", 0, "--wait", timeout=HANG_S, preexec_fn=no_stack)
+        self.expect(result, FAILED, "a thread could not be started", "ulimit -a")
+
+
+class Crowded(PacedTest):
     def test_pages_that_use_up_the_descriptors_keep_nobody_from_stopping(self):
         run = self.start_app("run", "--port", 0, "--wait", "--no-rehearsal", preexec_fn=limit(resource.RLIMIT_NOFILE, 32))
         port = int(run.stdout.readline().split(":")[2].rstrip("/\n"))
@@ -61,16 +73,6 @@ class Limits(AppTest):
         run.send_signal(signal.SIGINT)
         out, err = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, out + err)
-
-    def test_no_memory_for_a_thread_is_a_sentence(self):
-        # A thread's stack is as large as this limit: no machine has it.
-        no_stack = limit(resource.RLIMIT_STACK, 1 << 46)
-        for more in (["--simulated-clock"], ["--no-rehearsal"], []):
-            with self.subTest(more=more):
-                result = self.run_app(*FREE_RUN, "--duration", "0.2", "--record", "run.h5", *more, preexec_fn=no_stack)
-                self.expect_a_sentence(result)
-        result = self.run_app("run", "--port", 0, "--wait", timeout=HANG_S, preexec_fn=no_stack)
-        self.expect(result, FAILED, "a thread could not be started", "ulimit -a")
 
 
 if __name__ == "__main__":
