@@ -68,6 +68,7 @@ export default defineConfig({
     assetsInlineLimit: 0,  // nothing as data: address, so that the content policy can be strict
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 900,
+    reportCompressedSize: false,
     rollupOptions: { input: { game: 'index.html', console: 'console.html', commission: 'commission.html', replay: 'replay.html' } },
   },
 });

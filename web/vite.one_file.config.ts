@@ -19,5 +19,5 @@ export default defineConfig(({ mode }) => ({
   // A worker has no file of its own here.
   resolve: { alias: [{ find: /^\.\/start_skin_worker$/, replacement: resolve(__dirname, 'src/hand/start_skin_worker_inline.ts') }] },
   worker: { format: 'iife' },
-  build: { target: 'es2022', outDir: 'dist', emptyOutDir: false, chunkSizeWarningLimit: 2000, rollupOptions: { input: `${mode}.html` } },
+  build: { target: 'es2022', outDir: 'dist', emptyOutDir: false, reportCompressedSize: false, chunkSizeWarningLimit: 2000, rollupOptions: { input: `${mode}.html` } },
 }));

@@ -1,5 +1,8 @@
 import { defineConfig } from 'vitest/config';
 
+// Loading three.js for every file anew took more than the tests; WHOLEHAND_FULL=1 does, and so finds a file that leans on another.
+const isolate = process.env.WHOLEHAND_FULL === '1';
+
 export default defineConfig({
-  test: { include: ['tests/**/*.test.ts'], environment: 'node', testTimeout: 60_000 },
+  test: { include: ['tests/**/*.test.ts'], environment: 'node', testTimeout: 60_000, pool: 'threads', isolate },
 });
