@@ -62,7 +62,7 @@ Row at(const std::map<std::uint64_t, Row>& rows, std::uint64_t row) {
 }
 
 /// Fixed balls and meshes that come and go beside the hand.
-std::string recordedGame(const Folder& folder) {
+std::string recordGame(const Folder& folder) {
   Models models = gameModels();
   std::shared_ptr<Rig> rig = orThrow(buildRig(std::move(models), atRest(), {}));
   EXPECT_TRUE(rig->renderer->arm());
@@ -99,9 +99,15 @@ std::string recordedGame(const Folder& folder) {
   return folder.file("game.h5");
 }
 
+/// Recorded once.
+std::string recordedGame() {
+  static const Folder folder;
+  static const std::string path = recordGame(folder);
+  return path;
+}
+
 TEST(GameRecording, BodiesInAReport_AreThoseOfTheReplayAtEveryStateThatItShows) {
-  const Folder folder;
-  const std::string path = recordedGame(folder);
+  const std::string path = recordedGame();
   const auto reader = orThrow(RecordingReader::open(path));
   const auto replayed = rowsIn(gameBodiesOf(*reader));
   // A slot's body is ordered in its hundred, and removed fifteen hundreds later.
@@ -125,8 +131,7 @@ TEST(GameRecording, BodiesInAReport_AreThoseOfTheReplayAtEveryStateThatItShows) 
 }
 
 TEST(GameRecording, BodiesAtFewerRows_AreFewerBytesAndRightAtThoseRows) {
-  const Folder folder;
-  const auto reader = orThrow(RecordingReader::open(recordedGame(folder)));
+  const auto reader = orThrow(RecordingReader::open(recordedGame()));
   SampledBodies bodies(reader->meta());
   std::vector<std::uint64_t> rows;
   TickRecord record;

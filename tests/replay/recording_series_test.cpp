@@ -31,13 +31,8 @@ constexpr double kSeriesPeriod_s = 1e-3;
 std::unique_ptr<RecordingReader> recorded(const Folder& folder,
                                           const std::vector<TickRecord>& ticks) {
   const std::string path = folder.file("run.h5");
-  auto writer = RecordingWriter::create(path, synthetic::meta());
-  EXPECT_TRUE(writer);
-  for (const TickRecord& record : ticks) EXPECT_TRUE((*writer)->append(record));
-  (*writer)->close();
-  auto reader = RecordingReader::open(path);
-  EXPECT_TRUE(reader) << format(reader.errors());
-  return std::move(*reader);
+  synthetic::writeRecording(path, ticks);
+  return orThrow(RecordingReader::open(path));
 }
 
 /// Ticks in which nothing happens.
@@ -153,10 +148,7 @@ TEST(RecordingSeries, Extremes_AreThoseOfAPlainLoop) {
 TEST(RecordingSeries, ReaderThatSparesDatasets_GivesTheSameBytes) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
-  std::mt19937_64 random(7);
-  const auto writer = orThrow(RecordingWriter::create(path, synthetic::meta()));
-  for (std::uint64_t tick = 0; tick < 900; ++tick) writer->append(synthetic::noisy(tick, random));
-  writer->close();
+  synthetic::writeRecording(path, synthetic::noisyTicks(900, 7));
   const auto whole = orThrow(RecordingReader::open(path));
   const auto sparing = orThrow(viewRecording(path, 16, leftOutOfSeries()));
   const SeriesQuestion question{-0.0005, 0.8995, 900};

@@ -238,22 +238,23 @@ TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
 TEST(ReplayedRecording, About_SaysWhatTheFileHolds) {
   const auto recording = openedAgain(recordedBar().path());
   const Json about = aboutOf(*recording);
-  EXPECT_EQ(about["name"], "bar.h5");
-  EXPECT_EQ(about["title"], "bar");
-  EXPECT_EQ(about["ticks"], recordedBar().states.size());
-  EXPECT_EQ(about["from_s"], 0.0);
+  const Json expected = {{"name", "bar.h5"},
+                         {"title", "bar"},
+                         {"ticks", recordedBar().states.size()},
+                         {"from_s", 0.0},
+                         {"device", "lambda-pride"},
+                         {"hand", "adult-median-right"},
+                         {"patient", "relaxed-adult"},
+                         {"exercise", "cocktail-bar"},
+                         {"level", 1},
+                         {"picture", true},
+                         {"whole", true},
+                         {"run_again", true},
+                         {"still_written", false},
+                         {"simulated_device", true}};
+  for (const auto& [key, value] : expected.items()) EXPECT_EQ(about[key], value) << key;
   EXPECT_NEAR(about["to_s"].get<double>(), 1e-3 * static_cast<double>(recordedBar().states.size()),
               1e-9);
-  EXPECT_EQ(about["device"], "lambda-pride");
-  EXPECT_EQ(about["hand"], "adult-median-right");
-  EXPECT_EQ(about["patient"], "relaxed-adult");
-  EXPECT_EQ(about["exercise"], "cocktail-bar");
-  EXPECT_EQ(about["level"], 1);
-  EXPECT_EQ(about["picture"], true);
-  EXPECT_EQ(about["whole"], true);
-  EXPECT_EQ(about["run_again"], true);
-  EXPECT_EQ(about["still_written"], false);
-  EXPECT_EQ(about["simulated_device"], true);
   EXPECT_FALSE(about.contains("no_picture_because"));
   ASSERT_FALSE(about["result"].empty());
   EXPECT_TRUE(about["result"][0]["value"].is_number());
@@ -295,14 +296,9 @@ TEST(ReplayedRecording, WithoutExerciseOrBodies_ShowsTheHandAlone) {
 }
 
 /// Ticks whose file carries no scene, hand ...
-std::string synthetic(const Folder& folder, int ticks) {
-  std::mt19937_64 random(5);
+std::string synthetic(const Folder& folder, std::uint64_t ticks) {
   const std::string path = folder.file("synthetic.h5");
-  auto writer = orThrow(RecordingWriter::create(path, synthetic::meta()));
-  for (int i = 0; i < ticks; ++i) {
-    writer->append(synthetic::noisy(static_cast<std::uint64_t>(i), random));
-  }
-  writer->close();
+  synthetic::writeRecording(path, synthetic::noisyTicks(ticks, 5));
   return path;
 }
 
@@ -335,17 +331,14 @@ TEST(ReplayedRecording, OfNoTicks_IsRefused) {
 /// A recording of 2000 ticks, eight chunks of 250, of which one chunk of a dataset is zeros.
 std::string damaged(const Folder& folder, const std::string& dataset, int chunk) {
   const std::string path = synthetic(folder, 2000);
-  EXPECT_EQ(python("import h5py\n"
-                   "path = '" +
-                   path +
-                   "'\n"
-                   "with h5py.File(path, 'r') as f:\n"
-                   "  chunk = f['" +
-                   dataset + "'].id.get_chunk_info(" + std::to_string(chunk) +
-                   ")\n"
-                   "with open(path, 'r+b') as raw:\n"
-                   "  raw.seek(chunk.byte_offset + 4)\n"
-                   "  raw.write(bytes(chunk.size - 4))\n"),
+  EXPECT_EQ(python("path, name, number = '" + path + "', '" + dataset + "', " +
+                   std::to_string(chunk) + R"(
+import h5py
+with h5py.File(path, 'r') as f:
+  chunk = f[name].id.get_chunk_info(number)
+with open(path, 'r+b') as raw:
+  raw.seek(chunk.byte_offset + 4)
+  raw.write(bytes(chunk.size - 4)))"),
             "");
   return path;
 }

@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace wholehand {
@@ -66,31 +68,28 @@ TickRecord restingTick(int number) {
   return record;
 }
 
-TEST(TherapyFacts, LimitThatChanges_IsToldWithItsTimes) {
-  const RecordingMeta meta = synthetic::meta();
+/// Facts of so many resting ticks, of which `change` makes what they are.
+nlohmann::json therapyFacts(int ticks, const std::function<void(TickRecord&, int)>& change,
+                            const RecordingMeta& meta = synthetic::meta()) {
   TherapyFacts facts(meta);
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < ticks; ++i) {
     TickRecord record = restingTick(i);
-    record.effort_limit[2] = i < 2000 ? 20.0 : 8.0;
+    change(record, i);
     facts.add(record, true);
   }
-  const auto limits = facts.json()["limits"];
+  return facts.json();
+}
+
+TEST(TherapyFacts, LimitThatChanges_IsToldWithItsTimesAndStaysShort) {
+  const auto limits = therapyFacts(4000, [](TickRecord& record, int i) {
+    record.effort_limit[2] = i < 2000 ? 20.0 : 8.0;
+    record.effort_limit[3] = 20.0 - 10.0 * std::min(1.0, i / 2000.0);  // 2 s from 20 N to 10 N
+  })["limits"];
   ASSERT_EQ(limits.size(), 6U);
   EXPECT_EQ(limits[0], nlohmann::json::parse("[[0.0, 20.0]]"));
   EXPECT_EQ(limits[2], nlohmann::json::parse("[[0.0, 20.0], [2.0, 8.0]]"));
-}
-
-TEST(TherapyFacts, LimitThatRamps_EndsAtItsValueAndStaysShort) {
-  const RecordingMeta meta = synthetic::meta();
-  TherapyFacts facts(meta);
-  for (int i = 0; i < 3000; ++i) {
-    TickRecord record = restingTick(i);
-    record.effort_limit[0] = 20.0 - 10.0 * std::min(1.0, i / 2000.0);  // 2 s from 20 N to 10 N
-    facts.add(record, true);
-  }
-  const auto limit = facts.json()["limits"][0];
-  EXPECT_LE(limit.size(), 23U);  // one every 0.1 s
-  EXPECT_EQ(limit.back()[1], 10.0);
+  EXPECT_LE(limits[3].size(), 23U);  // one every 0.1 s
+  EXPECT_EQ(limits[3].back()[1], 10.0);
 }
 
 TEST(TherapyFacts, SlotsOfAGame_CountOnceTheyHeldABodyAndTheirEmptyPlaceIsNoWay) {
@@ -98,10 +97,8 @@ TEST(TherapyFacts, SlotsOfAGame_CountOnceTheyHeldABodyAndTheirEmptyPlaceIsNoWay)
   const auto scene_bodies = meta.body_names.size() - 2;  // the last two are taken for slots
   meta.game_slots = 2;
   meta.capsule_names = {"palm"};
-  TherapyFacts facts(meta);
   const auto slot = static_cast<int>(scene_bodies);
-  for (int i = 0; i < 300; ++i) {
-    TickRecord record = restingTick(i);
+  const auto change = [slot](TickRecord& record, int i) {
     record.body_count = slot + 2;
     for (int b = slot; b < record.body_count; ++b) record.bodies[b].position_m = {0, 0, -10};
     // In the first slot one body moves 0.1 m in steps of 2 mm, another stands 1 m beside it.
@@ -112,9 +109,8 @@ TEST(TherapyFacts, SlotsOfAGame_CountOnceTheyHeldABodyAndTheirEmptyPlaceIsNoWay)
     record.contacts[0].body = slot;
     record.contacts[0].capsule = 0;
     record.contacts[0].force_n = Vec3{0.0, 0.0, 1.0};
-    facts.add(record, true);
-  }
-  const auto json = facts.json();
+  };
+  const auto json = therapyFacts(300, change, meta);
   EXPECT_EQ(json["bodies_in_scene"], scene_bodies + 1);
   ASSERT_EQ(json["bodies"].size(), 1U);
   EXPECT_NEAR(json["bodies"][0]["travelled_m"].get<double>(), 0.1, 1e-9);
@@ -123,9 +119,7 @@ TEST(TherapyFacts, SlotsOfAGame_CountOnceTheyHeldABodyAndTheirEmptyPlaceIsNoWay)
 TEST(TherapyFacts, ForceOnABody_IsToldByItsName) {
   RecordingMeta meta = synthetic::meta();
   meta.capsule_names = {"palm", "index_distal", "thumb_distal"};
-  TherapyFacts facts(meta);
-  for (int i = 0; i < 2000; ++i) {
-    TickRecord record = restingTick(i);
+  const auto change = [](TickRecord& record, int i) {
     record.contact_count = i >= 1000 ? 2 : 0;
     for (int c = 0; c < record.contact_count; ++c) {
       Contact& contact = record.contacts[c];
@@ -133,9 +127,8 @@ TEST(TherapyFacts, ForceOnABody_IsToldByItsName) {
       contact.capsule = 1 + c;  // a finger and the thumb
       contact.force_n = Vec3{0.0, 3.0, 4.0};
     }
-    facts.add(record, true);
-  }
-  const auto json = facts.json();
+  };
+  const auto json = therapyFacts(2000, change, meta);
   ASSERT_EQ(json["bodies"].size(), 1U);
   EXPECT_EQ(json["bodies"][0]["name"], "cylinder");
   EXPECT_NEAR(json["bodies"][0]["held_s"].get<double>(), 1.0, 1e-9);
