@@ -3,6 +3,7 @@
 #include "telemetry/recording.hpp"
 
 #include <functional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,16 @@ struct Door {
 [[nodiscard]] Door recordedTablesDoor();
 /// Reads every tick: empty when what can be read is within the shapes of a record.
 [[nodiscard]] std::string readTicks(RecordingReader& recording);
+
+/// So many inputs of random bytes.
+[[nodiscard]] inline std::vector<std::string> randomTexts(std::size_t count, std::size_t bytes) {
+  std::mt19937_64 random(3);
+  std::vector<std::string> texts(count, std::string(bytes, '\0'));
+  for (std::string& text : texts) {
+    for (char& byte : text) byte = static_cast<char>(random());
+  }
+  return texts;
+}
 
 [[nodiscard]] inline std::vector<Door> allDoors() {
   std::vector<Door> all = fileDoors();

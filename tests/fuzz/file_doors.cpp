@@ -10,12 +10,11 @@
 #include "model/urdf/urdf.hpp"
 #include "patient/motion.hpp"
 #include "station/profiles.hpp"
+#include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 namespace wholehand::test {
@@ -24,11 +23,6 @@ namespace {
 constexpr std::size_t kMostFaults = 20;  // of one file; one line more says how many more there are
 
 const std::string kSource = WHOLEHAND_SOURCE_DIR;
-
-std::string bytesOf(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 using Load = std::function<Diagnostics(const std::string& path)>;
 
@@ -50,17 +44,16 @@ std::string wrongWith(const Diagnostics& faults) {
 Door fileDoor(const std::string& door, const std::vector<std::string>& good,
               const std::string& file, const Load& load) {
   const auto folder = std::make_shared<Folder>();
-  const std::string path = folder->file(file);
-  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+  const std::string path = folder->write(file, "");
   std::filesystem::create_symlink(kSource + "/config/scenes", folder->file("scenes"));
   return {door, good, [folder, path, load](const std::string& bytes) {
-            std::ofstream(path, std::ios::binary) << bytes;
+            writeBytes(path, bytes);
             return wrongWith(load(path));
           }};
 }
 
 Door tomlDoor(const std::string& kind, const std::string& file, const Load& load) {
-  return fileDoor("toml-" + kind, {bytesOf(kSource + "/config/" + file)}, "a.toml", load);
+  return fileDoor("toml-" + kind, {bytesOfFile(kSource + "/config/" + file)}, "a.toml", load);
 }
 
 const DeviceModel& device() {
@@ -97,8 +90,8 @@ Door passportDoor() {
   const std::string sealed = passportText(passport);
   return fileDoor("toml-passport", {sealed.substr(0, sealed.find("[seal]"))}, "a.toml",
                   [](const std::string& path) {
-                    const std::string text = bytesOf(path);
-                    std::ofstream(path, std::ios::binary) << seal(text);
+                    const std::string text = bytesOfFile(path);
+                    writeBytes(path, seal(text));
                     return faultsOf(readPassport(path));
                   });
 }
@@ -116,7 +109,7 @@ Door profileDoor() {
 Door exerciseDoor() {
   std::vector<std::string> good;
   for (const char* name : {"cocktail-bar", "squeeze-to-level", "free-grasping"}) {
-    good.push_back(bytesOf(kSource + "/config/exercises/" + name + ".toml"));
+    good.push_back(bytesOfFile(kSource + "/config/exercises/" + name + ".toml"));
   }
   return fileDoor("toml-exercise", good, "exercises/a.toml", [](const std::string& path) {
     return faultsOf(loadExercise(path, 1, device(), hand()));
@@ -145,9 +138,9 @@ std::vector<Door> fileDoors() {
       profileDoor(),
       passportDoor(),
       fileDoor("csv",
-               {firstLines(bytesOf(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096)},
+               {firstLines(bytesOfFile(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096)},
                "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
-      fileDoor("urdf", {bytesOf(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
+      fileDoor("urdf", {bytesOfFile(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
                [](const std::string& p) { return faultsOf(loadUrdf(p)); })};
   for (Door& door : doors) {
     if (door.name.starts_with("toml-")) door.full = 20'000;

@@ -36,10 +36,7 @@ RecordingMeta goodMeta() {
 MemoryTables goodTables() {
   const Folder folder;
   const std::string path = folder.file("a.h5");
-  auto writer = RecordingWriter::create(path, goodMeta()).value();
-  std::mt19937_64 random(1);
-  for (std::uint64_t i = 0; i < kTicks; ++i) writer->append(synthetic::noisy(i, random));
-  writer->close();
+  synthetic::writeRecording(path, synthetic::noisyTicks(kTicks), goodMeta());
   const hdf5::Handle file(::H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   const RecordingMeta meta = goodMeta();
   MemoryTables all;
@@ -81,16 +78,21 @@ void resize(std::vector<std::string>& names, std::size_t n,
   for (std::vector<double>* of : numbers) of->resize(n, 0.5);
 }
 
+/// The law's numbers of each axis.
+std::vector<std::vector<double>*> perAxis(RecordedLaw& law) {
+  return {&law.k_pm,          &law.k_dm,           &law.gamma,         &law.filter_tau_s,
+          &law.encoder_step,  &law.device_damping, &law.tank_capacity, &law.effort_dead,
+          &law.effort_full,   &law.phi_kept,       &law.hand_axis,     &law.palm_contact,
+          &law.inertia.lower, &law.inertia.upper};
+}
+
 void editSizes(RecordingMeta& m, const Edit& e) {
   const std::size_t n = e.where;
   RecordedLaw& law = m.law;
   switch (e.which % 8) {
     case 0:
-      resize(m.axis_names, n % 18,
-             {&m.effort_limits, &m.lever_arms_m, &m.armed_position, &law.k_pm, &law.k_dm,
-              &law.gamma, &law.filter_tau_s, &law.encoder_step, &law.device_damping,
-              &law.tank_capacity, &law.effort_dead, &law.effort_full, &law.phi_kept, &law.hand_axis,
-              &law.palm_contact, &law.inertia.lower, &law.inertia.upper});
+      resize(m.axis_names, n % 18, {&m.effort_limits, &m.lever_arms_m, &m.armed_position});
+      for (std::vector<double>* of : perAxis(law)) of->resize(n % 18, 0.5);
       law.inertia.degrees.resize(n % 18, 1.0);
       law.inertia.coefficients.resize((n % 18) * (n % 18 + 1) / 2, 0.5);
       m.axis_units.resize(n % 18, "rad");
@@ -136,12 +138,9 @@ void editMeta(RecordingMeta& m, const Edit& e) {
       m.law.output_delay_ticks = e.value % 1002;
       break;
     case 4:
+      for (std::vector<double>* of : perAxis(m.law)) setOne(*of, e);
       for (std::vector<double>* of :
-           {&m.law.k_pm, &m.law.k_dm, &m.law.gamma, &m.law.filter_tau_s, &m.law.theta0,
-            &m.law.synergy, &m.law.encoder_step, &m.law.device_damping, &m.law.tank_capacity,
-            &m.law.effort_dead, &m.law.effort_full, &m.law.phi_kept, &m.law.hand_axis,
-            &m.law.palm_contact, &m.law.inertia.lower, &m.law.inertia.upper, &m.law.inertia.degrees,
-            &m.law.inertia.coefficients}) {
+           {&m.law.theta0, &m.law.synergy, &m.law.inertia.degrees, &m.law.inertia.coefficients}) {
         setOne(*of, e);
       }
       break;
@@ -279,13 +278,8 @@ std::string packedEdit(const MemoryTables& good, std::uint8_t which) {
 Door recordedTablesDoor() {
   const auto good = std::make_shared<const MemoryTables>(goodTables());
   if (good->empty()) return {"recorded-tables", {}, {}};
-  std::vector<std::string> inputs = {std::string(1, '\0'), std::string(1, '\1')};
-  std::mt19937_64 random(3);
-  for (int i = 0; i < 24; ++i) {
-    std::string edits(1 + 3 * kEdit, '\0');
-    std::generate(edits.begin(), edits.end(), [&random] { return static_cast<char>(random()); });
-    inputs.push_back(edits);
-  }
+  std::vector<std::string> inputs = randomTexts(24, 1 + 3 * kEdit);
+  inputs.insert(inputs.end(), {std::string(1, '\0'), std::string(1, '\1')});
   for (std::size_t which = 0; which < good->size(); which += 7) {
     inputs.push_back(std::string(1, '\0') + packedEdit(*good, static_cast<std::uint8_t>(which)));
   }

@@ -1,4 +1,5 @@
 #include "doors.hpp"
+#include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "telemetry/black_box.hpp"
 #include "telemetry/black_box_layout.hpp"
@@ -11,19 +12,12 @@
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <random>
 #include <zlib.h>
 
 namespace wholehand::test {
 namespace {
-
-std::string wholeFile(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 std::string wrongWithRefusal(const Diagnostics& refusal) {
   const Diagnostic& why = refusal.front();
@@ -59,28 +53,27 @@ Door blackBoxDoor() {
   plan.most_ticks = 100;
   {
     auto box = BlackBox::arm(synthetic::meta(), plan).value();
-    std::mt19937_64 noise(1);
-    for (std::uint64_t i = 0; i < 40; ++i) {
-      const TickRecord record = synthetic::noisy(i, noise);
+    for (const TickRecord& record : synthetic::noisyTicks(40)) {
       box->beforeTick(record);
       box->afterTick(record);
     }
     if (!box->write()) return {};
   }
   const std::string path = folder->file("forged.wbb");
-  return {
-      "black-box", {wholeFile(plan.path)}, [folder, path](const std::string& bytes) -> std::string {
-        std::ofstream(path, std::ios::binary) << withRightChecksums(bytes);
-        const auto opened = BlackBoxReader::openBox(path);
-        if (!opened) return wrongWithRefusal(opened.errors());
-        TickInput input;
-        for (int k = 0; k < 1000 && opened.value()->nextInput(input); ++k) {
-          if (input.command_count < 0 || input.command_count > kMaxCommands) {
-            return "too many commands";
-          }
-        }
-        return readTicks(*opened.value());
-      }};
+  return {"black-box",
+          {bytesOfFile(plan.path)},
+          [folder, path](const std::string& bytes) -> std::string {
+            writeBytes(path, withRightChecksums(bytes));
+            const auto opened = BlackBoxReader::openBox(path);
+            if (!opened) return wrongWithRefusal(opened.errors());
+            TickInput input;
+            for (int k = 0; k < 1000 && opened.value()->nextInput(input); ++k) {
+              if (input.command_count < 0 || input.command_count > kMaxCommands) {
+                return "too many commands";
+              }
+            }
+            return readTicks(*opened.value());
+          }};
 }
 
 struct Dataset {
@@ -185,20 +178,10 @@ void edit(const std::string& path, const Contents& contents, const std::string& 
 Door recordingValuesDoor() {
   const auto folder = std::make_shared<Folder>();
   const std::string whole = folder->file("whole.h5"), edited = folder->file("edited.h5");
-  {
-    auto writer = RecordingWriter::create(whole, synthetic::meta()).value();
-    std::mt19937_64 random(1);
-    for (std::uint64_t i = 0; i < 20; ++i) writer->append(synthetic::noisy(i, random));
-    writer->close();
-  }
+  synthetic::writeRecording(whole, synthetic::noisyTicks(20));
   const Contents contents = contentsOf(whole);
-  std::vector<std::string> good = {std::string(kBoxEdit, '\0')};
-  std::mt19937_64 random(2);
-  for (int i = 0; i < 8; ++i) {
-    std::string edits(4 * kBoxEdit, '\0');
-    std::generate(edits.begin(), edits.end(), [&random] { return static_cast<char>(random()); });
-    good.push_back(edits);
-  }
+  std::vector<std::string> good = randomTexts(8, 4 * kBoxEdit);
+  good.emplace_back(kBoxEdit, '\0');
   return {"recording-values", good,
           [folder, whole, edited, contents](const std::string& bytes) -> std::string {
             std::filesystem::copy_file(whole, edited,
