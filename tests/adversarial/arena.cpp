@@ -3,7 +3,6 @@
 #include "patient/scripted_player.hpp"
 #include "support/constants.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace wholehand::test {

@@ -4,12 +4,6 @@
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
 
-#include <functional>
-#include <optional>
-#include <random>
-#include <string>
-#include <vector>
-
 /// Which device, hand, exercise and patient meet, and how.
 namespace wholehand::test {
 

@@ -1,12 +1,9 @@
 #pragma once
 
 #include "device/simulated/simulated_device.hpp"
-#include "dynamics/articulated_body.hpp"
 #include "support/rig_tools.hpp"
 
-#include <memory>
 #include <optional>
-#include <string>
 
 /// One patient on one device, hand and exercise, on the simulated clock; and what must hold of
 /// every tick, whoever the person is.

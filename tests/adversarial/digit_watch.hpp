@@ -3,10 +3,7 @@
 #include "physics/segment_distance.hpp"
 #include "support/rig_tools.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <string>
-#include <vector>
 
 /// What an exercise gives to digits that touch nothing, judged by what a tick's record says.
 namespace wholehand::test {

@@ -1,12 +1,10 @@
 // Every shipped device, hand, exercise and patient together: whoever the person is, the device is
 // pushed within its limits and comes to rest when it is told to.
 #include "adversarial/arena.hpp"
-#include "core/sanitized.hpp"
-#include "support/tolerance.hpp"
+#include "support/file_bytes.hpp"
+#include "support/says.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <iterator>
@@ -47,8 +45,7 @@ bool refused(const Case& c) {
 /// Whether a key of a fault, as "wall.axes[finger_flexion].name", is a key of the exercise's own
 /// file: every word of it stands there.
 bool standsIn(const std::string& exercise, const std::string& key) {
-  std::ifstream in(pathOf("exercises", exercise));
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = bytesOfFile(pathOf("exercises", exercise));
   std::string word;
   for (const char c : key + ".") {
     if (c != '.' && c != '[' && c != ']') {
@@ -174,7 +171,7 @@ TEST(Attack, LimitTighterThanTheRenderers_IsNoticed) {
   const auto outcome =
       arena.run(c, 3000, random, [](Rig& rig) { rig.models.device.axes[0].effort_limit = 0.5; });
   ASSERT_TRUE(outcome);
-  EXPECT_NE(outcome->broken.find("x beyond its limit"), std::string::npos) << outcome->broken;
+  EXPECT_TRUE(says(outcome->broken, "x beyond its limit"));
 }
 
 TEST(Bones, HandWhoseFingerIsInABall_AreWithinABody) {

@@ -3,8 +3,6 @@
 #include "patient/scripted_player.hpp"
 
 #include <cmath>
-#include <limits>
-#include <utility>
 
 namespace wholehand::test {
 namespace {

@@ -3,8 +3,6 @@
 #include "device/simulated/simulated_device.hpp"
 #include "support/rig_tools.hpp"
 
-#include <string>
-
 /// A mechanism that nobody holds, flung into a fixed wall on the simulated clock.
 namespace wholehand::test {
 

@@ -7,7 +7,6 @@
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
 
-#include <cstdlib>
 #include <ctime>
 #include <map>
 

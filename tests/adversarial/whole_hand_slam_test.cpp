@@ -5,9 +5,6 @@
 #include "support/test_names.hpp"
 
 #include <cmath>
-#include <cstdio>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -1,7 +1,7 @@
 // A device that may move a person is armed by a rehearsal of that very rig, and by nothing else.
 #include "assembly/rehearsal.hpp"
-#include "support/resting_device.hpp"
 #include "support/rig_tools.hpp"
+#include "support/says.hpp"
 
 #include <type_traits>
 
@@ -47,8 +47,8 @@ TEST(ArmedByRehearsal, WithoutOne_ADeviceThatMayMoveAPersonIsNotEvenOpened) {
   const auto rig = orThrow(buildRig(models(), std::make_unique<Handle>(opened), {}));
   const Expected<Done> armed = rig->renderer->arm();
   ASSERT_FALSE(armed);
-  EXPECT_NE(armed.errors().front().problem.find("rehearsed"), std::string::npos);
-  EXPECT_NE(armed.errors().front().remedy.find("rehearse()"), std::string::npos);
+  EXPECT_TRUE(says(armed.errors().front().problem, "rehearsed"));
+  EXPECT_TRUE(says(armed.errors().front().remedy, "rehearse()"));
   EXPECT_EQ(opened, 0);
   EXPECT_EQ(rig->renderer->safetyState(), SafetyState::kDisarmed);
 }
@@ -78,7 +78,7 @@ TEST(ArmedByRehearsal, WithThatOfAnotherSceneOrRate_IsRefusedAndNotOpened) {
     ASSERT_TRUE(of_other.passed);
     const Expected<Done> armed = rig->renderer->arm(of_other.passed);
     ASSERT_FALSE(armed);
-    EXPECT_NE(armed.errors().front().problem.find("not what is to be rendered"), std::string::npos);
+    EXPECT_TRUE(says(armed.errors().front().problem, "not what is to be rendered"));
   }
   EXPECT_EQ(opened, 0);
 }

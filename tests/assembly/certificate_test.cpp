@@ -2,9 +2,9 @@
 #include "assembly/sampled_inertia.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 #include "support/rig_tools.hpp"
+#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
-#include "support/tolerance.hpp"
 
 namespace wholehand::test {
 namespace {
@@ -115,9 +115,8 @@ TEST(Certificate, OfADeviceThatWasMeasured_HoldsAtItsWorstCornersToo) {
   const auto refused = buildRig(m, Intention{}, options);
   ASSERT_FALSE(refused.ok());
   ASSERT_EQ(refused.errors().size(), 1U) << format(refused.errors());
-  EXPECT_NE(refused.errors()[0].problem.find("at the worst corner of the passport"),
-            std::string::npos);
-  EXPECT_NE(format(refused.errors()[0]).find("y"), std::string::npos);
+  EXPECT_TRUE(says(refused.errors()[0].problem, "at the worst corner of the passport"));
+  EXPECT_TRUE(says(format(refused.errors()[0]), "y"));
 }
 
 /// A certificate for other numbers is refused, and for these accepted; so is a rig around it.

@@ -5,12 +5,8 @@
 #include "support/figure.hpp"
 #include "support/folder.hpp"
 
-#include <gtest/gtest.h>
-
 #include <csignal>
-#include <filesystem>
 #include <memory>
-#include <string>
 
 namespace wholehand::test {
 namespace {

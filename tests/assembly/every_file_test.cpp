@@ -2,7 +2,6 @@
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
-#include "support/tolerance.hpp"
 
 #include <cmath>
 

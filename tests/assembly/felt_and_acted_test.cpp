@@ -1,17 +1,11 @@
 // What is felt against what acts: every shipped device with every hand in random postures, every
 // axis.
 #include "assembly/ball_clearance.hpp"
-#include "dynamics/articulated_body.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
-#include "support/tolerance.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <random>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -1,16 +1,9 @@
 // The inertia that a recording describes is that of the hand, in every posture.
 #include "assembly/inertia_polynomial.hpp"
 
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "telemetry/posture_inertia.hpp"
-
-#include <gtest/gtest.h>
-
-#include <random>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

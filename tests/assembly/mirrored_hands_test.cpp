@@ -3,13 +3,8 @@
 #include "support/tolerance.hpp"
 
 #include <Eigen/Core>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -1,8 +1,8 @@
 // A run with a passport: what renders counts on what is proven, and so does its re-simulation.
 #include "commissioning/passport.hpp"
-#include "model/temp_folder.hpp"
 #include "resimulation/recorded_files.hpp"
 #include "resimulation/resimulation.hpp"
+#include "support/folder.hpp"
 #include "support/recorded_run.hpp"
 
 #include <cmath>
@@ -69,10 +69,10 @@ TEST(MeasuredDevice, DampingAboveTheFiles_ProvesNoMoreThanTheFileStates) {
 }
 
 TEST(MeasuredDevice, RecordingCarriesThePassportAndRunsAgainToTheBit) {
-  const TempFolder folder;
+  const Folder folder;
   const Passport passport = passportOf(load(shippedFiles("lambda-pride", "four-shapes")).device);
   const auto rig = measuredRig(passport);
-  const std::string record = recordTicks(*rig, 500, folder.path("run.h5"));
+  const std::string record = recordTicks(*rig, 500, folder.file("run.h5"));
   const auto reader = orThrow(RecordingReader::open(record));
   const auto corners = orThrow(recordedCorners(reader->meta(), rig->models.device, record));
   ASSERT_EQ(corners.size(), 2U);

@@ -2,11 +2,11 @@
 #include "assembly/rig.hpp"
 
 #include "assembly/watched_device.hpp"
+#include "support/says.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 
 namespace wholehand::test {
 namespace {
@@ -43,10 +43,9 @@ TEST(CheckGains, ArmatureThatIsFeltAsAWeight_IsRefusedWithTheWeight) {
   const double tau_s = 1.0 / (2.0 * 3.14159265358979 * rendering.velocity_filter_hz);
   const double felt =
       M * (1.0 + (1.0 - rendering.gamma) * (2.0 * std::sqrt(k_p) - 1e-3 * k_p) * tau_s);
-  EXPECT_NE(said.problem.find(fmt::format("felt as {:.2g}", felt)), std::string::npos)
-      << said.problem;
+  EXPECT_TRUE(says(said.problem, fmt::format("felt as {:.2g}", felt)));
   EXPECT_GT(felt, axis.mass);
-  EXPECT_NE(said.remedy.find("leave it out"), std::string::npos);
+  EXPECT_TRUE(says(said.remedy, "leave it out"));
   // What is felt as less than the device itself is borne.
   rendering.armature = 0.3 * axis.mass;
   for (const Diagnostic& other : orThrow(checkGains(models, 1e-3)).refused) {

@@ -4,13 +4,13 @@
 #include "assembly/kept_black_box.hpp"
 #include "assembly/watched_device.hpp"
 #include "runtime/interrupt_scope.hpp"
+#include "support/says.hpp"
 #include "telemetry/fault_text.hpp"
 
 #include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <thread>
 #include <unistd.h>
 
@@ -80,7 +80,7 @@ TEST(RunAndRecord, RecordingThatIsRemovedMeanwhile_IsToldAndCountsAsDropped) {
   EXPECT_EQ(outcome.written, 0U);
   EXPECT_EQ(outcome.dropped_writes, outcome.summary.records);
   ASSERT_EQ(outcome.failures.size(), 1U);
-  EXPECT_NE(outcome.failures.front().find("removed"), std::string::npos);
+  EXPECT_TRUE(says(outcome.failures.front(), "removed"));
 }
 
 TEST(BlackBoxPath, IsNeverTheRecordingItself) {
@@ -123,7 +123,7 @@ TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
   EXPECT_TRUE(outcome.faulted);
   EXPECT_GT(outcome.dropped_records, 0U);
   EXPECT_GT(outcome.summary.stopping_faults, 0U);
-  EXPECT_NE(faultText(outcome.summary).find(faultName(0)), std::string::npos);
+  EXPECT_TRUE(says(faultText(outcome.summary), faultName(0)));
   // No tick went uncounted, whatever was dropped.
   EXPECT_EQ(outcome.summary.ticks, outcome.counters.ticks_run + outcome.summary.missed_deadlines);
   EXPECT_EQ(outcome.counters.ticks_run, outcome.summary.records + outcome.dropped_records);

@@ -4,6 +4,7 @@
 #include "patient/listening_player.hpp"
 #include "runtime/session.hpp"
 #include "support/rig_tools.hpp"
+#include "support/says.hpp"
 
 namespace wholehand::test {
 namespace {
@@ -44,10 +45,8 @@ TEST(SafetyLog, RunThatIsStopped_TellsEveryStateOnceAndWhoAsked) {
     EXPECT_EQ(transitions[2].to, SafetyState::kDisarmed);
     EXPECT_LE(transitions[2].time_s, 0.4 + 0.1) << "neutral within 100 ms";
     EXPECT_EQ(any(transitions[2].faults & Fault::kEmergencyStop), emergency);
-    EXPECT_NE(transitions[2].cause.find(emergency ? "emergency stop at 0.400 s"
-                                                  : "stop requested at 0.400 s"),
-              std::string::npos)
-        << transitions[2].cause;
+    EXPECT_TRUE(says(transitions[2].cause,
+                     emergency ? "emergency stop at 0.400 s" : "stop requested at 0.400 s"));
   }
 }
 
@@ -69,9 +68,8 @@ TEST(SafetyLog, AxisTooFast_IsNamedWithItsSpeedAndLimit) {
   EXPECT_NEAR(fault.value, 2.0, 1e-9);
   EXPECT_EQ(fault.limit, 1.5);
   EXPECT_EQ(fault.unit, "m/s");
-  EXPECT_NE(describe(fault).find("rendering -> faulted: speed limit exceeded on y, 2 m/s of 1.5"),
-            std::string::npos)
-      << describe(fault);
+  EXPECT_TRUE(
+      says(describe(fault), "rendering -> faulted: speed limit exceeded on y, 2 m/s of 1.5"));
 }
 
 // Out of the range by more than the margin of 5 mm, slowly.

@@ -4,7 +4,6 @@
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
-#include "support/tolerance.hpp"
 
 namespace wholehand::test {
 namespace {

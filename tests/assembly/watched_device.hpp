@@ -3,8 +3,6 @@
 #include "assembly/rig.hpp"
 #include "support/rig_tools.hpp"
 
-#include <limits>
-
 /// A device that tells what it went through, and a rig around it.
 namespace wholehand::test {
 

@@ -9,12 +9,7 @@
 #include "support/constants.hpp"
 #include "support/figure.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <optional>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

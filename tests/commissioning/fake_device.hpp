@@ -5,12 +5,9 @@
 #include "mechanism.hpp"
 #include "model/device_model.hpp"
 
-#include <cmath>
 #include <cstring>
 #include <functional>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace wholehand::test {
 

@@ -4,12 +4,7 @@
 #include "random_axes.hpp"
 #include "support/constants.hpp"
 #include "support/figure.hpp"
-#include "support/seed.hpp"
-#include "support/tolerance.hpp"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
+#include "support/says.hpp"
 
 namespace wholehand::test {
 namespace {
@@ -135,7 +130,7 @@ TEST(LateTicks, TooLongOrTooMany_AreRefusedByTheAxis) {
   const auto many = evenTrace(ticks.trace, ticks.taken_s, "thumb");
   ASSERT_FALSE(many.ok());
   EXPECT_EQ(many.errors().front().value, "thumb");
-  EXPECT_NE(many.errors().front().problem.find("late"), std::string::npos);
+  EXPECT_TRUE(says(many.errors().front().problem, "late"));
   ticks = unevenTraceOf(axis, kPeriod_s, 0.0, draw);
   for (std::size_t k = 100; k < ticks.taken_s.size(); ++k) ticks.taken_s[k] += 5e-3;
   EXPECT_FALSE(evenTrace(ticks.trace, ticks.taken_s, "x").ok()) << "a gap of 6 ms";
@@ -148,7 +143,7 @@ TEST(IdentifiedAxis, ThatIsHeldByABrake_IsRefusedByName) {
   const auto found = identifyAxis(traceOf(axis, kPeriod_s), "knee");
   ASSERT_FALSE(found.ok());
   EXPECT_EQ(found.errors()[0].value, "knee");
-  EXPECT_NE(found.errors()[0].problem.find("did not move"), std::string::npos);
+  EXPECT_TRUE(says(found.errors()[0].problem, "did not move"));
 }
 
 TEST(IdentifiedAxis, OfATraceThatEndsEarly_IsRefused) {
@@ -159,7 +154,7 @@ TEST(IdentifiedAxis, OfATraceThatEndsEarly_IsRefused) {
   trace.posture.resize(3000);
   const auto found = identifyAxis(trace, "x");
   ASSERT_FALSE(found.ok());
-  EXPECT_NE(found.errors()[0].problem.find("long enough"), std::string::npos);
+  EXPECT_TRUE(says(found.errors()[0].problem, "long enough"));
 }
 
 }  // namespace

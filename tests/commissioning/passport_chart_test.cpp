@@ -3,8 +3,6 @@
 
 #include "passport_file.hpp"
 
-#include <gtest/gtest.h>
-
 #include <vector>
 
 namespace wholehand::test {

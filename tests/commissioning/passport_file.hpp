@@ -6,9 +6,7 @@
 #include "support/figure.hpp"
 #include "support/folder.hpp"
 
-#include <filesystem>
 #include <fstream>
-#include <string>
 
 /// A device file with a passport and a check beside it, in a folder of their own.
 namespace wholehand::test {

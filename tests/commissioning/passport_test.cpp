@@ -1,11 +1,7 @@
 // The passport's file: what is written is read, and whatever is wrong with it is refused by name.
 #include "passport_file.hpp"
+#include "support/says.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
 
 namespace wholehand::test {
 namespace {
@@ -46,8 +42,8 @@ TEST(Passport, ThatLacksAnyOfItsEnd_IsRefused) {
   for (std::size_t length = 0; length < whole.size(); length += 7) {
     writeFile(f.path, whole.substr(0, length));
     const std::string said = refusal(readPassport(f.path));
-    EXPECT_NE(said.find("truncated"), std::string::npos) << length << ": " << said;
-    EXPECT_NE(said.find("device commission"), std::string::npos) << "no remedy: " << said;
+    EXPECT_TRUE(says(said, "truncated")) << length << ": " << said;
+    EXPECT_TRUE(says(said, "device commission")) << "no remedy: " << said;
   }
 }
 
@@ -68,7 +64,7 @@ TEST(Passport, SealedButImpossible_IsRefusedByKey) {
   PassportFolder f;
   f.passport.axes[0].mass = {-1.0, 1.0};
   writeFile(f.path, passportText(f.passport));
-  EXPECT_NE(refusal(readPassport(f.path)).find("mass_kg"), std::string::npos);
+  EXPECT_TRUE(says(refusal(readPassport(f.path)), "mass_kg"));
 }
 
 // What clearToArm() says after one thing was changed.
@@ -133,8 +129,8 @@ TEST(Arming, WithAnythingMissingOrForeign_IsRefusedByName) {
        "another passport"}};
   for (const Case& c : all) {
     const std::string said = armingAfter(c.change);
-    EXPECT_NE(said.find(c.says), std::string::npos) << c.what << ": " << said;
-    EXPECT_NE(said.find(';'), std::string::npos) << c.what << " has no remedy: " << said;
+    EXPECT_TRUE(says(said, c.says)) << c.what << ": " << said;
+    EXPECT_TRUE(says(said, ";")) << c.what << " has no remedy: " << said;
   }
 }
 

@@ -6,11 +6,6 @@
 #include "mechanism.hpp"
 #include "support/seed.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <vector>
-
 /// Random axes, and what commissioning would record of them on a simulated clock.
 namespace wholehand::test {
 

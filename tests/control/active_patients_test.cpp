@@ -5,7 +5,6 @@
 #include "certified_sets.hpp"
 #include "control/adaptive_damping.hpp"
 #include "control/bilateral_coupling.hpp"
-#include "control/energy_tank.hpp"
 #include "control/velocity_estimator.hpp"
 #include "control/virtual_wall.hpp"
 #include "safety/force_limiter.hpp"
@@ -14,10 +13,7 @@
 #include "support/constants.hpp"
 #include "support/figure.hpp"
 
-#include <gtest/gtest.h>
-
 #include <deque>
-#include <numbers>
 
 namespace wholehand::test {
 namespace {

@@ -3,13 +3,11 @@
 #include "realtime/allocation_counter.hpp"
 #include "support/constants.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
 #include <cmath>
-#include <random>
 
 namespace wholehand::test {
 namespace {

@@ -1,7 +1,6 @@
 #include "control/certificate/certificate_advice.hpp"
 
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,11 +3,10 @@
 #include "certified_sets.hpp"
 #include "control/certificate/certificate_fingerprint.hpp"
 #include "control/passivity.hpp"
+#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstdlib>
 #include <string>
 
 namespace wholehand::test {
@@ -92,9 +91,7 @@ TEST(CertificateWall, WallThatIsTooStiff_BindsAndItsBearableShareIsBorne) {
   const Diagnostics refused = refuseUncertified(in);
   ASSERT_EQ(refused.size(), 1U);
   EXPECT_EQ(refused[0].key, "y.k_pm_n_m");
-  EXPECT_NE(refused[0].problem.find("not certified (wall): in the exercise's wall of 2500 N/m"),
-            std::string::npos)
-      << refused[0].problem;
+  EXPECT_TRUE(says(refused[0].problem, "not certified (wall): in the exercise's wall of 2500 N/m"));
   const double share = numberAfter(refused[0].remedy, ", or at most ");
   ASSERT_GT(share, 0.1) << refused[0].remedy;
   in.walls[0].wall = {share * 2500.0, share * 2.0};
@@ -116,7 +113,7 @@ TEST(CertificateWall, UnstableWall_IsToldByItsRadius) {
   const Certificate judged = certify(in);
   EXPECT_FALSE(judged.axes[0].wall.worst.stable());
   EXPECT_LT(judged.axes[0].wall.margin, 0.5);
-  EXPECT_NE(finding(judged.axes[0]).find("unstable at α = "), std::string::npos);
+  EXPECT_TRUE(says(finding(judged.axes[0]), "unstable at α = "));
 }
 
 TEST(CertificateWall, EncoderSteps_MeetBothSprings) {
@@ -129,9 +126,7 @@ TEST(CertificateWall, EncoderSteps_MeetBothSprings) {
   EXPECT_FALSE(judged.certified);
   EXPECT_EQ(judged.binding(), "x.wall");
   EXPECT_NEAR(judged.axes[0].wall.margin, 1600.0 / 1610.0, 1e-12);
-  EXPECT_NE(finding(judged.axes[0]).find("quantisation allows 1600 N/m in all, it is 1610"),
-            std::string::npos)
-      << finding(judged.axes[0]);
+  EXPECT_TRUE(says(finding(judged.axes[0]), "quantisation allows 1600 N/m in all, it is 1610"));
 }
 
 // ---- slew
@@ -160,7 +155,7 @@ TEST(CertificateSlew, DeviceThatIsTooSlow_IsNotCertifiedAndTheNearestGainsFollow
   EXPECT_EQ((*nearest)[1].k_pm, 1000.0);
   const Diagnostics refused = refuseUncertified(in);
   ASSERT_EQ(refused.size(), 1U);
-  EXPECT_NE(refused[0].problem.find("not certified (slew): "), std::string::npos);
+  EXPECT_TRUE(says(refused[0].problem, "not certified (slew): "));
   in.rendering.axes[0].k_pm = (*nearest)[0].k_pm;
   in.rendering.axes[0].k_dm = (*nearest)[0].k_dm;
   EXPECT_TRUE(certify(in).certified);
@@ -227,9 +222,8 @@ TEST(RefuseUncertified, EveryAxisThatFails_IsReportedInItsOwnUnits) {
   EXPECT_EQ(refused[0].key, "x.k_pm_n_m");
   EXPECT_EQ(refused[1].key, "finger_flexion.k_pm_nm_rad");
   EXPECT_EQ(refused[1].value, "4 N·m/rad");
-  EXPECT_NE(refused[1].remedy.find("(device damping 0.0001 N·m·s/rad, 1 tick of delay, 1000 Hz)"),
-            std::string::npos)
-      << refused[1].remedy;
+  EXPECT_TRUE(
+      says(refused[1].remedy, "(device damping 0.0001 N·m·s/rad, 1 tick of delay, 1000 Hz)"));
 }
 
 TEST(RefuseUncertified, TooMuchDamping_NamesTheDampingThatPassesToo) {
@@ -237,8 +231,7 @@ TEST(RefuseUncertified, TooMuchDamping_NamesTheDampingThatPassesToo) {
   in.rendering.axes[0].k_dm = 1000.0;  // a pure damper with a tick of delay bears less
   const Diagnostics refused = refuseUncertified(in);
   ASSERT_EQ(refused.size(), 1U);
-  EXPECT_NE(refused[0].problem.find("at Φ = 1: spectral radius"), std::string::npos)
-      << refused[0].problem;
+  EXPECT_TRUE(says(refused[0].problem, "at Φ = 1: spectral radius"));
   in.rendering.axes[0].k_pm = numberAfter(refused[0].remedy, "largest allowed k_pm_n_m: ");
   in.rendering.axes[0].k_dm = numberAfter(refused[0].remedy, "with k_dm_n_s_m = ");
   EXPECT_LT(in.rendering.axes[0].k_dm, 1000.0);
@@ -266,12 +259,12 @@ TEST(RefuseUncertified, AxesThatShakeEachOther_NameThePostureAndWhatHelps) {
   const Diagnostics refused = refuseUncertified(in);
   ASSERT_EQ(refused.size(), 1U);
   EXPECT_EQ(refused[0].key, "armature");
-  EXPECT_NE(refused[0].problem.find("posture 2 of 2"), std::string::npos) << refused[0].problem;
-  EXPECT_NE(refused[0].remedy.find("add armature"), std::string::npos) << refused[0].remedy;
+  EXPECT_TRUE(says(refused[0].problem, "posture 2 of 2"));
+  EXPECT_TRUE(says(refused[0].remedy, "add armature"));
   in.inertias.back()(0, 1) = in.inertias.back()(1, 0) = in.inertias.back()(0, 0);
   const Diagnostics singular = refuseUncertified(in);
   ASSERT_EQ(singular.size(), 1U);
-  EXPECT_NE(singular[0].remedy.find("singular"), std::string::npos);
+  EXPECT_TRUE(says(singular[0].remedy, "singular"));
 }
 
 // ---- what a certificate is about
@@ -296,7 +289,7 @@ TEST(Fingerprint, EveryNumberItDependsOn_IsMissed) {
     return differenceOf(fingerprintOf(a), fingerprintOf(b));
   };
   const auto expect = [&](auto change, const char* words) {
-    EXPECT_NE(difference(change).find(words), std::string::npos) << difference(change);
+    EXPECT_TRUE(says(difference(change), words));
   };
   using In = CertificateInput;
   const char* const device = "is for other numbers of the device device, this run has changed ones";

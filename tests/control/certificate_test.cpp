@@ -5,16 +5,12 @@
 #include "control/z_width.hpp"
 #include "reference_tables.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <numbers>
-#include <random>
-#include <tuple>
 
 namespace wholehand::test {
 namespace {

@@ -2,10 +2,7 @@
 // becomes unstable, and the loop gives out no more than was put in and stored.
 #include "axis_simulation.hpp"
 #include "certified_sets.hpp"
-#include "control/energy_tank.hpp"
 #include "support/figure.hpp"
-
-#include <gtest/gtest.h>
 
 namespace wholehand::test {
 namespace {

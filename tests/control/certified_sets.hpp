@@ -4,12 +4,8 @@
 #include "control/coupling_gains.hpp"
 #include "control/energy_tank.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <random>
-#include <vector>
 
 /// Random gains that hold their certificate.
 namespace wholehand::test {

@@ -9,15 +9,11 @@
 #include "support/constants.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <gtest/gtest.h>
 
 #include <cmath>
-#include <complex>
-#include <numbers>
 
 namespace wholehand::test {
 namespace {

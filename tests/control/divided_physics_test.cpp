@@ -1,16 +1,10 @@
 // Physics at a divisor of the rate: the matrix of the loop, and b_min, which is exact there, too.
 #include "axis_loop.hpp"
 #include "control/coupled_passivity.hpp"
-#include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
 #include "divided_termination.hpp"
 #include "random_loops.hpp"
 #include "support/figure.hpp"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
 
 namespace wholehand::test {
 namespace {

@@ -2,11 +2,7 @@
 
 #include "worst_termination.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
-#include <vector>
 
 /// The passive person and object that need the most damping where physics runs at a divisor. The
 /// avatar does not distinguish the images φ + 2πk/d of a frequency, each of which the person

@@ -9,11 +9,7 @@
 #include "device/one_axis.hpp"
 #include "support/constants.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 namespace wholehand::test {
 namespace {

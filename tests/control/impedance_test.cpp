@@ -3,18 +3,13 @@
 #include "control/impedance.hpp"
 
 #include "axis_loop.hpp"
-#include "control/critical_damping.hpp"
 #include "device/simulated/axis_dynamics.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
-#include <random>
 
 namespace wholehand::test {
 namespace {

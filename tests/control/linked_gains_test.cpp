@@ -9,10 +9,8 @@
 #include "support/figure.hpp"
 
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
 #include <deque>
-#include <numbers>
 #include <optional>
 
 namespace wholehand::test {

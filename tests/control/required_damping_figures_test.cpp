@@ -1,16 +1,11 @@
 // b_min is exact: for every row of the reference's table, and for loops at random, a passive person
 // and a passive object are built that swing at 2 % less, and nobody swings above it.
 #include "axis_loop.hpp"
-#include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
 #include "random_loops.hpp"
 #include "support/figure.hpp"
-#include "support/tolerance.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <gtest/gtest.h>
-
-#include <numbers>
 
 namespace wholehand::test {
 namespace {
@@ -74,8 +69,8 @@ TEST(RequiredDampingFigures, EveryRowOfTheTable_SwingsTwoPercentBelowAndNotAbove
 
 /// Walls, Φ, filters, delays and rates at random.
 AxisLoop loopOfAnyRate(Draw& draw) {
-  AxisLoop l =
-      lightLoop(400.0, draw.upTo(3), draw.between(15.0, 100.0), draw.chance(0.15) ? 0.0 : draw.unit());
+  AxisLoop l = lightLoop(400.0, draw.upTo(3), draw.between(15.0, 100.0),
+                         draw.chance(0.15) ? 0.0 : draw.unit());
   l.k_pm = draw.between(100.0, 3000.0);
   l.phi_k_dm = draw.chance(0.2) ? 0.0 : draw.between(0.5, 20.0);
   l.period_s = 1e-3 / (1 << draw.upTo(3));

@@ -1,6 +1,7 @@
 #include "control/certificate/certificate_refusal.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "model/hand/hand_file.hpp"
+#include "support/figure.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,18 +20,14 @@ class ShippedGains : public testing::TestWithParam<Shipped> {
  protected:
   void SetUp() override {
     const std::string root = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-    const auto device = loadDeviceFile(root + "devices/" + GetParam().name + ".toml");
-    ASSERT_TRUE(device.ok()) << format(device.errors());
-    device_ = *device;
+    const auto device = orThrow(loadDeviceFile(root + "devices/" + GetParam().name + ".toml"));
+    device_ = device;
     const auto rendering =
-        loadRenderingFile(root + "rendering/" + GetParam().name + ".toml", device_);
-    ASSERT_TRUE(rendering.ok()) << format(rendering.errors());
-    rendering_ = *rendering;
-    const auto file = loadHandFile(root + "hands/" + GetParam().hand);
-    ASSERT_TRUE(file.ok()) << format(file.errors());
-    const auto hand = assembleHand(*file, device_);
-    ASSERT_TRUE(hand.ok()) << format(hand.errors());
-    hand_ = *hand;
+        orThrow(loadRenderingFile(root + "rendering/" + GetParam().name + ".toml", device_));
+    rendering_ = rendering;
+    const auto file = orThrow(loadHandFile(root + "hands/" + GetParam().hand));
+    const auto hand = orThrow(assembleHand(file, device_));
+    hand_ = hand;
   }
 
   AxisMatrix inertiaAt(const AxisPosition& q_s) const {

@@ -8,11 +8,6 @@
 #include "reference_tables.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
-
-#include <gtest/gtest.h>
-
-#include <tuple>
 
 namespace wholehand::test {
 namespace {

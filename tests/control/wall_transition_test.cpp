@@ -2,15 +2,10 @@
 #include "control/virtual_wall.hpp"
 #include "support/constants.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <random>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -1,16 +1,13 @@
 #pragma once
 
 #include "axis_loop.hpp"
-#include "control/stability.hpp"
 #include "device/simulated/matrix_exponential.hpp"
 
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 /// The passive person and the passive object that need the most damping of all, built from the

@@ -1,10 +1,8 @@
 #include "dynamics/articulated_body.hpp"
 #include "random_tree.hpp"
 #include "realtime/allocation_counter.hpp"
-#include "support/tolerance.hpp"
 
 #include <Eigen/Cholesky>
-#include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>

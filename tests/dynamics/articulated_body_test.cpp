@@ -3,18 +3,13 @@
 #include "bullet_twin.hpp"
 #include "model/hand/hand_file.hpp"
 #include "random_tree.hpp"
-#include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 namespace wholehand::test {

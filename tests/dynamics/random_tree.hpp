@@ -2,15 +2,9 @@
 
 #include "model/hand/hand_model.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-#include <random>
-#include <vector>
 
 namespace wholehand::test {
 

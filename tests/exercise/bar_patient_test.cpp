@@ -2,11 +2,6 @@
 #include "exercise/bar_table.hpp"
 #include "exercise/cocktail_bar/bar_parameters.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
 namespace wholehand::test {
 namespace {
 

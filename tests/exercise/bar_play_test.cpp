@@ -1,10 +1,8 @@
 #include "control/transition.hpp"
 #include "exercise/bar_table.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <numbers>
-#include <random>
 
 // A bar played without physics: what the hand does is given, what the exercise makes of it is held
 // against docs/exercises.md. Numbers of config/exercises/cocktail-bar.toml stand beside them.

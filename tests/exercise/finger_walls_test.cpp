@@ -2,14 +2,10 @@
 
 #include "support/constants.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <random>
 
 namespace wholehand::test {
 namespace {

@@ -1,13 +1,11 @@
 #include "exercise/cocktail_bar/ledger.hpp"
 
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 namespace wholehand::test {
 namespace {

@@ -1,5 +1,7 @@
 #include "exercise/bar_table.hpp"
 #include "realtime/allocation_counter.hpp"
+#include "support/figure.hpp"
+#include "support/says.hpp"
 #include "support/tolerance.hpp"
 
 #include <nlohmann/json.hpp>
@@ -27,9 +29,8 @@ TEST(ShippedExercises, EveryLevel_LoadsAndFitsTheRecord) {
     int levels = 1;
     for (int level = 1; level <= levels; ++level) {
       SCOPED_TRACE(file.name + ", level " + std::to_string(level));
-      const auto loaded = loadExercise(file.path, level, shippedDevice(), shippedHand());
-      ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
-      const ExerciseDescription& d = loaded->exercise->description();
+      const auto loaded = orThrow(loadExercise(file.path, level, shippedDevice(), shippedHand()));
+      const ExerciseDescription& d = loaded.exercise->description();
       levels = d.levels;
       EXPECT_EQ(d.level, level);
       EXPECT_EQ(d.name, file.name);
@@ -42,7 +43,7 @@ TEST(ShippedExercises, EveryLevel_LoadsAndFitsTheRecord) {
       for (const double step : d.value_steps)
         EXPECT_TRUE(step == 0.0 || (step > 0.0 && step < 1e-7));
       EXPECT_TRUE(nlohmann::json::accept(d.json));
-      EXPECT_LE(loaded->scene.bodies.size(), std::size_t{kMaxBodies});
+      EXPECT_LE(loaded.scene.bodies.size(), std::size_t{kMaxBodies});
       for (const LiveParameter& p : d.parameters) {
         EXPECT_LE(p.lower, p.value) << p.name;
         EXPECT_LE(p.value, p.upper) << p.name;
@@ -54,10 +55,9 @@ TEST(ShippedExercises, EveryLevel_LoadsAndFitsTheRecord) {
 
 TEST(ShippedExercises, Liquids_AreToldApartByFeel) {
   for (const char* name : {"cocktail-bar", "cocktail-bar-free"}) {
-    const auto loaded =
-        loadExercise(config("exercises/") + name + ".toml", 1, shippedDevice(), shippedHand());
-    ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
-    const auto json = nlohmann::json::parse(loaded->exercise->description().json);
+    const auto loaded = orThrow(
+        loadExercise(config("exercises/") + name + ".toml", 1, shippedDevice(), shippedHand()));
+    const auto json = nlohmann::json::parse(loaded.exercise->description().json);
     std::vector<double> stiffness, viscosity;
     for (const auto& liquid : json["liquids"]) {
       stiffness.push_back(liquid["stiffness"]);
@@ -89,8 +89,8 @@ TEST(ShippedExercises, BarOnADeviceWithoutFingers_IsRefusedSayingWhatWouldDo) {
       EXPECT_EQ(fault.file, path);
       EXPECT_GT(fault.line, 0);
       EXPECT_EQ(fault.key, std::string("wall.axes[") + axes[i] + "].name");
-      EXPECT_NE(format(fault).find(device.path), std::string::npos) << format(fault);
-      EXPECT_NE(fault.remedy.find("--scene F --motion F"), std::string::npos) << fault.remedy;
+      EXPECT_TRUE(says(format(fault), device.path));
+      EXPECT_TRUE(says(fault.remedy, "--scene F --motion F"));
     }
   }
   const auto free = loadExercise(config("exercises/free-grasping.toml"), 1, device, hand);

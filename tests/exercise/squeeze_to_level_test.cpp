@@ -2,8 +2,6 @@
 #include "exercise/squeeze_to_level/band_steps.hpp"
 #include "support/rig_tools.hpp"
 
-#include <gtest/gtest.h>
-
 namespace wholehand::test {
 namespace {
 

@@ -5,16 +5,11 @@
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
-#include "support/tolerance.hpp"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <sstream>
-#include <string>
 #include <thread>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -3,13 +3,7 @@
 #include "experiments/bar_figures.hpp"
 #include "support/rig_tools.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cstddef>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -6,16 +6,8 @@
 #include "realtime/allocation_counter.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <random>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

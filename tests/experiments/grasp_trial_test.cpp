@@ -2,15 +2,12 @@
 #include "experiments/grasp_trial.hpp"
 
 #include "assembly/run.hpp"
-#include "core/sanitized.hpp"
 #include "experiments/grasp_script.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
-#include <array>
 #include <filesystem>
 #include <fstream>
 

@@ -1,20 +1,17 @@
 // What the person feels of every liquid, device included: a slow and a fast squeeze of the shipped
 // dispenser by a device that follows a script, through the whole renderer.
 #include "exercise/finger_walls.hpp"
-#include "model/temp_folder.hpp"
 #include "patient/scripted_player.hpp"
 #include "support/constants.hpp"
+#include "support/file_bytes.hpp"
+#include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
 
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {
@@ -26,11 +23,6 @@ struct Liquid {
   std::string name;
   double stiffness = 1.0, viscosity = 1.0;
 };
-
-std::string readAll(const std::string& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 std::vector<Liquid> shippedLiquids() {
   ModelFiles files = shippedFiles();
@@ -45,15 +37,12 @@ std::vector<Liquid> shippedLiquids() {
 }
 
 /// Level 1 with this liquid's stiffness and viscosity in its one dispenser.
-Models barWith(const Liquid& liquid, const TempFolder& folder) {
-  std::string text = readAll(kConfig + "exercises/cocktail-bar.toml");
-  const std::string lemon = "viscosity = 1.0\nstiffness = 1.0";
-  const std::size_t at = text.find(lemon);
-  EXPECT_NE(at, std::string::npos);
-  text.replace(at, lemon.size(),
-               "viscosity = " + std::to_string(liquid.viscosity) +
-                   "\nstiffness = " + std::to_string(liquid.stiffness));
-  folder.write("scenes/cocktail-bar.toml", readAll(kConfig + "scenes/cocktail-bar.toml"));
+Models barWith(const Liquid& liquid, const Folder& folder) {
+  const std::string text = replaced(bytesOfFile(kConfig + "exercises/cocktail-bar.toml"),
+                                    "viscosity = 1.0\nstiffness = 1.0",
+                                    "viscosity = " + std::to_string(liquid.viscosity) +
+                                        "\nstiffness = " + std::to_string(liquid.stiffness));
+  folder.write("scenes/cocktail-bar.toml", bytesOfFile(kConfig + "scenes/cocktail-bar.toml"));
   ModelFiles files = shippedFiles();
   files.scene.clear();
   files.exercise = folder.write("exercises/bar.toml", text);
@@ -147,7 +136,7 @@ struct Total {
   double stiffness = 0.0, damping = 0.0;
 };
 
-Total feel(const Liquid& liquid, int axis, const TempFolder& folder) {
+Total feel(const Liquid& liquid, int axis, const Folder& folder) {
   const Squeeze slow = squeeze(barWith(liquid, folder), axis, kSlow_m_s);
   const Squeeze fast = squeeze(barWith(liquid, folder), axis, kFast_m_s);
   figure("path before the core, " + liquid.name + ", axis " + std::to_string(axis),
@@ -160,7 +149,7 @@ Total feel(const Liquid& liquid, int axis, const TempFolder& folder) {
 /// The figure: neighbours differ by 1.25 in stiffness, device included (threshold 1.22, Tan 1995).
 /// Their damping does not differ by 1.35 (1.34, Jones 1997), and nothing claims that it does.
 TEST(Liquids, FeltInTotal_NeighboursDifferInStiffness) {
-  const TempFolder folder;
+  const Folder folder;
   for (const int axis : {kFingerAxis, kThumbAxis}) {
     Total before;
     for (const Liquid& liquid : shippedLiquids()) {

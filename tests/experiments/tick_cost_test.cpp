@@ -7,15 +7,10 @@
 #include "realtime/thread_setup.hpp"
 #include "support/rig_tools.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <numeric>
 #include <random>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

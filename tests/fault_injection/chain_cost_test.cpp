@@ -2,8 +2,6 @@
 #include "core/sanitized.hpp"
 #include "fault_injection/fault_bench.hpp"
 #include "safety/safety_chain.hpp"
-#include "support/figure.hpp"
-#include "support/seed.hpp"
 #include "support/test_names.hpp"
 
 #include <ctime>

@@ -1,8 +1,6 @@
 // The edges of a run: between arming and the first tick, a machine that slept, an arming that is
 // taken back, two faults in one tick.
 #include "fault_injection/fault_bench.hpp"
-#include "support/resting_device.hpp"
-#include "support/seed.hpp"
 
 #include <climits>
 

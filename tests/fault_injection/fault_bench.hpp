@@ -8,11 +8,7 @@
 #include "support/accepting_device.hpp"
 #include "support/faulty_world.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <optional>
-#include <string>
 
 /// A whole tick, cheap enough for ten thousands of faults, and what must hold of every one.
 namespace wholehand::test {

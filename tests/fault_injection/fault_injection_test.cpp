@@ -1,11 +1,7 @@
 // Every fault that stops, on every axis, at random ticks: WHOLEHAND_FULL tries 1,000 of each.
 #include "core/sanitized.hpp"
 #include "fault_injection/fault_bench.hpp"
-#include "support/figure.hpp"
-#include "support/seed.hpp"
 #include "support/test_names.hpp"
-
-#include <cstdlib>
 
 namespace wholehand::test {
 namespace {

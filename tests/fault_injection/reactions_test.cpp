@@ -1,8 +1,5 @@
 // What does not stop rendering, what stops it without a fault, and what keeps it from being armed.
 #include "fault_injection/fault_bench.hpp"
-#include "support/figure.hpp"
-#include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 namespace wholehand::test {
 namespace {

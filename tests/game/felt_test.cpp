@@ -2,8 +2,6 @@
 #include "game/game_tools.hpp"
 #include "support/seed.hpp"
 
-#include <cstdlib>
-
 namespace wholehand::test {
 namespace {
 

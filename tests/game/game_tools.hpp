@@ -3,7 +3,6 @@
 #include "core/body_order.hpp"
 #include "model/mesh/convex_mesh.hpp"
 #include "model/scene/game_shapes.hpp"
-#include "support/ball_shape.hpp"
 #include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
 

@@ -5,9 +5,9 @@
 #include "device/simulated/simulated_device.hpp"
 #include "game/game_tools.hpp"
 #include "game/same_again.hpp"
-#include "model/temp_folder.hpp"
 #include "patient/scripted_player.hpp"
 #include "realtime/allocation_counter.hpp"
+#include "support/folder.hpp"
 #include "support/seed.hpp"
 
 namespace wholehand::test {
@@ -110,7 +110,7 @@ struct Wild {
 };
 
 Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
-             const TempFolder& folder, const std::vector<InjectedFault>& faults) {
+             const Folder& folder, const std::vector<InjectedFault>& faults) {
   Models models = gameModels(device_name);
   const Models copy = models;
   auto inner = std::make_unique<SimulatedDevice>(
@@ -125,7 +125,7 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   std::unique_ptr<Run> run;
   RunPlan plan;
   plan.duration_ticks = static_cast<std::uint64_t>(ticks);
-  plan.record = folder.path("run.h5");
+  plan.record = folder.file("run.h5");
   plan.black_box = blackBoxPath(plan.record);
   plan.simulated_clock = true;
   plan.count_allocations = threadAllocations;
@@ -157,7 +157,7 @@ TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
   Wild all;
   for (const std::string device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
     SCOPED_TRACE(device);
-    const TempFolder folder;
+    const Folder folder;
     const int ticks = cases(4000);
     const Wild wild = runWild(random, device, ticks, folder, {});
     EXPECT_EQ(wild.stopped, "");
@@ -166,7 +166,7 @@ TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
     if (allocationCountingAvailable()) {
       EXPECT_EQ(wild.outcome.counters.allocations, 0U);
     }
-    expectSameAgain(folder.path("run.h5"), ticks);
+    expectSameAgain(folder.file("run.h5"), ticks);
     all.orders += wild.orders, all.spawned += wild.spawned, all.solid += wild.solid;
     all.refused += wild.refused, all.touching += wild.touching, all.ghosts += wild.ghosts;
   }
@@ -184,14 +184,14 @@ TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
 
 TEST(GameOrders, ABlackBoxAfterAFault_Replays) {
   auto random = seededRandom(4304);
-  const TempFolder folder;
+  const Folder folder;
   const Models models = gameModels();
   const InjectedFault fault =
       faultAtRandom(models.device, 1e-3, InjectedKind::kReadFails, 2500, 2600, 2000, random());
   const Wild wild = runWild(random, "lambda-pride", 4000, folder, {fault});
   ASSERT_TRUE(wild.outcome.faulted);
-  expectSameAgain(folder.path("run.wbb"), 1000);
-  expectSameAgain(folder.path("run.h5"), 1000);
+  expectSameAgain(folder.file("run.wbb"), 1000);
+  expectSameAgain(folder.file("run.h5"), 1000);
 }
 
 }  // namespace

@@ -4,10 +4,6 @@
 #include "support/rig_tools.hpp"
 #include "telemetry/black_box_reader.hpp"
 
-#include <gtest/gtest.h>
-
-#include <string>
-
 namespace wholehand::test {
 
 /// Expects that a recording or a black box, simulated again, is the same to the bit.

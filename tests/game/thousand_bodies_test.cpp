@@ -2,13 +2,11 @@
 #include "assembly/run.hpp"
 #include "game/game_tools.hpp"
 #include "game/same_again.hpp"
-#include "model/temp_folder.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "registry/body_registry.hpp"
+#include "support/folder.hpp"
 #include "support/seed.hpp"
-
-#include <algorithm>
 
 namespace wholehand::test {
 namespace {
@@ -134,8 +132,8 @@ Seen playRound(std::mt19937_64& random, const std::string& path) {
 
 TEST(ThousandBodies, AroundAMovingHand_CostLittleAllocateNothingAndReplay) {
   auto random = seededRandom(5403);
-  const TempFolder folder;
-  const Seen seen = playRound(random, folder.path("run.h5"));
+  const Folder folder;
+  const Seen seen = playRound(random, folder.file("run.h5"));
   const Percentiles& cpu = seen.outcome.summary.cpu;
   figure("registered bodies", static_cast<double>(seen.registered), "bodies");
   figure("awake at once, most", static_cast<double>(seen.most_awake), "bodies");
@@ -158,7 +156,7 @@ TEST(ThousandBodies, AroundAMovingHand_CostLittleAllocateNothingAndReplay) {
   if (kCountsTell && std::getenv("WHOLEHAND_FULL") != nullptr) {
     EXPECT_LE(cpu.p999_ns, 500e3);
   }
-  expectSameAgain(folder.path("run.h5"), kThousandTicks);
+  expectSameAgain(folder.file("run.h5"), kThousandTicks);
 }
 
 }  // namespace

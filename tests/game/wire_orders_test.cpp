@@ -2,18 +2,16 @@
 #include "assembly/run.hpp"
 #include "game/game_tools.hpp"
 #include "game/same_again.hpp"
-#include "model/temp_folder.hpp"
 #include "replay/replayed_recording.hpp"
 #include "server/client_words.hpp"
 #include "station/body_orders.hpp"
 #include "station/game_body_tracker.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <chrono>
 #include <cmath>
-#include <cstring>
-#include <limits>
-#include <map>
 
 namespace wholehand::test {
 namespace {
@@ -253,11 +251,10 @@ TEST(GameOnTheWire, BadItems_AreNamedAndNothingOfThemReachesTheLoop) {
     EXPECT_TRUE(checked.commands.empty());
     ASSERT_FALSE(checked.refused.empty());
     EXPECT_STREQ(refusalName(checked.refused[0].refusal), refusalName(bad.refusal));
-    EXPECT_NE(checked.refused[0].reason.find(bad.says), std::string::npos)
-        << checked.refused[0].reason;
+    EXPECT_TRUE(says(checked.refused[0].reason, bad.says));
     const OrderReply reply = replyFor(checked.refused);
     EXPECT_EQ(reply.refusal, Refusal::kBodiesRefused);
-    EXPECT_NE(reply.reason.find(bad.says), std::string::npos);
+    EXPECT_TRUE(says(reply.reason, bad.says));
   }
 }
 
@@ -431,10 +428,10 @@ int recordSession(const std::string& path, int ticks, Told& told) {
 }
 
 TEST(GameOnTheWire, ARecordedSession_ReplaysToTheBit) {
-  const TempFolder folder;
+  const Folder folder;
   Told told;
-  EXPECT_EQ(recordSession(folder.path("run.h5"), 3000, told), 4);
-  expectSameAgain(folder.path("run.h5"), 3000);
+  EXPECT_EQ(recordSession(folder.file("run.h5"), 3000, told), 4);
+  expectSameAgain(folder.file("run.h5"), 3000);
 }
 
 /// A change in the answer of a replay.
@@ -458,10 +455,10 @@ std::vector<Replayed> changesIn(const std::string& answer) {
 }
 
 TEST(GameOnTheWire, ARecordedSession_ShowsTheBodiesThatLiveClientsWereTold) {
-  const TempFolder folder;
+  const Folder folder;
   Told told;
-  EXPECT_EQ(recordSession(folder.path("run.h5"), 2300, told), 4);
-  ReplayedRecording recording(folder.path("run.h5"));
+  EXPECT_EQ(recordSession(folder.file("run.h5"), 2300, told), 4);
+  ReplayedRecording recording(folder.file("run.h5"));
   const auto answer = recording.answer(orThrow(parseReplayQuestion("bodies")));
   ASSERT_EQ(answer.status, 200);
   const std::vector<Replayed> changes = changesIn(answer.body);

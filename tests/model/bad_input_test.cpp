@@ -2,27 +2,20 @@
 #include "model/hand/hand_file.hpp"
 #include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"
-#include "model/temp_folder.hpp"
 #include "model/toml/toml_file.hpp"
 #include "support/constants.hpp"
+#include "support/file_bytes.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <sstream>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {
-
-std::string readAll(const std::string& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 /// The shipped file of each kind that the cases below spoil.
 std::string shippedPath(const std::string& kind) {
@@ -45,11 +38,7 @@ Diagnostics faultsOf(const std::string& kind, const std::string& path) {
 
 /// The shipped text with the first `find` replaced.
 std::string spoil(const std::string& kind, const std::string& find, const std::string& replace) {
-  std::string text = readAll(shippedPath(kind));
-  const std::size_t at = text.find(find);
-  EXPECT_NE(at, std::string::npos) << "the shipped " << kind << " file has no: " << find;
-  if (at != std::string::npos) text.replace(at, find.size(), replace);
-  return text;
+  return replaced(bytesOfFile(shippedPath(kind)), find, replace);
 }
 
 /// 1-based line of the first occurrence.
@@ -72,7 +61,7 @@ struct FileMistake {
 
 void expectFault(const FileMistake& c) {
   SCOPED_TRACE(c.kind + ": " + c.find + " -> " + c.replace);
-  const TempFolder folder;
+  const Folder folder;
   const std::string text = spoil(c.kind, c.find, c.replace);
   const std::string path = folder.write("spoiled.toml", text);
   const Diagnostics faults = faultsOf(c.kind, path);
@@ -83,8 +72,8 @@ void expectFault(const FileMistake& c) {
   if (!c.at.empty()) {
     EXPECT_EQ(fault.line, lineOf(text, c.at)) << format(fault);
   }
-  EXPECT_NE(format(fault).find(c.says), std::string::npos) << format(fault);
-  EXPECT_NE(fault.remedy.find(c.remedy), std::string::npos) << format(fault);
+  EXPECT_TRUE(says(format(fault), c.says));
+  EXPECT_TRUE(says(fault.remedy, c.remedy)) << format(fault);
 }
 
 TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
@@ -177,9 +166,9 @@ std::vector<std::string> keysOf(const Diagnostics& faults) {
 }
 
 TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
-  const TempFolder folder;
+  const Folder folder;
   const auto spoilt = [&](const std::string& kind) {
-    std::string text = readAll(shippedPath("device"));
+    std::string text = bytesOfFile(shippedPath("device"));
     const std::size_t axis =
         text.find(kind == "translation" ? "name = \"x\"" : "name = \"thumb_flexion\"");
     const auto replace = [&](const std::string& find, const std::string& with) {
@@ -273,8 +262,7 @@ TEST(BadInput, AxesWithoutGains_AreNamedInOneMessageWithoutTheTables) {
   const Diagnostics faults = loadRenderingFile(shippedPath("rendering"), device).errors();
   ASSERT_EQ(faults.size(), 1U) << format(faults);
   EXPECT_EQ(faults.front().value, "");  // not the text of all [[axes]]
-  EXPECT_NE(faults.front().problem.find("have no gains for roll and pitch"), std::string::npos)
-      << format(faults);
+  EXPECT_TRUE(says(faults.front().problem, "have no gains for roll and pitch")) << format(faults);
 }
 
 TEST(BadInput, PatientOfAnotherDevice_KnownAxesAreIgnoredButChecked) {
@@ -282,7 +270,7 @@ TEST(BadInput, PatientOfAnotherDevice_KnownAxesAreIgnoredButChecked) {
   std::erase_if(device.axes, [](const DeviceAxis& axis) { return axis.name == "thumb_flexion"; });
   EXPECT_TRUE(loadPatientFile(shippedPath("patient"), device).ok());
   device.axes.back().name = "index_flexion";  // a device's own name is known to its own patients
-  const TempFolder folder;
+  const Folder folder;
   const std::string path = folder.write(
       "p.toml", spoil("patient", "name = \"thumb_flexion\"", "name = \"index_flexion\""));
   EXPECT_TRUE(loadPatientFile(path, device).ok());
@@ -300,7 +288,7 @@ TEST(BadInput, JointName_SuggestionIsOneThatIsNotUsedYet) {
 }
 
 TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBack) {
-  const TempFolder folder;
+  const Folder folder;
   const std::string path = folder.write(
       "d.toml", spoil("device", "range_m = [-0.085, 0.085]", "range_m = [ 0.165,nan ]"));
   const Diagnostics faults = faultsOf("device", path);
@@ -309,8 +297,8 @@ TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBack) {
 }
 
 TEST(BadInput, ManyMistakes_AreAllReportedInTheOrderOfTheFile) {
-  const TempFolder folder;
-  std::string text = readAll(shippedPath("device"));
+  const Folder folder;
+  std::string text = bytesOfFile(shippedPath("device"));
   const auto replace = [&](const std::string& find, const std::string& with) {
     text.replace(text.find(find), find.size(), with);
   };
@@ -331,27 +319,26 @@ TEST(BadInput, ManyMistakes_AreAllReportedInTheOrderOfTheFile) {
 }
 
 TEST(BadInput, WhatIsNoFile_IsSaidPlainly) {
-  const TempFolder folder;
+  const Folder folder;
   const auto message = [](const std::string& path) { return format(faultsOf("device", path)); };
-  EXPECT_NE(message(folder.path("none.toml")).find("No such file"), std::string::npos);
-  EXPECT_NE(message(folder.path("")).find("is a folder"), std::string::npos);
-  EXPECT_NE(message("/dev/zero").find("is not a file"), std::string::npos);
-  EXPECT_NE(message(folder.write("empty.toml", "  \n\n")).find("is empty"), std::string::npos);
-  EXPECT_NE(message(folder.write("binary.toml", "\x89PNG\r\n\x1a\n")).find("is not TOML"),
-            std::string::npos);
-  EXPECT_FALSE(fileKind(folder.path("none.toml")).ok());
+  EXPECT_TRUE(says(message(folder.file("none.toml")), "No such file"));
+  EXPECT_TRUE(says(message(folder.file("")), "is a folder"));
+  EXPECT_TRUE(says(message("/dev/zero"), "is not a file"));
+  EXPECT_TRUE(says(message(folder.write("empty.toml", "  \n\n")), "is empty"));
+  EXPECT_TRUE(says(message(folder.write("binary.toml", "\x89PNG\r\n\x1a\n")), "is not TOML"));
+  EXPECT_FALSE(fileKind(folder.file("none.toml")).ok());
   EXPECT_FALSE(fileKind(folder.write("no-kind.toml", "version = 1\n")).ok());
 }
 
 // Whatever a file holds, loading it ends in a value or in messages: it never crashes or throws.
 TEST(BadInput, RandomlySpoiledFiles_LoadOrSayWhy) {
-  const TempFolder folder;
+  const Folder folder;
   auto random = seededRandom(1);
   const auto pick = [&](std::size_t below) { return random() % below; };
   const std::string bytes = "[]{}=\"'.,#\n-+e019_xnan\x80\xff";
   int refused = 0;
   for (const char* kind : {"device", "rendering", "patient", "hand"}) {
-    const std::string good = readAll(shippedPath(kind));
+    const std::string good = bytesOfFile(shippedPath(kind));
     for (int round = 0; round < 60; ++round) {
       std::string text = good;
       for (std::size_t n = 1 + pick(3); n > 0; --n) {
@@ -376,7 +363,7 @@ TEST(BadInput, RandomlySpoiledFiles_LoadOrSayWhy) {
 }
 
 TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndGoesOn) {
-  const TempFolder folder;
+  const Folder folder;
   const Diagnostics faults = faultsOf("device", folder.write("d.toml", "name = \"d\"\n"));
   const std::string text = format(faults);
   for (const char* key : {"kind", "version", "output_delay_ticks", "mount", "axes"}) {
@@ -423,15 +410,15 @@ TEST(BadInput, SelfContactsThatOverlapWithADevice_AreNamed) {
   ASSERT_FALSE(assembled.ok());
   const Diagnostic& fault = assembled.errors().front();
   EXPECT_EQ(fault.file, hand.path);
-  EXPECT_EQ(fault.line, lineOf(readAll(hand.path), "thumb_distal = ["));
+  EXPECT_EQ(fault.line, lineOf(bytesOfFile(hand.path), "thumb_distal = ["));
   EXPECT_EQ(fault.key, "self_contacts.thumb_distal");
-  EXPECT_NE(fault.problem.find("mm in the reference posture"), std::string::npos);
-  EXPECT_NE(fault.remedy.find("open the hand in [reference]"), std::string::npos);
+  EXPECT_TRUE(says(fault.problem, "mm in the reference posture"));
+  EXPECT_TRUE(says(fault.remedy, "open the hand in [reference]"));
 }
 
 TEST(BadInput, ManyPairsThatCannotBe_AreListedUpToTwentyAndCounted) {
   // The palm's nine capsules are of one rigid link: 21 pairs of them, and one more.
-  const TempFolder folder;
+  const Folder folder;
   const std::string pairs =
       "[self_contacts]\n"
       "pad_radial = [\"pad_ulnar\", \"hollow\", \"thenar\", \"hypothenar\", \"metacarpal_2\", "
@@ -441,7 +428,7 @@ TEST(BadInput, ManyPairsThatCannotBe_AreListedUpToTwentyAndCounted) {
       "hollow = [\"thenar\", \"hypothenar\", \"metacarpal_2\", \"metacarpal_3\", \"metacarpal_4\", "
       "\"metacarpal_5\"]\n"
       "thenar = [\"hypothenar\"]\n";
-  std::string text = readAll(shippedPath("hand"));
+  std::string text = bytesOfFile(shippedPath("hand"));
   text.replace(text.find("[self_contacts]\n"), std::string("[self_contacts]\n").size(), pairs);
   const std::string path = folder.write("h.toml", text);
   const Diagnostics faults = faultsOf("hand", path);
@@ -469,7 +456,7 @@ TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
   auto assembled = assembleHand(hand, device);
   ASSERT_FALSE(assembled.ok());
   EXPECT_EQ(assembled.errors().front().key, "axes[finger_spread]");
-  EXPECT_NE(format(assembled.errors()).find("drives nothing"), std::string::npos);
+  EXPECT_TRUE(refusedWith(assembled, "drives nothing"));
 
   device = loadDeviceFile(shippedPath("device")).value();
   device.axes[3].upper = 6.0;  // 6 rad * 0.375 is beyond the 90 degrees of a knuckle

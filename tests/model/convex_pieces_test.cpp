@@ -6,13 +6,12 @@
 #include "model/mesh/solid_cut.hpp"
 #include "model/mesh/surface_distance.hpp"
 #include "model/solid_samples.hpp"
+#include "support/says.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -177,17 +176,17 @@ TEST(ClosedSurface, BadMeshes_AreRefused) {
   MeshSurface open = cube(0.1), both = cube(0.1), nan = cube(0.1), flat = cube(0.1),
               many = cube(0.1);
   open.triangles.pop_back();
-  EXPECT_NE(solidProblemOf(open).find("not closed"), std::string::npos);
+  EXPECT_TRUE(says(solidProblemOf(open), "not closed"));
   std::swap(both.triangles[0][1], both.triangles[0][2]);
-  EXPECT_NE(solidProblemOf(both).find("wound both ways"), std::string::npos);
+  EXPECT_TRUE(says(solidProblemOf(both), "wound both ways"));
   nan.points[3].y() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(solidProblemOf(nan).find("not finite"), std::string::npos);
+  EXPECT_TRUE(says(solidProblemOf(nan), "not finite"));
   for (Vector3d& p : flat.points) p.z() *= 1e-7;
   EXPECT_FALSE(solidProblemOf(flat).empty());
   many.triangles.resize(kMaxSolidTriangles + 1, many.triangles[0]);
-  EXPECT_NE(solidProblemOf(many).find("20001 triangles"), std::string::npos);
-  EXPECT_NE(solidProblemOf(cube(1e-5)).find("across"), std::string::npos);
-  EXPECT_NE(solidProblemOf({}).find("empty"), std::string::npos);
+  EXPECT_TRUE(says(solidProblemOf(many), "20001 triangles"));
+  EXPECT_TRUE(says(solidProblemOf(cube(1e-5)), "across"));
+  EXPECT_TRUE(says(solidProblemOf({}), "empty"));
 }
 
 TEST(SolidCut, BothSides_AddUpToTheWhole) {

@@ -1,8 +1,8 @@
 #include "model/hand/anthropometry.hpp"
-#include "model/hand/hand_file.hpp"
 #include "model/hand/hand_mass.hpp"
 #include "model/shipped_models.hpp"
-#include "temp_folder.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -10,8 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {
@@ -268,14 +266,14 @@ TEST(Hand, LeftHandOfEverySize_IsTheMirrorImageInEveryPosture) {
 }
 
 /// What is said of a hand file that begins like this and goes on with `rest`.
-std::string told(const TempFolder& folder, const std::string& rest) {
+std::string told(const Folder& folder, const std::string& rest) {
   const std::string text = "kind = \"hand\"\nversion = 1\nname = \"hand\"\n" + rest;
   const auto loaded = loadHandFile(folder.write("hand.toml", text));
   return loaded ? "loaded" : format(loaded.errors());
 }
 
 TEST(MirroredHand, WrongFile_IsRefusedByKeyAndValue) {
-  const TempFolder folder;
+  const Folder folder;
   folder.write("mirror.toml", "kind = \"hand\"\nversion = 1\nmirror_of = \"somebody\"\n");
   const std::vector<std::array<std::string, 3>> cases = {
       {"nobody", "", "cannot be read"},
@@ -287,10 +285,10 @@ TEST(MirroredHand, WrongFile_IsRefusedByKeyAndValue) {
   for (const auto& [name, more, why] : cases) {
     const std::string said = told(folder, "mirror_of = \"" + name + "\"\n" + more);
     for (const std::string& word : {std::string("hand.toml"), why}) {
-      EXPECT_NE(said.find(word), std::string::npos) << name << ": " << said;
+      EXPECT_TRUE(says(said, word)) << name << ": " << said;
     }
     if (more.empty()) {
-      EXPECT_NE(said.find("mirror_of"), std::string::npos) << said;
+      EXPECT_TRUE(says(said, "mirror_of"));
     }
   }
 }

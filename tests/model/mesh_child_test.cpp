@@ -2,23 +2,18 @@
 #include "model/mesh/convex_mesh.hpp"
 #include "model/mesh/mesh_surface.hpp"
 #include "model/mesh_samples.hpp"
-#include "model/temp_folder.hpp"
+#include "support/folder.hpp"
 #include "support/mutation.hpp"
+#include "support/says.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
-
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <string>
 
 namespace wholehand::test {
 namespace {
 
 /// A reader of meshes, played by a shell script.
-std::string shellReader(const TempFolder& folder, const std::string& text) {
+std::string shellReader(const Folder& folder, const std::string& text) {
   const std::string path = folder.write("reader", "#!/bin/sh\n" + text + "\n");
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   return path;
@@ -30,7 +25,7 @@ std::string problemOf(const std::string& reader, const std::string& path) {
 }
 
 TEST(MeshReader, EveryKind_GivesTheSurfaceThatIsReadInThisProcess) {
-  const TempFolder folder;
+  const Folder folder;
   const std::string reader = meshReaderProgram();
   ASSERT_FALSE(reader.empty()) << "wholehand-read-mesh is not beside this test";
   for (const auto& [ending, bytes] : meshSamples()) {
@@ -44,7 +39,7 @@ TEST(MeshReader, EveryKind_GivesTheSurfaceThatIsReadInThisProcess) {
 }
 
 TEST(MeshReader, FileThatHoldsNone_IsRefusedInTheWordsOfThisProcess) {
-  const TempFolder folder;
+  const Folder folder;
   const std::string path = folder.write("broken.stl", "solid nothing\n");
   const Expected<MeshSurface> mesh = readMeshInChild(meshReaderProgram(), path);
   ASSERT_FALSE(mesh);
@@ -52,7 +47,7 @@ TEST(MeshReader, FileThatHoldsNone_IsRefusedInTheWordsOfThisProcess) {
 }
 
 TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
-  const TempFolder folder;
+  const Folder folder;
   EXPECT_EQ(problemOf(shellReader(folder, "kill -SEGV $$"), "a/mug.dae"),
             "the mesh file a/mug.dae crashed its reader: Segmentation fault");
   EXPECT_EQ(problemOf(shellReader(folder, "kill -ABRT $$"), "a/mug.dae"),
@@ -65,7 +60,7 @@ TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
 }
 
 TEST(MeshReader, ThatHandsOverNonsense_IsRefused) {
-  const TempFolder folder;
+  const Folder folder;
   EXPECT_EQ(problemOf(shellReader(folder, "echo nonsense"), "a.stl"),
             "the result of the mesh reader is damaged");
 }
@@ -83,7 +78,7 @@ TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
 
 TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
   auto random = seededRandom(272);
-  const TempFolder folder;
+  const Folder folder;
   const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
   int read = 0, died = 0;
   const auto samples = meshSamples();
@@ -96,7 +91,7 @@ TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
       continue;
     }
     const Diagnostic& why = mesh.errors().front();
-    EXPECT_NE(why.problem.find(path), std::string::npos) << why.problem;
+    EXPECT_TRUE(says(why.problem, path));
     EXPECT_FALSE(why.remedy.empty());
     if (why.problem.find(" its reader") != std::string::npos) {
       ++died;

@@ -1,6 +1,8 @@
 #include "model/mesh/convex_hull.hpp"
 #include "model/mesh/convex_mesh.hpp"
-#include "model/temp_folder.hpp"
+#include "support/figure.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <fmt/format.h>
@@ -10,8 +12,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {
@@ -91,8 +91,8 @@ TEST(MeshCollider, CubeWithADent_IsTheCube) {
   EXPECT_LT((m.center_m - Vector3d::Constant(0.01)).norm(), 1e-15);
   EXPECT_EQ(collider.shape.points_m.size(), 8U);
   // 8 / (8 - 4/3) = 1.2.
-  EXPECT_NE(noticeOf(collider).find("20 % larger"), std::string::npos) << noticeOf(collider);
-  EXPECT_NE(noticeOf(collider).find("is not convex"), std::string::npos) << noticeOf(collider);
+  EXPECT_TRUE(says(noticeOf(collider), "20 % larger"));
+  EXPECT_TRUE(says(noticeOf(collider), "is not convex"));
 }
 
 TEST(MeshCollider, L_LosesItsInnerCorner) {
@@ -104,7 +104,7 @@ TEST(MeshCollider, L_LosesItsInnerCorner) {
   // 4 x 4 less the triangle beyond the two ends: 16 - 9/2, of 7 that the L has.
   EXPECT_NEAR(moments(collider.shape).volume_m3, 11.5 * w * w * w, 1e-17);
   EXPECT_EQ(collider.shape.points_m.size(), 10U);
-  EXPECT_NE(noticeOf(collider).find("64.3 % larger"), std::string::npos) << noticeOf(collider);
+  EXPECT_TRUE(says(noticeOf(collider), "64.3 % larger"));
 }
 
 TEST(MeshCollider, Ring_IsFilled) {
@@ -127,17 +127,16 @@ TEST(MeshCollider, Ring_IsFilled) {
   EXPECT_LT(signedDistance(collider.shape, Vector3d::Zero()),
             -0.9 * kTube_m);  // the hole is filled
   const std::string larger = fmt::format("{:.3g} % larger", 100.0 * (hull_m3 / ring_m3 - 1.0));
-  EXPECT_NE(noticeOf(collider).find(larger), std::string::npos) << larger << noticeOf(collider);
+  EXPECT_TRUE(says(noticeOf(collider), larger)) << larger << noticeOf(collider);
 }
 
 TEST(MeshCollider, ConvexMesh_IsKeptAsItIs) {
   const MeshSurface cube = dividedCube(4);
   const MeshCollider collider = colliderOf(cube);
-  const Expected<Shape> shape = convexMesh(cube.points, cube.triangles);
-  ASSERT_TRUE(shape.ok());
+  const Shape shape = orThrow(convexMesh(cube.points, cube.triangles));
   EXPECT_FALSE(collider.notice) << noticeOf(collider);
-  EXPECT_EQ(collider.shape.points_m, shape->points_m);
-  EXPECT_EQ(collider.shape.triangles, shape->triangles);
+  EXPECT_EQ(collider.shape.points_m, shape.points_m);
+  EXPECT_EQ(collider.shape.triangles, shape.triangles);
 }
 
 TEST(MeshCollider, FineMesh_KeepsTheCornersOfItsHull) {
@@ -145,11 +144,11 @@ TEST(MeshCollider, FineMesh_KeepsTheCornersOfItsHull) {
   EXPECT_EQ(cube.shape.points_m.size(), 8U);
   EXPECT_EQ(cube.shape.triangles.size(), 12U);
   EXPECT_NEAR(moments(cube.shape).volume_m3, 8e-6, 1e-18);
-  EXPECT_NE(noticeOf(cube).find("has 19200 triangles"), std::string::npos) << noticeOf(cube);
-  EXPECT_NE(noticeOf(cube).find(" 0 % larger"), std::string::npos) << noticeOf(cube);
+  EXPECT_TRUE(says(noticeOf(cube), "has 19200 triangles"));
+  EXPECT_TRUE(says(noticeOf(cube), " 0 % larger"));
   const std::string ring = hullProblemOf(torus(0.04, 0.01, 200, 100));
-  EXPECT_NE(ring.find("needs a convex hull that has "), std::string::npos) << ring;
-  EXPECT_NE(ring.find("2048 at most: simplify the mesh"), std::string::npos) << ring;
+  EXPECT_TRUE(says(ring, "needs a convex hull that has "));
+  EXPECT_TRUE(says(ring, "2048 at most: simplify the mesh"));
 }
 
 TEST(MeshCollider, OpenOrMixedSurface_HasAHullAndNoVolume) {
@@ -160,9 +159,9 @@ TEST(MeshCollider, OpenOrMixedSurface_HasAHullAndNoVolume) {
   std::swap(mixed.triangles[5][0], mixed.triangles[5][1]);
   const MeshCollider cube = colliderOf(open);
   EXPECT_NEAR(moments(cube.shape).volume_m3, 8e-6, 1e-18);
-  EXPECT_NE(noticeOf(cube).find("is not watertight"), std::string::npos) << noticeOf(cube);
-  EXPECT_NE(noticeOf(cube).find("of 8 cm3"), std::string::npos) << noticeOf(cube);
-  EXPECT_NE(noticeOf(colliderOf(mixed)).find("unknown"), std::string::npos);
+  EXPECT_TRUE(says(noticeOf(cube), "is not watertight"));
+  EXPECT_TRUE(says(noticeOf(cube), "of 8 cm3"));
+  EXPECT_TRUE(says(noticeOf(colliderOf(mixed)), "unknown"));
 }
 
 TEST(MeshCollider, DegenerateMeshes_AreRefusedByName) {
@@ -184,7 +183,7 @@ TEST(MeshCollider, DegenerateMeshes_AreRefusedByName) {
                {lost, "is not finite"}, {far, "m across"},        {none, "has no faces"},
                {two, "is flat"},        {wrong, "does not exist"}};
   for (const auto& c : cases) {
-    EXPECT_NE(hullProblemOf(c.mesh).find(c.problem), std::string::npos)
+    EXPECT_TRUE(says(hullProblemOf(c.mesh), c.problem))
         << c.problem << ": " << hullProblemOf(c.mesh);
   }
 }
@@ -215,15 +214,15 @@ TEST(MeshCollider, AnyCloud_LiesInItsHull) {
 TEST(MeshCollider, LargestMesh_TakesALimitedTime) {
   const MeshSurface ring = torus(0.04, 0.01, 500, 200);  // kMaxMeshTriangles
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_NE(hullProblemOf(ring).find("needs a convex hull"), std::string::npos);
+  EXPECT_TRUE(says(hullProblemOf(ring), "needs a convex hull"));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   std::printf("figure: hull of %zu triangles in %.2f s\n", ring.triangles.size(), took.count());
   const std::string more = hullProblemOf(torus(0.04, 0.01, 501, 200));
-  EXPECT_NE(more.find("has 200400 triangles"), std::string::npos) << more;
+  EXPECT_TRUE(says(more, "has 200400 triangles"));
 }
 
 TEST(MeshCollider, NoticeOfAScene_NamesFileLineKeyAndRemedy) {
-  const TempFolder folder;
+  const Folder folder;
   folder.write("dent.obj",
                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0.1 0.1 0.1\nf 1 3 2\nf 1 2 4\n"
                "f 1 4 3\nf 2 3 5\nf 3 4 5\nf 4 2 5\n");
@@ -246,23 +245,20 @@ file = "dent.urdf"
 position_m = [2.0, 0.0, 0.0]
 mass_kg = 0.1
 )");
-  const Expected<SceneModel> scene = loadSceneFile(path);
-  ASSERT_TRUE(scene.ok()) << format(scene.errors());
-  ASSERT_EQ(scene->notices.size(), 2U);
-  const std::string mesh = format(scene->notices[0]), urdf = format(scene->notices[1]);
+  const SceneModel scene = orThrow(loadSceneFile(path));
+  ASSERT_EQ(scene.notices.size(), 2U);
+  const std::string mesh = format(scene.notices[0]), urdf = format(scene.notices[1]);
   EXPECT_EQ(mesh.find(path + ":8: bodies[mesh].file: the mesh "), 0U) << mesh;
   EXPECT_EQ(
-      urdf.find(folder.path("dent.urdf") + ":2: link[a].collision[0].mesh.filename = dent.obj"), 0U)
+      urdf.find(folder.file("dent.urdf") + ":2: link[a].collision[0].mesh.filename = dent.obj"), 0U)
       << urdf;
   for (const std::string& notice : {mesh, urdf}) {
-    EXPECT_NE(notice.find("dent.obj is not convex"), std::string::npos) << notice;
+    EXPECT_TRUE(says(notice, "dent.obj is not convex"));
     // A corner of 1/6 less the tetrahedron under it, by the determinant of the three edges from the
     // dent: (1 - 0.3) / 6 of it are missing, 0.3 / 6 remain.
-    EXPECT_NE(notice.find("233 % larger"), std::string::npos) << notice;
-    EXPECT_NE(
-        notice.find("; the hand cannot reach into a hollow of it; where it shall, give convex"),
-        std::string::npos)
-        << notice;
+    EXPECT_TRUE(says(notice, "233 % larger"));
+    EXPECT_TRUE(
+        says(notice, "; the hand cannot reach into a hollow of it; where it shall, give convex"));
   }
 }
 

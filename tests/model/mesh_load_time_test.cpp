@@ -5,14 +5,12 @@
 #include "model/mesh/mesh_surface.hpp"
 #include "model/mesh_samples.hpp"
 #include "model/scene/scene_model.hpp"
-#include "model/temp_folder.hpp"
 #include "model/urdf/urdf.hpp"
+#include "support/folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <filesystem>
-#include <string>
 
 namespace wholehand::test {
 namespace {
@@ -28,14 +26,14 @@ MeshLoadTime::Clock slowClock() {
   };
 }
 
-void writeMesh(const TempFolder& folder, const std::string& name) {
+void writeMesh(const Folder& folder, const std::string& name) {
   for (const auto& [ending, bytes] : meshSamples()) {
     if (ending == "obj") folder.write(name + ".obj", bytes);
   }
 }
 
 /// A scene of `count` meshes "mesh0.obj" .., which do not touch each other.
-std::string sceneOf(const TempFolder& folder, int count) {
+std::string sceneOf(const Folder& folder, int count) {
   std::string text =
       "kind = \"scene\"\nversion = 1\nname = \"t\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n";
   for (int i = 0; i < count; ++i) {
@@ -48,7 +46,7 @@ std::string sceneOf(const TempFolder& folder, int count) {
 }
 
 TEST(MeshLoadTime, SceneBeyondIt_NamesTheFirstMeshTooMuchAndTheSlowest) {
-  const TempFolder folder;
+  const Folder folder;
   const std::string path = sceneOf(folder, 6);
   MeshLoadTime time(15s, slowClock());  // three meshes fit, the fourth ends at 16 s
   const Expected<SceneModel> scene = loadSceneFile(path, time);
@@ -64,7 +62,7 @@ TEST(MeshLoadTime, SceneBeyondIt_NamesTheFirstMeshTooMuchAndTheSlowest) {
 }
 
 TEST(MeshLoadTime, SceneWithinIt_Loads) {
-  const TempFolder folder;
+  const Folder folder;
   MeshLoadTime time(25s, slowClock());
   const Expected<SceneModel> scene = loadSceneFile(sceneOf(folder, 6), time);
   ASSERT_TRUE(scene) << format(scene.errors());
@@ -72,7 +70,7 @@ TEST(MeshLoadTime, SceneWithinIt_Loads) {
 }
 
 TEST(MeshLoadTime, UrdfBeyondIt_NamesTheElement) {
-  const TempFolder folder;
+  const Folder folder;
   std::string links = "<robot name=\"r\"><link name=\"a\">";
   for (int i = 0; i < 4; ++i) {
     const std::string name = "mesh" + std::to_string(i);
@@ -92,7 +90,7 @@ TEST(MeshLoadTime, UrdfBeyondIt_NamesTheElement) {
 }
 
 TEST(MeshLoadTime, UrdfsOfAScene_ShareIt) {
-  const TempFolder folder;
+  const Folder folder;
   std::string text =
       "kind = \"scene\"\nversion = 1\nname = \"t\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n";
   writeMesh(folder, "mesh");
@@ -115,7 +113,7 @@ TEST(MeshLoadTime, UrdfsOfAScene_ShareIt) {
 }
 
 TEST(MeshLoadTime, ReaderThatDoesNotEnd_IsEndedAtItsLimit) {
-  const TempFolder folder;
+  const Folder folder;
   const std::string reader = folder.write("reader", "#!/bin/sh\nexec sleep 60\n");
   std::filesystem::permissions(reader, std::filesystem::perms::owner_all);
   const Expected<MeshSurface> mesh = readMeshInChild(reader, "a/mug.dae", 50ms);

@@ -1,20 +1,14 @@
 #include "model/mesh/convex_mesh.hpp"
 #include "model/rotation.hpp"
-#include "model/scene/scene_model.hpp"
 #include "model/scene/separation.hpp"
 #include "support/capsule_shape.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <random>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -1,6 +1,4 @@
 #include "model/device_model.hpp"
-#include "model/hand/hand_file.hpp"
-#include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"
 #include "model/shipped_models.hpp"
 #include "model/toml/toml_file.hpp"
@@ -9,7 +7,6 @@
 
 #include <filesystem>
 #include <set>
-#include <string>
 
 namespace wholehand::test {
 namespace {

@@ -1,4 +1,6 @@
 #include "patient/motion.hpp"
+#include "support/figure.hpp"
+#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
@@ -34,27 +36,24 @@ DeviceModel sled() {
   return device;
 }
 
-#define EXPECT_SAYS(text, part) \
-  EXPECT_NE((text).find(part), std::string::npos) << "it says instead:\n" << (text)
+#define EXPECT_SAYS(text, part) EXPECT_TRUE(says((text), part)) << "it says instead:\n" << (text)
 
 TEST(MotionFile, GoodFile_IsReadWithItsUnitsRemoved) {
   const std::string path = written(
       "\xEF\xBB\xBF# recorded by hand\r\ntime_s, x_m ,finger_flexion_rad\r\n"
       "0.5,-1e-3,+0.25\r\n\r\n0.51, 2e-3 ,0.5\r\n");
-  const Expected<MotionFile> motion = loadMotionFile(path);
-  ASSERT_TRUE(motion.ok()) << format(motion.errors());
-  EXPECT_EQ(motion->path, path);
-  EXPECT_EQ(motion->columns, (std::vector<std::string>{"x", "finger_flexion"}));
-  EXPECT_EQ(motion->time_s, (std::vector<double>{0.5, 0.51}));
-  EXPECT_EQ(motion->samples, (std::vector<std::vector<double>>{{-1e-3, 0.25}, {2e-3, 0.5}}));
+  const MotionFile motion = orThrow(loadMotionFile(path));
+  EXPECT_EQ(motion.path, path);
+  EXPECT_EQ(motion.columns, (std::vector<std::string>{"x", "finger_flexion"}));
+  EXPECT_EQ(motion.time_s, (std::vector<double>{0.5, 0.51}));
+  EXPECT_EQ(motion.samples, (std::vector<std::vector<double>>{{-1e-3, 0.25}, {2e-3, 0.5}}));
 }
 
 TEST(MotionFile, TimeColumn_MayStandAnywhere) {
   const std::string path = written("x_m,time_s,z_m\n1,0,3\n4,1,6\n");
-  const Expected<MotionFile> motion = loadMotionFile(path);
-  ASSERT_TRUE(motion.ok());
-  EXPECT_EQ(motion->columns, (std::vector<std::string>{"x", "z"}));
-  EXPECT_EQ(motion->samples[1], (std::vector<double>{4.0, 6.0}));
+  const MotionFile motion = orThrow(loadMotionFile(path));
+  EXPECT_EQ(motion.columns, (std::vector<std::string>{"x", "z"}));
+  EXPECT_EQ(motion.samples[1], (std::vector<double>{4.0, 6.0}));
 }
 
 TEST(MotionFile, MissingOrUnreadable_SaysSo) {
@@ -159,10 +158,9 @@ TEST(MotionFile, EveryRecordingOfTheProject_Loads) {
   for (const auto& entry :
        std::filesystem::directory_iterator(WHOLEHAND_SOURCE_DIR "/data/human-motion")) {
     if (entry.path().extension() != ".csv") continue;
-    const Expected<MotionFile> motion = loadMotionFile(entry.path().string());
-    ASSERT_TRUE(motion.ok()) << format(motion.errors());
-    EXPECT_EQ(motion->columns.size(), 6U);
-    EXPECT_GT(motion->time_s.back(), 2.0);
+    const MotionFile motion = orThrow(loadMotionFile(entry.path().string()));
+    EXPECT_EQ(motion.columns.size(), 6U);
+    EXPECT_GT(motion.time_s.back(), 2.0);
     ++recordings;
   }
   EXPECT_EQ(recordings, 15);

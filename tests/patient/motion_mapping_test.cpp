@@ -1,5 +1,7 @@
 #include "patient/motion.hpp"
 #include "support/constants.hpp"
+#include "support/figure.hpp"
+#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -68,8 +70,7 @@ std::string joined(const std::vector<std::string>& lines) {
   return all;
 }
 
-#define EXPECT_SAYS(text, part) \
-  EXPECT_NE((text).find(part), std::string::npos) << "it says instead:\n" << (text)
+#define EXPECT_SAYS(text, part) EXPECT_TRUE(says((text), part)) << "it says instead:\n" << (text)
 
 /// What every intention owes the device: inside the range, not too fast, no jump in velocity, at
 /// rest at both ends.
@@ -105,15 +106,14 @@ TEST(MotionMapping, EveryRecordingOnThePapersDevice_IsPlayable) {
        std::filesystem::directory_iterator(WHOLEHAND_SOURCE_DIR "/data/human-motion")) {
     if (entry.path().extension() != ".csv") continue;
     SCOPED_TRACE(entry.path().filename().string());
-    const Expected<MotionFile> motion = loadMotionFile(entry.path().string(), &device);
-    ASSERT_TRUE(motion.ok());
+    const MotionFile motion = orThrow(loadMotionFile(entry.path().string(), &device));
     std::vector<std::string> report;
     const Intention intention =
-        Intention::fromMotion(*motion, mapping, device, AxisPosition(6), &report);
+        Intention::fromMotion(motion, mapping, device, AxisPosition(6), &report);
     expectPlayable(intention, device, mapping.speed_share);
     EXPECT_SAYS(joined(report), "translations scaled by 0.");
     // The fastest finger movement of all, 33 rad/s in trial 22, is 4.2 times what is allowed.
-    EXPECT_LT(intention.duration_s(), 4.2 * motion->time_s.back() + 1.0);
+    EXPECT_LT(intention.duration_s(), 4.2 * motion.time_s.back() + 1.0);
   }
 }
 

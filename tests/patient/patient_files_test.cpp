@@ -1,12 +1,13 @@
 // The shipped patients, and what is said of files that are wrong.
 #include "model/patient/patient_config.hpp"
 #include "model/shipped_models.hpp"
-#include "model/temp_folder.hpp"
+#include "support/file_bytes.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 
 namespace wholehand::test {
@@ -63,63 +64,48 @@ class WrongPatientFile : public testing::TestWithParam<PatientMistake> {};
 
 TEST_P(WrongPatientFile, OneMistake_IsOneMessageWithItsKey) {
   const PatientMistake& c = GetParam();
-  std::ifstream in(patientPath(c.patient));
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  const std::size_t at = text.find(c.find);
-  ASSERT_NE(at, std::string::npos) << c.find;
-  text.replace(at, c.find.size(), c.replace);
-  const TempFolder folder;
+  const std::string text = replaced(bytesOfFile(patientPath(c.patient)), c.find, c.replace);
+  const Folder folder;
   const auto loaded = loadPatientFile(folder.write("p.toml", text), deviceNamed("lambda-pride"));
   ASSERT_FALSE(loaded.ok());
   ASSERT_EQ(loaded.errors().size(), 1U) << format(loaded.errors());
   const Diagnostic& fault = loaded.errors().front();
   EXPECT_EQ(fault.key, c.key) << format(fault);
-  EXPECT_NE((fault.problem + "; " + fault.remedy).find(c.says), std::string::npos) << format(fault);
+  EXPECT_TRUE(says((fault.problem + "; " + fault.remedy), c.says)) << format(fault);
   EXPECT_GT(fault.line, 0);
 }
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, WrongPatientFile,
-    testing::Values(
-        PatientMistake{"tremor", "frequency_hz = 5.0", "frequency_hz = 2.9", "tremor.frequency_hz",
-                       "[3, 12] Hz"},
-        PatientMistake{"tremor", "frequency_hz = 5.0", "frequency_hz = 5.0\nfrequency = 6.0",
-                       "tremor.frequency", "frequency_hz"},
-        PatientMistake{"tremor", "phase_seed = 1", "phase_seed = -1", "tremor.phase_seed", "0"},
-        PatientMistake{"tremor", "tremor_n = 2.0", "tremor_n = 11.0", "axes[x].tremor_n",
-                       "[0, 10] N"},
-        PatientMistake{"tremor", "tremor_n = 2.0", "tremor_nm = 2.0", "axes[x].tremor_nm",
-                       "tremor_n"},
-        PatientMistake{"tremor", "tremor_n = 2.0", "tremor_tip_n = 2.0", "axes[x].tremor_tip_n",
-                       "fingertip"},
-        PatientMistake{"tremor", "tremor_n = 2.0", "tremor_n = nan", "axes[x].tremor_n", "finite"},
-        PatientMistake{"spastic", "delay_s = 0.04", "delay_s = 0.3", "reflex.delay_s",
-                       "[0, 0.2] s"},
-        PatientMistake{"spastic", "muscle_lag_s = 0.03", "muscle_lag_s = 0", "reflex.muscle_lag_s",
-                       "(0, 0.5] s"},
-        PatientMistake{"spastic", "reflex_below_rad = 2.0\n", "",
-                       "axes[finger_flexion].reflex_below_rad", "missing"},
-        PatientMistake{"spastic", "stiffness_n_m = 300.0",
-                       "stiffness_n_m = 300.0\nreflex_gain_nm_s_rad2 = 1",
-                       "axes[x].reflex_gain_nm_s_rad2", "rotations"},
-        PatientMistake{"releases", "after_s = 4.0 ", "#after_s = -1\nafter_s = -1 ",
-                       "letting_go.after_s", "[0, 3600] s"},
-        PatientMistake{"releases", "effort_share = 0.6", "effort_share = 0",
-                       "letting_go.effort_share", "(0, 10]"},
-        PatientMistake{"slams", "axis = \"x\"", "axis = \"w\"", "slam.axis",
-                       "neither an axis of the device"},
-        PatientMistake{"slams", "towards = \"upper\"", "towards = \"up\"", "slam.towards", "upper"},
-        PatientMistake{"slams", "speed_share = 0.98", "speed_share = 2.5", "slam.speed_share",
-                       "(0, 2]"},
-        PatientMistake{"slams", "effort_share = 2.0", "effort_share = 6", "slam.effort_share",
-                       "(0, 5]"},
-        PatientMistake{"fights", "reaction_s = 0.0", "reaction_s = 1.5", "fight.reaction_s",
-                       "[0, 1] s"},
-        PatientMistake{"relaxed-adult", "[motion]", "[fight]\nreaction_s = 0.1\n[motion]", "fight",
-                       "has no effect"},
-        PatientMistake{"relaxed-adult", "stiffness_n_m = 300.0",
-                       "stiffness_n_m = 300.0\nfight_n = 3.0", "fight", "is missing"},
-        PatientMistake{"relaxed-adult", "[motion]", "[letting_go]\n[motion]", "letting_go",
-                       "neither after_s nor effort_share"}));
+    testing::ValuesIn(std::vector<PatientMistake>{
+        {"tremor", "frequency_hz = 5.0", "frequency_hz = 2.9", "tremor.frequency_hz", "[3, 12] Hz"},
+        {"tremor", "frequency_hz = 5.0", "frequency_hz = 5.0\nfrequency = 6.0", "tremor.frequency",
+         "frequency_hz"},
+        {"tremor", "phase_seed = 1", "phase_seed = -1", "tremor.phase_seed", "0"},
+        {"tremor", "tremor_n = 2.0", "tremor_n = 11.0", "axes[x].tremor_n", "[0, 10] N"},
+        {"tremor", "tremor_n = 2.0", "tremor_nm = 2.0", "axes[x].tremor_nm", "tremor_n"},
+        {"tremor", "tremor_n = 2.0", "tremor_tip_n = 2.0", "axes[x].tremor_tip_n", "fingertip"},
+        {"tremor", "tremor_n = 2.0", "tremor_n = nan", "axes[x].tremor_n", "finite"},
+        {"spastic", "delay_s = 0.04", "delay_s = 0.3", "reflex.delay_s", "[0, 0.2] s"},
+        {"spastic", "muscle_lag_s = 0.03", "muscle_lag_s = 0", "reflex.muscle_lag_s", "(0, 0.5] s"},
+        {"spastic", "reflex_below_rad = 2.0\n", "", "axes[finger_flexion].reflex_below_rad",
+         "missing"},
+        {"spastic", "stiffness_n_m = 300.0", "stiffness_n_m = 300.0\nreflex_gain_nm_s_rad2 = 1",
+         "axes[x].reflex_gain_nm_s_rad2", "rotations"},
+        {"releases", "after_s = 4.0 ", "#after_s = -1\nafter_s = -1 ", "letting_go.after_s",
+         "[0, 3600] s"},
+        {"releases", "effort_share = 0.6", "effort_share = 0", "letting_go.effort_share",
+         "(0, 10]"},
+        {"slams", "axis = \"x\"", "axis = \"w\"", "slam.axis", "neither an axis of the device"},
+        {"slams", "towards = \"upper\"", "towards = \"up\"", "slam.towards", "upper"},
+        {"slams", "speed_share = 0.98", "speed_share = 2.5", "slam.speed_share", "(0, 2]"},
+        {"slams", "effort_share = 2.0", "effort_share = 6", "slam.effort_share", "(0, 5]"},
+        {"fights", "reaction_s = 0.0", "reaction_s = 1.5", "fight.reaction_s", "[0, 1] s"},
+        {"relaxed-adult", "[motion]", "[fight]\nreaction_s = 0.1\n[motion]", "fight",
+         "has no effect"},
+        {"relaxed-adult", "stiffness_n_m = 300.0", "stiffness_n_m = 300.0\nfight_n = 3.0", "fight",
+         "is missing"},
+        {"relaxed-adult", "[motion]", "[letting_go]\n[motion]", "letting_go",
+         "neither after_s nor effort_share"}}));
 
 }  // namespace
 }  // namespace wholehand::test

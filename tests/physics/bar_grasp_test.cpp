@@ -5,7 +5,6 @@
 #include "support/tolerance.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace wholehand::test {
 namespace {

@@ -8,10 +8,6 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <gtest/gtest.h>
 
-#include <random>
-#include <utility>
-#include <vector>
-
 namespace wholehand::bullet {
 namespace {
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "assembly/engines.hpp"
-#include "dynamics/synergy.hpp"
 #include "physics/engine_bounds.hpp"
 #include "physics/hand_probe.hpp"
 #include "support/constants.hpp"

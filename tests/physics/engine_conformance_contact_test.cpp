@@ -2,11 +2,8 @@
 #include "experiments/grasp_trial.hpp"
 #include "physics/engine_bench.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <tuple>
 
 namespace wholehand::test {

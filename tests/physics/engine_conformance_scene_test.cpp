@@ -1,12 +1,11 @@
 // What every engine says of scenes that it cannot take, and of itself: same bits, no allocation.
 #include "physics/engine_bench.hpp"
 #include "realtime/allocation_counter.hpp"
-#include "support/resting_device.hpp"
+#include "support/says.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace wholehand::test {
 namespace {
@@ -27,8 +26,7 @@ TEST_P(PlaceHand, WhereABodyIs_NamesBodyAndPart) {
   const Expected<Done> placed = world.placeHand(AxisPosition(6));
   ASSERT_FALSE(placed);
   EXPECT_EQ(placed.errors()[0].key, "bodies.ball");
-  EXPECT_NE(placed.errors()[0].problem.find("middle_distal"), std::string::npos)
-      << format(placed.errors());
+  EXPECT_TRUE(says(placed.errors()[0].problem, "middle_distal")) << format(placed.errors());
   AxisPosition aside(6);
   aside[1] = 0.1;
   EXPECT_TRUE(world.placeHand(aside));

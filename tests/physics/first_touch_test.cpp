@@ -2,10 +2,8 @@
 #include "core/sanitized.hpp"
 #include "physics/still_hand.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 namespace wholehand::test {
 namespace {

@@ -4,7 +4,6 @@
 #include "physics/engine_bench.hpp"
 #include "support/tolerance.hpp"
 
-#include <array>
 #include <cmath>
 
 namespace wholehand::test {

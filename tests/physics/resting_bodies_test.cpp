@@ -1,6 +1,5 @@
 // Bodies that rest: they cost nothing, and nothing is lost when something comes to them.
 #include "physics/engine_bench.hpp"
-#include "support/constants.hpp"
 #include "support/tolerance.hpp"
 
 #include <cstring>

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <cmath>
-#include <random>
 
 namespace wholehand::bullet {
 namespace {

@@ -7,8 +7,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <string>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -4,11 +4,9 @@
 #include "physics/engine_bench.hpp"
 #include "physics/self_contact_search.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
 #include <cmath>
 #include <ctime>
-#include <random>
 
 namespace wholehand::test {
 namespace {

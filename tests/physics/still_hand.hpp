@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string>
 #include <vector>
 
 /// The shipped hand and one body, for questions about where they first touch.

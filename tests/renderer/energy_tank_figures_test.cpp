@@ -5,9 +5,6 @@
 #include "support/seed.hpp"
 
 #include <cmath>
-#include <memory>
-#include <numeric>
-#include <string>
 
 namespace wholehand::test {
 namespace {

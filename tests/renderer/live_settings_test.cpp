@@ -5,14 +5,8 @@
 #include "renderer/parameter_ramps.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace wholehand::test {
 namespace {

@@ -3,11 +3,7 @@
 #include "device/simulated/simulated_device.hpp"
 #include "renderer/safety_tools.hpp"
 #include "support/accepting_device.hpp"
-#include "support/seed.hpp"
-#include "support/tolerance.hpp"
-
-#include <cmath>
-#include <cstring>
+#include "support/says.hpp"
 
 namespace wholehand::test {
 namespace {
@@ -202,7 +198,7 @@ TEST(StopRequest, BeforeArming_RefusesItOnce) {
     emergency ? renderer.requestEmergencyStop() : renderer.requestStop();
     const Expected<Done> refused = renderer.arm();
     ASSERT_FALSE(refused);
-    EXPECT_NE(refused.errors().front().problem.find("stop"), std::string::npos);
+    EXPECT_TRUE(says(refused.errors().front().problem, "stop"));
     EXPECT_EQ(renderer.safetyState(), SafetyState::kDisarmed);
     ASSERT_TRUE(renderer.arm());
     const TickRecord last = run(f, 300).back();

@@ -5,7 +5,6 @@
 #include "support/seed.hpp"
 
 #include <cmath>
-#include <random>
 
 /// Persons who throw a device about, and what must hold of the effort that is sent to it.
 namespace wholehand::test {

@@ -3,10 +3,7 @@
 #include "physics/analytic/analytic_world.hpp"
 #include "renderer/safety_tools.hpp"
 #include "support/faulty_world.hpp"
-#include "support/seed.hpp"
-#include "support/tolerance.hpp"
 
-#include <cmath>
 #include <cstring>
 
 namespace wholehand::test {
@@ -83,12 +80,11 @@ TEST_P(InjectedWorldFailure, AtARandomTick_RampsToNeutralAndTheWorldStandsUntilA
 }
 INSTANTIATE_TEST_SUITE_P(
     Kinds, InjectedWorldFailure,
-    ::testing::Values(
-        WorldFailure{"NonFiniteState", InjectedWorldFault::Kind::kNonFiniteState,
-                     Fault::kNonFiniteState, 0},
+    ::testing::ValuesIn(std::vector<WorldFailure>{
+        {"NonFiniteState", InjectedWorldFault::Kind::kNonFiniteState, Fault::kNonFiniteState, 0},
         // An engine that does not notice is caught by what its state makes of the effort.
-        WorldFailure{"SilentNan", InjectedWorldFault::Kind::kSilentNan, Fault::kNonFiniteEffort, 0},
-        WorldFailure{"StepFails", InjectedWorldFault::Kind::kStepFails, Fault::kPhysicsStep, 1}),
+        {"SilentNan", InjectedWorldFault::Kind::kSilentNan, Fault::kNonFiniteEffort, 0},
+        {"StepFails", InjectedWorldFault::Kind::kStepFails, Fault::kPhysicsStep, 1}}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
 // ---- the loop stands still

@@ -7,9 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace wholehand::test {
 namespace {
