@@ -11,7 +11,9 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <memory>
+#include <numeric>
 #include <set>
 #include <string>
 #include <type_traits>
@@ -31,18 +33,12 @@ static_assert(!std::is_constructible_v<AxisPosition, AxisVelocity>);
 static_assert(!std::is_convertible_v<int, AxisPosition>, "a size is not a position");
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 
-TEST(AxisArray, NewOne_IsEmpty) {
-  const AxisPosition q;
-  EXPECT_EQ(q.size(), 0);
-  EXPECT_EQ(q.begin(), q.end());
-}
-
 TEST(AxisArray, OfSizeAndValue_HoldsThatManyOfIt) {
-  const AxisEffort f(3, 1.5);
+  EXPECT_EQ(AxisPosition().size(), 0);
+  const AxisEffort none, f(3, 1.5);
+  EXPECT_EQ(none.begin(), none.end());
   EXPECT_EQ(f.size(), 3);
-  double sum = 0.0;
-  for (double v : f) sum += v;
-  EXPECT_EQ(sum, 4.5);
+  EXPECT_EQ(std::accumulate(f.begin(), f.end(), 0.0), 4.5);
 }
 
 TEST(AxisArray, View_WritesThroughToTheArray) {
@@ -126,17 +122,12 @@ TEST(Expected, Value_IsReachedEveryWay) {
   EXPECT_EQ(std::as_const(e).value(), "hands");
 }
 
-TEST(Expected, OneError_IsAListOfOne) {
-  const Expected<int> e(Diagnostic{"a.toml", 1, "", "", "broken", ""});
-  ASSERT_FALSE(e.ok());
-  ASSERT_EQ(e.errors().size(), 1U);
-  EXPECT_EQ(e.errors()[0].problem, "broken");
-}
-
-TEST(Expected, SeveralErrors_AllStay) {
-  const Expected<int> e(Diagnostics(3));
-  EXPECT_FALSE(e.ok());
-  EXPECT_EQ(e.errors().size(), 3U);
+TEST(Expected, Errors_AllStay) {
+  const Expected<int> one(Diagnostic{"a.toml", 1, "", "", "broken", ""});
+  ASSERT_FALSE(one.ok());
+  ASSERT_EQ(one.errors().size(), 1U);
+  EXPECT_EQ(one.errors()[0].problem, "broken");
+  EXPECT_EQ(Expected<int>(Diagnostics(3)).errors().size(), 3U);
 }
 
 TEST(Expected, MoveOnlyValue_CanBeTaken) {
@@ -166,23 +157,19 @@ TEST(Fault, Bits_CombineAndAreTold) {
   EXPECT_TRUE(any(f & kStopping));
 }
 
-TEST(Fault, EveryBit_HasItsOwnName) {
-  std::set<std::string> names;
-  for (int bit = 0; bit < kFaultBits; ++bit) names.insert(faultName(bit));
-  EXPECT_EQ(names.size(), static_cast<std::size_t>(kFaultBits));
-  EXPECT_EQ(names.count("unknown"), 0U);
-  EXPECT_STREQ(faultName(-1), "unknown");
-  EXPECT_STREQ(faultName(kFaultBits), "unknown");
-  EXPECT_STREQ(faultName(0), "device read failed");
-  EXPECT_STREQ(faultName(9), "singular reduced inertia");  // 1 << 9 of Fault::kSingularInertia
+/// Of `count` things, that each has a name of its own.
+void expectNamesOfTheirOwn(int count, const std::function<std::string(int)>& nameOf) {
+  std::set<std::string> names = {"unknown"};
+  for (int i = 0; i < count; ++i) EXPECT_TRUE(names.insert(nameOf(i)).second) << i;
+  EXPECT_EQ(nameOf(count), "unknown");
 }
 
-TEST(Stage, EveryStage_HasItsOwnName) {
-  std::set<std::string> names;
-  for (int i = 0; i < kStages; ++i) names.insert(stageName(static_cast<Stage>(i)));
-  EXPECT_EQ(names.size(), static_cast<std::size_t>(kStages));
-  EXPECT_EQ(names.count("unknown"), 0U);
-  EXPECT_STREQ(stageName(Stage::kCount), "unknown");
+TEST(Fault, EveryBitAndStage_HasItsOwnName) {
+  expectNamesOfTheirOwn(kFaultBits, [](int bit) { return faultName(bit); });
+  expectNamesOfTheirOwn(kStages, [](int i) { return stageName(static_cast<Stage>(i)); });
+  EXPECT_STREQ(faultName(-1), "unknown");
+  EXPECT_STREQ(faultName(0), "device read failed");
+  EXPECT_STREQ(faultName(9), "singular reduced inertia");  // 1 << 9 of Fault::kSingularInertia
 }
 
 // ---- geometry

@@ -5,6 +5,7 @@
 
 #include "support/mutation.hpp"
 #include "support/seed.hpp"
+#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -32,8 +33,8 @@ TEST_P(EveryDoor, WhatIsGood_IsTakenWithoutFault) {
 TEST_P(EveryDoor, RandomDamage_IsTakenOrRefusedWithinASecond) {
   const Door& door = GetParam();
   auto random = seededRandom(901);
-  const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
-  const int count = full ? door.full : door.sampled;
+  const bool full = fullCounts() && !WHOLEHAND_SANITIZED;
+  const int count = full ? door.full : std::max(10, cases(door.sampled));
   double longest_s = 0.0;
   for (int i = 0; i < count; ++i) {
     const std::string bytes =

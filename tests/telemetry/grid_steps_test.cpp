@@ -1,14 +1,15 @@
 // A number on a grid is packed as its distance in steps; whatever else comes back to the bit, too.
 #include "telemetry/grid_steps.hpp"
 
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
+
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <random>
-#include <vector>
 
 namespace wholehand::recording {
 namespace {
@@ -37,18 +38,19 @@ TEST(GridSteps, NumbersOnTheGrid_AreCountedInSteps) {
 }
 
 TEST(GridSteps, AnyBitsFromAnyExpectation_ComeBack) {
-  std::mt19937_64 random(1);
+  auto random = test::seededRandom(71);
+  const int count = test::cases(2000);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const double step : kSteps) {
     for (const double expected : {0.0, -0.0, 1.0, -0.3, 5e-324, 1e300, kInfinity, -kInfinity}) {
       for (const double number : {0.0, -0.0, 5e-324, 1.0, kInfinity, expected, expected + step}) {
         expectBack(bits(number), expected, step);
       }
-      for (int i = 0; i < 2000; ++i) expectBack(random(), expected, step);
+      for (int i = 0; i < count; ++i) expectBack(random(), expected, step);
       // Few bits away: their codes are among those that count steps.
-      for (std::uint64_t i = 0; i < 2000; ++i) {
+      for (int i = 0; i < count; ++i) {
         expectBack(bits(expected) + random() % 5'000'000'000ULL, expected, step);
-        expectBack(bits(expected) - i, expected, step);
+        expectBack(bits(expected) - random() % 2000, expected, step);
       }
     }
   }
@@ -57,28 +59,13 @@ TEST(GridSteps, AnyBitsFromAnyExpectation_ComeBack) {
 // A code that counts steps stands for a grid point; that point's own difference of bits may be
 // small itself, and so on. With a step of few bits, such chains are long.
 TEST(GridSteps, NumbersBesideAFineGrid_ComeBack) {
-  std::mt19937_64 random(2);
+  auto random = test::seededRandom(72);
   for (const double step : {std::ldexp(1.0, -50), std::ldexp(1.0, -49), std::ldexp(3.0, -50)}) {
-    for (int i = 0; i < 100'000; ++i) {
+    for (int i = 0; i < test::cases(100'000); ++i) {
       const double expected = std::ldexp(static_cast<double>(random() % 4096), -12);
       expectBack(bits(expected) + random() % 64 - 32, expected, step);
     }
   }
-}
-
-TEST(GridSteps, DifferentNumbers_HaveDifferentCodes) {
-  const GridSteps grid(bits(0.25), 0x1p-20);
-  std::vector<std::uint64_t> codes;
-  for (std::uint64_t i = 0; i < 200'000; ++i) codes.push_back(grid.pack(bits(0.25) - 100'000 + i));
-  for (int k = 0; k < 200'000; ++k) {
-    const double point = k * 0x1p-20;
-    if (std::abs(static_cast<std::int64_t>(bits(point) - bits(0.25))) > 100'000) {
-      codes.push_back(grid.pack(bits(point)));
-    }
-  }
-  const std::size_t all = codes.size();
-  std::sort(codes.begin(), codes.end());
-  EXPECT_EQ(std::unique(codes.begin(), codes.end()) - codes.begin(), all);
 }
 
 }  // namespace

@@ -109,18 +109,22 @@ TEST(TickStatistics, FaultsOfAnAxis_AreCountedByIt) {
   EXPECT_EQ(s.fault_axes[0], none);
 }
 
+/// The source of a hub: as many ticks as are offered, and then none.
+template <class Count>
+auto noisySource(const Count& offered) {
+  return [&offered, next = std::uint64_t{0}, random = std::mt19937_64(1)](TickRecord& r) mutable {
+    if (next >= offered) return false;
+    r = synthetic::noisy(next++, random);
+    return true;
+  };
+}
+
 TEST(TelemetryHub, StopAfterBurst_EverySinkHasEveryRecord) {
   const synthetic::Folder folder;
   auto writer = RecordingWriter::create(folder.file("a.h5"), synthetic::meta()).value();
   TickStatistics statistics;
   std::atomic<std::uint64_t> offered{0};
-  std::uint64_t next = 0;
-  std::mt19937_64 random(1);
-  TelemetryHub hub([&](TickRecord& r) {
-    if (next >= offered) return false;
-    r = synthetic::noisy(next++, random);
-    return true;
-  });
+  TelemetryHub hub(noisySource(offered));
   std::vector<std::uint64_t> seen;
   hub.record(*writer);
   hub.count(statistics);
@@ -166,16 +170,12 @@ class BrokenRecorder final : public CountingRecorder {
   }
 };
 
+constexpr std::uint64_t kHundred = 100;
+
 TEST(TelemetryHub, ConsumersThatThrow_AreAskedNoMoreAndToldOf) {
   BrokenRecorder recorder;
   TickStatistics statistics;
-  std::uint64_t next = 0;
-  std::mt19937_64 random(1);
-  TelemetryHub hub([&](TickRecord& r) {
-    if (next >= 100) return false;
-    r = synthetic::noisy(next++, random);
-    return true;
-  });
+  TelemetryHub hub(noisySource(kHundred));
   int before = 0, after = 0, good = 0;
   hub.record(recorder);
   hub.count(statistics);
