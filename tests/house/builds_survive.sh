@@ -5,11 +5,8 @@ set -euo pipefail
 folder=$(mktemp -d)
 disk=$folder/disk
 trap 'umount "$disk" 2>/dev/null || true; rm -rf "$folder"' EXIT
-wrong() {
-  echo "$1"
-  if [[ -n ${2:-} ]]; then echo "it said: $2"; fi
-  exit 1
-}
+# shellcheck source=tests/house/wrong.sh
+source tests/house/wrong.sh
 
 # Enough of the tree to configure all of it. One small library is built.
 copy_tree() { # <to>

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # A rule that nothing can break is none: every kind of forbidden include must be found.
 set -euo pipefail
+# shellcheck source=tests/house/wrong.sh
+source tests/house/wrong.sh
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
 mkdir -p "$tree/src/core" "$tree/src/control" "$tree/src/physics" "$tree/src/runtime" "$tree/src/new"
@@ -10,14 +12,8 @@ echo '#include "core/fine.hpp"' >"$tree/src/runtime/session.hpp"
 expect() { # <message> <file> <content>
   local said
   printf '%s\n' "$3" >"$tree/src/$2"
-  said=$(python3 scripts/check_includes.py "$tree" 2>&1) && {
-    echo "not found: '$3' in $2"
-    exit 1
-  }
-  grep -qF "$1" <<<"$said" || {
-    echo "expected '$1', got: $said"
-    exit 1
-  }
+  said=$(python3 scripts/check_includes.py "$tree" 2>&1) && wrong "not found: '$3' in $2"
+  grep -qF "$1" <<<"$said" || wrong "expected '$1', got: $said"
   rm "$tree/src/$2"
 }
 

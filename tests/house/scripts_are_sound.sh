@@ -1,24 +1,20 @@
 #!/usr/bin/env bash
 # Shell that parses, runs from anywhere and lists packages that the scripts can read.
 set -euo pipefail
+# shellcheck source=tests/house/wrong.sh
+source tests/house/wrong.sh
 if [[ -e .git ]]; then
   mapfile -t scripts < <(git -c safe.directory="$PWD" ls-files '*.sh')
 else # unpacked from an archive
   mapfile -t scripts < <(find scripts tests clients web/tests -name '*.sh')
 fi
-((${#scripts[@]} > 5)) || {
-  echo "only ${#scripts[@]} scripts were found"
-  exit 1
-}
+((${#scripts[@]} > 5)) || wrong "only ${#scripts[@]} scripts were found"
 scripts+=(start check .ci/run)
 for script in "${scripts[@]}"; do
   bash -n "$script"
 done
 for script in start check .ci/run scripts/build_times.py scripts/check_includes.py scripts/tidy.py; do
-  [[ -x $script ]] || {
-    echo "$script is not executable"
-    exit 1
-  }
+  [[ -x $script ]] || wrong "$script is not executable"
 done
 if command -v shellcheck >/dev/null; then
   shellcheck -x "${scripts[@]}"
@@ -35,10 +31,7 @@ if command -v apt-cache >/dev/null && apt-cache show clang >/dev/null 2>&1; then
   known=" $(apt-cache show --no-all-versions "${packages[@]}" 2>/dev/null |
     sed -n 's/^Package: //p' | tr '\n' ' ') "
   for package in "${packages[@]}"; do
-    [[ $known == *" $package "* ]] || {
-      echo "scripts/packages.txt: Debian knows no package $package"
-      exit 1
-    }
+    [[ $known == *" $package "* ]] || wrong "scripts/packages.txt: Debian knows no package $package"
   done
 fi
 unknown=$(missing_packages dpkg no-such-package-anywhere)
