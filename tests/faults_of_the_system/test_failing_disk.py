@@ -21,10 +21,11 @@ class FailingDisk(AppTest):
 
     def run_over(self, error, ends):
         """A run whose disk fails while it renders; all that it said, and the ticks of its files."""
-        (self.folder / "rec").mkdir()
+        kept = self.folder / errno.errorcode[error]
+        kept.mkdir()
         disk = FaultyDisk(self.folder)
-        run = self.start_app(*FREE_RUN, "--duration", 600, "--no-rehearsal", "--record", "rec/run.h5",
-                             env=disk.environment(self.folder / "rec"))
+        run = self.start_app(*FREE_RUN, "--duration", 600, "--no-rehearsal", "--record", kept / "run.h5",
+                             env=disk.environment(kept))
         self.wait_for_ticks(run)
         disk.fail(error, *WRITES)
         said = ""
@@ -40,36 +41,26 @@ class FailingDisk(AppTest):
         rest, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, said + rest + complained)
         ticks = set()  # the chunk that failed may lie in the file and in its next part
-        for name in self.names_in(self.folder / "rec"):
+        for name in self.names_in(kept):
             if name.endswith(".h5"):
-                with read_recording(self.folder / "rec" / name) as recording:
+                with read_recording(kept / name) as recording:
                     ticks.update(t for t in recording["ticks/tick"] if t != NEVER)
         return said + rest, ticks
 
-    def check(self, error, ends=True):
-        with self.subTest(errno.errorcode[error], ends=ends):
-            said, ticks = self.run_over(error, ends)
-            self.assertIn("faults   none", said)
-            self.assertRegex(said, r"dropped +\d+ records: the disk was full, refused them or was too slow")
-            dropped = int(said.split("dropped ")[1].split()[0])
-            ticks_due, missed = (int(n) for n in re.search(r"(\d+) ticks, (\d+) deadline", said).groups())
-            self.assertGreaterEqual(len(ticks), ticks_due - missed - dropped, "a tick that was written is not read")
-            self.assertGreater(len(ticks), 500)  # a chunk of 250 may wait in memory when the disk fails
+    def check(self, error, ends):
+        said, ticks = self.run_over(error, ends)
+        self.assertIn("faults   none", said)
+        self.assertRegex(said, r"dropped +\d+ records: the disk was full, refused them or was too slow")
+        dropped = int(said.split("dropped ")[1].split()[0])
+        ticks_due, missed = (int(n) for n in re.search(r"(\d+) ticks, (\d+) deadline", said).groups())
+        self.assertGreaterEqual(len(ticks), ticks_due - missed - dropped, "a tick that was written is not read")
+        self.assertGreater(len(ticks), 500)  # a chunk of 250 may wait in memory when the disk fails
 
-    def test_that_breaks_and_mends(self):
-        self.check(errno.EIO)
-
-    def test_that_is_full(self):
-        self.check(errno.ENOSPC)
-
-    def test_that_is_beyond_its_quota(self):
-        self.check(errno.EDQUOT)
-
-    def test_that_becomes_read_only_for_good(self):
-        self.check(errno.EROFS, ends=False)
-
-    def test_that_is_taken_away_for_good(self):
-        self.check(errno.ENODEV, ends=False)
+    def test_of_every_kind_the_loop_goes_on_and_every_written_tick_is_read(self):
+        for error, ends in ((errno.EIO, True), (errno.ENOSPC, True), (errno.EDQUOT, True), (errno.EROFS, False),
+                            (errno.ENODEV, False)):
+            with self.subTest(errno.errorcode[error], ends=ends):
+                self.check(error, ends)
 
 
 if __name__ == "__main__":
