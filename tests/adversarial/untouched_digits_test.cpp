@@ -3,6 +3,7 @@
 #include "adversarial/attack.hpp"
 #include "adversarial/digit_watch.hpp"
 #include "patient/scripted_player.hpp"
+#include "support/axes.hpp"
 #include "support/constants.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
@@ -25,9 +26,7 @@ ModelFiles barFiles(const std::string& exercise, int level, const std::string& h
 }
 
 AxisPosition pose(double x_m, double y_m, double fingers, double turn, double thumb) {
-  AxisPosition q(6);
-  q[0] = x_m, q[1] = y_m, q[3] = fingers, q[4] = turn, q[5] = thumb;
-  return q;
+  return of<AxisPosition>(x_m, y_m, 0.0, fingers, turn, thumb);
 }
 
 /// A relaxed adult with a median right hand in level 1 of the bar, who moves drawn back into a

@@ -1,6 +1,7 @@
 #include "control/adaptive_damping.hpp"
 
 #include "realtime/allocation_counter.hpp"
+#include "support/axes.hpp"
 #include "support/constants.hpp"
 #include "support/seed.hpp"
 
@@ -128,17 +129,10 @@ AdaptiveDampingConfig fourAxes() {
   return c;
 }
 
-AxisEffort efforts(double a, double b, double c, double d) {
-  AxisEffort f(4);
-  f[0] = a;
-  f[1] = b;
-  f[2] = c;
-  f[3] = d;
-  return f;
-}
+const auto fourEfforts = of<AxisEffort, double, double, double, double>;
 
 TEST(AdaptiveDamping, Equation5_HandAxesTheirOwnBaseAxesTheLargest) {
-  const auto s = adaptDamping({}, efforts(9.0, 3.0, 2.0, -5.0), fourAxes(), 1, kPeriod_s);
+  const auto s = adaptDamping({}, fourEfforts(9.0, 3.0, 2.0, -5.0), fourAxes(), 1, kPeriod_s);
   EXPECT_DOUBLE_EQ(s.phi[2], 0.2);
   EXPECT_DOUBLE_EQ(s.phi[3], 0.5);
   EXPECT_DOUBLE_EQ(s.phi[0], 0.5);  // not its own 0.9: Eq. (5) as printed
@@ -146,7 +140,7 @@ TEST(AdaptiveDamping, Equation5_HandAxesTheirOwnBaseAxesTheLargest) {
 }
 
 TEST(AdaptiveDamping, PalmContact_RaisesItsOwnAxis) {
-  const auto s = adaptDamping({}, efforts(0.0, 8.0, 2.0, 0.0), fourAxes(), 1, kPeriod_s);
+  const auto s = adaptDamping({}, fourEfforts(0.0, 8.0, 2.0, 0.0), fourAxes(), 1, kPeriod_s);
   EXPECT_DOUBLE_EQ(s.phi[1], 0.8);
   EXPECT_DOUBLE_EQ(s.phi[0], 0.2);
 }
@@ -155,7 +149,7 @@ TEST(AdaptiveDamping, DeviceWithoutHandAxes_DampsEachAxisByItsOwn) {
   AdaptiveDampingConfig c = fourAxes();
   c.hand_axis = AxisFlag(4);
   c.palm_contact = AxisFlag(4);
-  const auto s = adaptDamping({}, efforts(9.0, 3.0, 2.0, -5.0), c, 1, kPeriod_s);
+  const auto s = adaptDamping({}, fourEfforts(9.0, 3.0, 2.0, -5.0), c, 1, kPeriod_s);
   EXPECT_DOUBLE_EQ(s.phi[0], 0.9);
   EXPECT_DOUBLE_EQ(s.phi[1], 0.3);
   EXPECT_DOUBLE_EQ(s.phi[2], 0.2);
@@ -164,8 +158,8 @@ TEST(AdaptiveDamping, DeviceWithoutHandAxes_DampsEachAxisByItsOwn) {
 
 TEST(AdaptiveDamping, StateRemembersPerAxis_NotTheLargest) {
   const AdaptiveDampingConfig c = fourAxes();
-  auto s = adaptDamping({}, efforts(0.0, 0.0, 10.0, 0.0), c, 1, kPeriod_s);
-  s = adaptDamping(s, efforts(0.0, 0.0, 0.0, 0.0), c, 300, kPeriod_s);
+  auto s = adaptDamping({}, fourEfforts(0.0, 0.0, 10.0, 0.0), c, 1, kPeriod_s);
+  s = adaptDamping(s, fourEfforts(0.0, 0.0, 0.0, 0.0), c, 300, kPeriod_s);
   EXPECT_NEAR(s.phi[2], std::exp(-1.0), tolerance(1e-12));
   EXPECT_NEAR(s.phi[0], std::exp(-1.0), tolerance(1e-12));
   EXPECT_EQ(s.own[0], 0.0);
@@ -196,7 +190,7 @@ TEST(AdaptiveDamping, FilesOfDeviceAndGains_AreMatchedAxisByAxis) {
 TEST(AdaptiveDamping, InTheTick_DoesNotAllocate) {
   const AdaptiveDampingConfig c = fourAxes();
   const AllocationScope scope;
-  const auto s = adaptDamping({}, efforts(9.0, 3.0, 2.0, -5.0), c, 1, kPeriod_s);
+  const auto s = adaptDamping({}, fourEfforts(9.0, 3.0, 2.0, -5.0), c, 1, kPeriod_s);
   EXPECT_EQ(scope.allocations(), 0U);
   EXPECT_EQ(s.phi.size(), 4);
 }

@@ -20,14 +20,11 @@ class ShippedGains : public testing::TestWithParam<Shipped> {
  protected:
   void SetUp() override {
     const std::string root = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-    const auto device = orThrow(loadDeviceFile(root + "devices/" + GetParam().name + ".toml"));
-    device_ = device;
-    const auto rendering =
+    device_ = orThrow(loadDeviceFile(root + "devices/" + GetParam().name + ".toml"));
+    rendering_ =
         orThrow(loadRenderingFile(root + "rendering/" + GetParam().name + ".toml", device_));
-    rendering_ = rendering;
-    const auto file = orThrow(loadHandFile(root + "hands/" + GetParam().hand));
-    const auto hand = orThrow(assembleHand(file, device_));
-    hand_ = hand;
+    hand_ =
+        orThrow(assembleHand(orThrow(loadHandFile(root + "hands/" + GetParam().hand)), device_));
   }
 
   AxisMatrix inertiaAt(const AxisPosition& q_s) const {

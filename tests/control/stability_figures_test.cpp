@@ -38,15 +38,11 @@ TEST(StabilityFigures, RigidContactTable_SimulatedBoundaryIsThePredictedOne) {
 }
 
 TEST(StabilityFigures, ZWidthTable_SimulatedBoundaryIsThePredictedOne) {
-  const double dampings[] = {0, 2, 5, 10, 20, 40};
-  const std::tuple<int, double, std::array<double, 6>> rows[] = {
-      {0, 30, {2001, 4907, 8073, 11941, 17349, 24330}},
-      {1, 30, {667, 1812, 3210, 5018, 7555, 10546}},
-      {1, 100, {667, 1959, 3797, 6618, 11492, 18873}}};
   double worst = 0.0;
-  for (const auto& [delay, filter_hz, table] : rows) {
+  for (const auto& [delay, filter_hz, table] : kDampedContactTable) {
+    if (filter_hz != 30.0 && (delay != 1 || filter_hz != 100.0)) continue;
     for (std::size_t i = 0; i < 6; ++i) {
-      const AxisLoop l = loopOf(0.5, 1.0, delay, table[i], dampings[i], filter_hz);
+      const AxisLoop l = loopOf(0.5, 1.0, delay, table[i], kDampings[i], filter_hz);
       const double simulated = simulatedStiffness(l, ContactCase::kRigid, table[i], 100000);
       EXPECT_NEAR(simulated, table[i], tolerance(kSide) * table[i]) << delay << " " << filter_hz;
       worst = std::max(worst, std::abs(simulated / table[i] - 1.0));

@@ -5,6 +5,7 @@
 #include "control/bilateral_coupling.hpp"
 #include "control/velocity_estimator.hpp"
 #include "one_axis_gains.hpp"
+#include "reference_tables.hpp"
 #include "support/seed.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -28,56 +29,21 @@ double largestStiffness(AxisLoop l) {
   return low;
 }
 
-struct TableA {
-  double mass, damping;
-  int delay;
-  double stiffness;
-};
-
-// Reference: an independent program (series for the matrix exponential, Gelfand's formula by
-// repeated squaring instead of eigenvalues), and within 2 % b / (T (1/2 + n)) of Gil et al. 2009.
-class RigidContact : public testing::TestWithParam<TableA> {};
-
-TEST_P(RigidContact, LargestStiffness_EqualsReferenceTable) {
-  const TableA& row = GetParam();
-  const double k = largestStiffness(loopOf(row.mass, row.damping, row.delay, 1.0, 0.0, 30.0));
-  EXPECT_NEAR(k, row.stiffness, 0.001 * row.stiffness + 0.5);
-  EXPECT_NEAR(k, row.damping / (1e-3 * (0.5 + row.delay)), 0.025 * k);
+// Within 2.5 % of b / (T (1/2 + n)) of Gil et al. 2009, too.
+TEST(ClosedLoop, RigidContact_EqualsReferenceTable) {
+  for (const auto& [mass, damping, delay, stiffness] : kRigidContactTable) {
+    const double k = largestStiffness(loopOf(mass, damping, delay, 1.0, 0.0, 30.0));
+    EXPECT_NEAR(k, stiffness, 0.001 * stiffness + 0.5) << mass << " " << damping << " " << delay;
+    EXPECT_NEAR(k, damping / (1e-3 * (0.5 + delay)), 0.025 * k);
+  }
 }
 
-INSTANTIATE_TEST_SUITE_P(TableA, RigidContact,
-                         testing::ValuesIn(std::vector<TableA>{
-                             {0.1, 0.2, 0, 400},   {0.1, 0.2, 1, 133},  {0.1, 0.2, 2, 80},
-                             {0.1, 1.0, 0, 2003},  {0.1, 1.0, 1, 669},  {0.1, 1.0, 2, 402},
-                             {0.1, 5.0, 0, 10084}, {0.1, 5.0, 1, 3379}, {0.1, 5.0, 2, 2042},
-                             {0.5, 1.0, 0, 2001},  {0.5, 1.0, 1, 667},  {0.5, 1.0, 2, 400},
-                             {0.5, 5.0, 0, 10017}, {0.5, 5.0, 1, 3343}, {0.5, 5.0, 2, 2009},
-                             {1.0, 0.2, 0, 401},   {1.0, 0.2, 1, 134},  {1.0, 1.0, 2, 400},
-                             {1.0, 5.0, 0, 10009}, {1.0, 5.0, 1, 3338}, {1.0, 5.0, 2, 2004}}));
-
 TEST(ClosedLoop, DampedRigidContact_EqualsReferenceTable) {
-  const double dampings[] = {0, 2, 5, 10, 20, 40};
-  struct Row {
-    int delay;
-    double filter_hz;
-    double stiffness[6];
-  };
-  // Same reference; m = 0.5 kg, b = 1 N·s/m; columns Φ K_dm.
-  const Row rows[] = {{0, 0, {2001, 5978, 11885, 21572, 40368, 75724}},
-                      {0, 100, {2001, 5762, 10901, 18429, 30785, 49059}},
-                      {0, 30, {2001, 4907, 8073, 11941, 17349, 24330}},
-                      {0, 10, {2001, 3331, 4571, 5985, 7882, 10262}},
-                      {1, 0, {667, 1992, 3958, 7174, 13384, 24906}},
-                      {1, 100, {667, 1959, 3797, 6618, 11492, 18873}},
-                      {1, 50, {667, 1904, 3559, 5903, 9527, 14259}},
-                      {1, 30, {667, 1812, 3210, 5018, 7555, 10546}},
-                      {1, 10, {667, 1368, 2025, 2748, 3644, 4587}}};
-  for (const Row& row : rows) {
-    for (int i = 0; i < 6; ++i) {
-      const double k =
-          largestStiffness(loopOf(0.5, 1.0, row.delay, 1.0, dampings[i], row.filter_hz));
-      EXPECT_NEAR(k, row.stiffness[i], 0.001 * row.stiffness[i] + 0.5)
-          << "n " << row.delay << " filter " << row.filter_hz << " ΦK_dm " << dampings[i];
+  for (const auto& [delay, filter_hz, table] : kDampedContactTable) {
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double k = largestStiffness(loopOf(0.5, 1.0, delay, 1.0, kDampings[i], filter_hz));
+      EXPECT_NEAR(k, table[i], 0.001 * table[i] + 0.5)
+          << "n " << delay << " filter " << filter_hz << " ΦK_dm " << kDampings[i];
     }
   }
 }

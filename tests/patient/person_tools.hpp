@@ -2,6 +2,7 @@
 
 #include "model/device_model.hpp"
 #include "model/patient/patient_config.hpp"
+#include "support/axes.hpp"
 
 #include <initializer_list>
 
@@ -9,10 +10,7 @@
 namespace wholehand::test {
 
 inline AxisPosition pose(double a, double b) {
-  AxisPosition q(2);
-  q[0] = a;
-  q[1] = b;
-  return q;
+  return of<AxisPosition>(a, b);
 }
 
 struct Moved {

@@ -1,6 +1,7 @@
 #include "safety/force_limiter.hpp"
 
 #include "realtime/allocation_counter.hpp"
+#include "support/axes.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -12,28 +13,23 @@
 namespace wholehand::test {
 namespace {
 
-AxisEffort three(double a, double b, double c) {
-  AxisEffort f(3);
-  f[0] = a;
-  f[1] = b;
-  f[2] = c;
-  return f;
+/// Efforts of three axes against limits of 20, 0.6 and 1.
+LimitedEffort limited(double a, double b, double c) {
+  return limitEffort(of<AxisEffort>(a, b, c), of<AxisEffort>(20.0, 0.6, 1.0));
 }
 
 void expectEffort(const LimitedEffort& out, double a, double b, double c) {
-  EXPECT_EQ(out.effort[0], a);
-  EXPECT_EQ(out.effort[1], b);
-  EXPECT_EQ(out.effort[2], c);
+  EXPECT_EQ(out.effort.vec(), of<AxisEffort>(a, b, c).vec());
 }
 
 TEST(ForceLimiter, EffortsWithinLimits_PassUntouchedWithoutFault) {
-  const LimitedEffort out = limitEffort(three(20.0, -0.6, 0.0), three(20.0, 0.6, 1.0));
+  const LimitedEffort out = limited(20.0, -0.6, 0.0);
   expectEffort(out, 20.0, -0.6, 0.0);
   EXPECT_EQ(out.faults, Fault::kNone);
 }
 
 TEST(ForceLimiter, EffortsBeyondLimits_AreClampedAndReportedWithoutStopping) {
-  const LimitedEffort out = limitEffort(three(20.001, -7.0, 0.1), three(20.0, 0.6, 1.0));
+  const LimitedEffort out = limited(20.001, -7.0, 0.1);
   expectEffort(out, 20.0, -0.6, 0.1);
   EXPECT_EQ(out.faults, Fault::kEffortLimit);
   EXPECT_FALSE(any(out.faults & kStopping));
@@ -41,7 +37,7 @@ TEST(ForceLimiter, EffortsBeyondLimits_AreClampedAndReportedWithoutStopping) {
 
 TEST(ForceLimiter, NonFiniteEffort_BecomesZeroAndStops) {
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
-    const LimitedEffort out = limitEffort(three(1.0, bad, 2.0), three(20.0, 0.6, 1.0));
+    const LimitedEffort out = limited(1.0, bad, 2.0);
     expectEffort(out, 1.0, 0.0, 1.0);
     EXPECT_EQ(out.faults, Fault::kNonFiniteEffort | Fault::kEffortLimit);
     EXPECT_TRUE(any(out.faults & kStopping));
@@ -77,7 +73,7 @@ TEST(ForceLimiter, AnyBits_ComeOutFiniteAndWithinLimits) {
 
 TEST(ForceLimiter, InTheTick_DoesNotAllocate) {
   const AllocationScope scope;
-  const LimitedEffort out = limitEffort(three(1.0, 2.0, 3.0), three(1.0, 1.0, 1.0));
+  const LimitedEffort out = limited(1.0, 2.0, 3.0);
   EXPECT_EQ(scope.allocations(), 0U);
   EXPECT_EQ(out.effort[2], 1.0);
 }

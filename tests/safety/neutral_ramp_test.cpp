@@ -1,6 +1,7 @@
 #include "safety/neutral_ramp.hpp"
 
 #include "realtime/allocation_counter.hpp"
+#include "support/axes.hpp"
 #include "support/constants.hpp"
 #include "support/tolerance.hpp"
 
@@ -14,14 +15,8 @@ namespace {
 
 const NeutralRampConfig kRamp;
 
-AxisEffort pairOf(double a, double b) {
-  AxisEffort f(2);
-  f[0] = a;
-  f[1] = b;
-  return f;
-}
-const AxisEffort kNeutral = pairOf(4.0, -0.1);  // e.g. carries the device's own weight
-const AxisEffort kWanted = pairOf(-12.0, 0.5);
+const AxisEffort kNeutral = of<AxisEffort>(4.0, -0.1);  // e.g. carries the device's own weight
+const AxisEffort kWanted = of<AxisEffort>(-12.0, 0.5);
 
 NeutralRampState tick(const NeutralRampState& s, const AxisEffort& wanted, bool stop, int k = 1) {
   return advanceRamp(s, wanted, kNeutral, stop, k, kPeriod_s, kRamp);
@@ -75,7 +70,7 @@ TEST(NeutralRamp, StallWhileEngaging_DoesNotEndInAStep) {
 TEST(NeutralRamp, Stop_FollowsTheSmoothstepFromTheLastEffortToExactlyNeutral) {
   NeutralRampState s = engaged();
   for (int k = 1; k <= 120; ++k) {
-    s = tick(s, pairOf(1e9, 1e9), true);  // what is wanted now is not looked at
+    s = tick(s, of<AxisEffort>(1e9, 1e9), true);  // what is wanted now is not looked at
     const double share = 1.0 - smooth(k * kPeriod_s / kRamp.ramp_s);
     EXPECT_NEAR(s.sent[0], 4.0 + share * (-12.0 - 4.0), tolerance(1e-11));
     EXPECT_NEAR(s.authority, share, tolerance(1e-12));
@@ -89,7 +84,7 @@ TEST(NeutralRamp, Stop_FollowsTheSmoothstepFromTheLastEffortToExactlyNeutral) {
 TEST(NeutralRamp, FirstTickOfAStop_BarelyDiffersFromTheLastGoodEffort) {
   const NeutralRampState before = engaged();
   for (const int skipped : {0, 3, 80, 5000}) {  // a stall before the fault does not shorten the way
-    const NeutralRampState s = tick(before, pairOf(99.0, 99.0), true, 1 + skipped);
+    const NeutralRampState s = tick(before, of<AxisEffort>(99.0, 99.0), true, 1 + skipped);
     EXPECT_EQ(s.phase, RampPhase::kRamping);
     EXPECT_NEAR(s.sent[0], -12.0, 16.0 * 3.0 * (1.0 / 80.0) * (1.0 / 80.0));  // 3u² of the span
     EXPECT_GT(s.sent[0], -12.0);
@@ -108,7 +103,7 @@ TEST(NeutralRamp, NeutralIsTheEnd_NothingRisesAgain) {
 
 TEST(NeutralRamp, NonFiniteEffort_IsAStopAndIsNeverSent) {
   for (const double bad : {std::nan(""), HUGE_VAL}) {
-    NeutralRampState s = tick(engaged(), pairOf(bad, 0.0), false);
+    NeutralRampState s = tick(engaged(), of<AxisEffort>(bad, 0.0), false);
     EXPECT_EQ(s.phase, RampPhase::kRamping);
     EXPECT_TRUE(allFinite(s.sent));
   }
@@ -141,7 +136,8 @@ TEST(NeutralRamp, ConfiguredSlowerThanAllowed_StillEndsIn100Milliseconds) {
 
 // ---- after a stall, while rendering
 
-const AxisEffort kWantedNow = pairOf(9.0, -0.5);  // far from kWanted: the device has moved on
+const AxisEffort kWantedNow =
+    of<AxisEffort>(9.0, -0.5);  // far from kWanted: the device has moved on
 
 TEST(NeutralRamp, StallLongerThanTheGap_EngagesAnewFromTheEffortThatWasHeld) {
   NeutralRampState s = engaged();

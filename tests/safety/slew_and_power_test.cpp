@@ -1,5 +1,6 @@
 #include "safety/power_limiter.hpp"
 #include "safety/slew_limiter.hpp"
+#include "support/axes.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -11,15 +12,8 @@
 namespace wholehand::test {
 namespace {
 
-template <class Array>
-Array two(double a, double b) {
-  Array out(2);
-  out[0] = a;
-  out[1] = b;
-  return out;
-}
-const auto effort = two<AxisEffort>;
-const auto speed = two<AxisVelocity>;
+const auto force = of<AxisEffort, double, double>;
+const auto rate = of<AxisVelocity, double, double>;
 
 /// What was sent, the oldest first.
 SlewWindow sentBefore(const std::vector<AxisEffort>& efforts) {
@@ -30,41 +24,38 @@ SlewWindow sentBefore(const std::vector<AxisEffort>& efforts) {
 
 TEST(SlewLimiter, ChangeWithinTheLimit_PassesBitByBit) {
   const LimitedEffort out =
-      limitSlew(effort(5.0, -1.0), sentBefore({effort(0.0, 0.0)}), effort(5.0, 1.0));
-  EXPECT_EQ(out.effort[0], 5.0);
-  EXPECT_EQ(out.effort[1], -1.0);
+      limitSlew(force(5.0, -1.0), sentBefore({force(0.0, 0.0)}), force(5.0, 1.0));
+  EXPECT_EQ(out.effort.vec(), force(5.0, -1.0).vec());
   EXPECT_EQ(out.faults, Fault::kNone);
   EXPECT_EQ(out.axis, -1);
 }
 
 TEST(SlewLimiter, ChangeBeyondTheLimit_IsHeldAndNamesTheAxis) {
   const LimitedEffort out =
-      limitSlew(effort(1.0, -7.0), sentBefore({effort(0.5, -1.0)}), effort(5.0, 2.0));
-  EXPECT_EQ(out.effort[0], 1.0);
-  EXPECT_EQ(out.effort[1], -3.0);  // -1 - 2
+      limitSlew(force(1.0, -7.0), sentBefore({force(0.5, -1.0)}), force(5.0, 2.0));
+  EXPECT_EQ(out.effort.vec(), force(1.0, -3.0).vec());  // -1 - 2
   EXPECT_EQ(out.faults, Fault::kEffortSlew);
   EXPECT_EQ(out.axis, 1);
 }
 
 // A step of 20 N at 5 N a period is there in four.
 TEST(SlewLimiter, Step_ArrivesAfterItsHeightOverTheLimit) {
-  AxisEffort sent = effort(-10.0, 0.0);
+  AxisEffort sent = force(-10.0, 0.0);
   for (int k = 1; k <= 4; ++k) {
-    sent = limitSlew(effort(10.0, 0.0), sentBefore({sent}), effort(5.0, 5.0)).effort;
+    sent = limitSlew(force(10.0, 0.0), sentBefore({sent}), force(5.0, 5.0)).effort;
     EXPECT_EQ(sent[0], -10.0 + 5.0 * k);
   }
-  EXPECT_EQ(limitSlew(effort(10.0, 0.0), sentBefore({sent}), effort(5.0, 5.0)).faults,
-            Fault::kNone);
+  EXPECT_EQ(limitSlew(force(10.0, 0.0), sentBefore({sent}), force(5.0, 5.0)).faults, Fault::kNone);
 }
 
 // Four ticks in the window: a step of the whole limit in one of them, and nothing more until the
 // effort before it has left the window.
 TEST(SlewLimiter, StepAtAHighRate_IsAsHighAsInAMillisecondAndNoHigher) {
   SlewWindow window(4);
-  AxisEffort sent = effort(0.0, 0.0);
+  AxisEffort sent = force(0.0, 0.0);
   for (int k = 0; k < 12; ++k) {
     window.note(sent);
-    sent = limitSlew(effort(100.0, -1.0), window, effort(5.0, 1.0)).effort;
+    sent = limitSlew(force(100.0, -1.0), window, force(5.0, 1.0)).effort;
     EXPECT_EQ(sent[0], 5.0 * (1 + k / 4)) << k;
     EXPECT_EQ(sent[1], -1.0) << k;
   }
@@ -81,9 +72,9 @@ TEST(SlewLimiter, Window_IsAMillisecondOrOneTick) {
 
 // A device that refused efforts holds another than was sent: it is gone on from there.
 TEST(SlewLimiter, EffortsFurtherApartThanTheLimit_AreGoneOnFromTheLast) {
-  const SlewWindow window = sentBefore({effort(0.0, 0.0), effort(20.0, 0.0)});
-  EXPECT_EQ(limitSlew(effort(30.0, 0.0), window, effort(5.0, 5.0)).effort[0], 20.0);
-  EXPECT_EQ(limitSlew(effort(0.0, 0.0), window, effort(5.0, 5.0)).effort[0], 15.0);
+  const SlewWindow window = sentBefore({force(0.0, 0.0), force(20.0, 0.0)});
+  EXPECT_EQ(limitSlew(force(30.0, 0.0), window, force(5.0, 5.0)).effort[0], 20.0);
+  EXPECT_EQ(limitSlew(force(0.0, 0.0), window, force(5.0, 5.0)).effort[0], 15.0);
 }
 
 // In any window of a millisecond efforts differ by no more than the limit, whatever is wanted.
@@ -105,15 +96,14 @@ TEST(SlewLimiter, WhateverIsWanted_DiffersByTheLimitAtMostWithinTheWindow) {
 
 TEST(PowerLimiter, BelowTheLimit_PassesBitByBit) {
   const LimitedEffort out =
-      limitPower(effort(10.0, 2.0), effort(0.0, 0.0), speed(1.0, 1.0), 12.0 + 1e-9);
-  EXPECT_EQ(out.effort[0], 10.0);
-  EXPECT_EQ(out.effort[1], 2.0);
+      limitPower(force(10.0, 2.0), force(0.0, 0.0), rate(1.0, 1.0), 12.0 + 1e-9);
+  EXPECT_EQ(out.effort.vec(), force(10.0, 2.0).vec());
   EXPECT_EQ(out.faults, Fault::kNone);
 }
 
 // 10 N at 1 m/s and 2 N·m at 5 rad/s are 20 W; of 5 W a quarter is left of both.
 TEST(PowerLimiter, AboveTheLimit_HoldsWhatPushesToEqualShares) {
-  const LimitedEffort out = limitPower(effort(10.0, 2.0), effort(0.0, 0.0), speed(1.0, 5.0), 5.0);
+  const LimitedEffort out = limitPower(force(10.0, 2.0), force(0.0, 0.0), rate(1.0, 5.0), 5.0);
   EXPECT_NEAR(out.effort[0], 2.5, tolerance(1e-12));
   EXPECT_NEAR(out.effort[1], 0.5, tolerance(1e-12));
   EXPECT_EQ(out.faults, Fault::kPowerLimit);
@@ -121,7 +111,7 @@ TEST(PowerLimiter, AboveTheLimit_HoldsWhatPushesToEqualShares) {
 
 // 1 W and 20 W within 5 W: the small one keeps its effort, the other has the 4 W left.
 TEST(PowerLimiter, AxisThatGivesLittle_KeepsItsEffort) {
-  const LimitedEffort out = limitPower(effort(1.0, 20.0), effort(0.0, 0.0), speed(1.0, 1.0), 5.0);
+  const LimitedEffort out = limitPower(force(1.0, 20.0), force(0.0, 0.0), rate(1.0, 1.0), 5.0);
   EXPECT_EQ(out.effort[0], 1.0);
   EXPECT_NEAR(out.effort[1], 4.0, tolerance(1e-12));
   EXPECT_EQ(out.axis, 1);
@@ -130,11 +120,8 @@ TEST(PowerLimiter, AxisThatGivesLittle_KeepsItsEffort) {
 // 1, 5 and 10 W of which 9 are allowed: an equal part is 3, the first leaves 2 of it to the others,
 // 4 each.
 TEST(PowerLimiter, WhatOneLeaves_IsTheOthers) {
-  AxisEffort wanted(3);
-  AxisVelocity qd(3);
-  wanted[0] = 1.0, wanted[1] = -2.5, wanted[2] = 5.0;
-  qd[0] = 1.0, qd[1] = -2.0, qd[2] = 2.0;
-  const LimitedEffort out = limitPower(wanted, AxisEffort(3), qd, 9.0);
+  const LimitedEffort out = limitPower(of<AxisEffort>(1.0, -2.5, 5.0), AxisEffort(3),
+                                       of<AxisVelocity>(1.0, -2.0, 2.0), 9.0);
   EXPECT_EQ(out.effort[0], 1.0);
   EXPECT_NEAR(out.effort[1], -2.0, tolerance(1e-12));
   EXPECT_NEAR(out.effort[2], 2.0, tolerance(1e-12));
@@ -144,8 +131,7 @@ TEST(PowerLimiter, WhatOneLeaves_IsTheOthers) {
 // Noise of a velocity around 0: 10 N at a nanometer a second is no power worth taking away.
 TEST(PowerLimiter, AxisThatHardlyMoves_KeepsItsEffortWhateverTheOthersGive) {
   for (const double noise : {1e-9, -1e-9}) {
-    const LimitedEffort out =
-        limitPower(effort(10.0, 2.0), effort(0.0, 0.0), speed(noise, 10.0), 5.0);
+    const LimitedEffort out = limitPower(force(10.0, 2.0), force(0.0, 0.0), rate(noise, 10.0), 5.0);
     EXPECT_EQ(out.effort[0], 10.0);
     EXPECT_NEAR(out.effort[1] * 10.0, 5.0 - std::max(10.0 * noise, 0.0), tolerance(1e-12));
     EXPECT_EQ(out.axis, 1);
@@ -153,21 +139,21 @@ TEST(PowerLimiter, AxisThatHardlyMoves_KeepsItsEffortWhateverTheOthersGive) {
 }
 
 TEST(PowerLimiter, WhatBrakes_StaysAndIsNotCreditedToTheOthers) {
-  const LimitedEffort out = limitPower(effort(10.0, -9.0), effort(0.0, 0.0), speed(1.0, 1.0), 5.0);
+  const LimitedEffort out = limitPower(force(10.0, -9.0), force(0.0, 0.0), rate(1.0, 1.0), 5.0);
   EXPECT_NEAR(out.effort[0], 5.0, tolerance(1e-12));
   EXPECT_EQ(out.effort[1], -9.0);
 }
 
 TEST(PowerLimiter, WeightOfTheDevice_IsCarriedWhateverTheMotion) {
-  const LimitedEffort out = limitPower(effort(8.0, 0.0), effort(8.0, 0.0), speed(100.0, 0.0), 1.0);
+  const LimitedEffort out = limitPower(force(8.0, 0.0), force(8.0, 0.0), rate(100.0, 0.0), 1.0);
   EXPECT_EQ(out.effort[0], 8.0);
   EXPECT_EQ(out.faults, Fault::kNone);
 }
 
 TEST(PowerLimiter, AtRestOrWithoutALimit_LetsEverythingPass) {
   const double none = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(limitPower(effort(20.0, 1.0), effort(0.0, 0.0), speed(0.0, 0.0), 1.0).effort[0], 20.0);
-  EXPECT_EQ(limitPower(effort(20.0, 1.0), effort(0.0, 0.0), speed(9.0, 9.0), none).effort[0], 20.0);
+  EXPECT_EQ(limitPower(force(20.0, 1.0), force(0.0, 0.0), rate(0.0, 0.0), 1.0).effort[0], 20.0);
+  EXPECT_EQ(limitPower(force(20.0, 1.0), force(0.0, 0.0), rate(9.0, 9.0), none).effort[0], 20.0);
 }
 
 /// Σ min(pᵢ, share).
