@@ -15,7 +15,7 @@ ALWAYS = "(whatever the machine does) "
 KEPT_WAITING_S = 0.005  # watched_main.hpp says why
 HANG_S = 300.0  # ends what hangs, not what is slow
 
-# Sleeps a millisecond at a time; tells at every line how much longer than that it took at most, so far.
+# Sleeps a millisecond at a time; tells at every line how much longer than that it took at most, since the last.
 SLEEPER = """
 import select, sys, time
 longest, last = 0.0, time.monotonic()
@@ -27,6 +27,7 @@ while True:
         if not sys.stdin.readline():
             break
         print(longest, flush=True)
+        longest = 0.0
 """
 
 
@@ -36,12 +37,15 @@ class Sleeper:
     def __init__(self):
         self.process = subprocess.Popen([sys.executable, "-ISc", SLEEPER], text=True, stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE)
-        self.longest_s()  # from here on
+        self.longest = 0.0
+        self.longest_s()
+        self.longest = 0.0  # from here on
 
     def longest_s(self):
         self.process.stdin.write("\n")
         self.process.stdin.flush()
-        return float(self.process.stdout.readline())
+        self.longest = max(self.longest, float(self.process.stdout.readline()))
+        return self.longest
 
     def end(self):
         self.process.communicate()

@@ -59,6 +59,7 @@ struct Ran {
 };
 
 Ran ranItself(const std::string& filter) {
+  seesRealTime();
   const std::string command = "exec '" + std::string("/proc/") + std::to_string(::getpid()) +
                               "/exe' --gtest_also_run_disabled_tests --gtest_filter='" + filter +
                               "' 2>&1";
