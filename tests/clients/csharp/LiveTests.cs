@@ -37,18 +37,10 @@ public static class LiveTests
 
     public static void AtOneKilohertz_StatesComeCompleteAndInOrder()
     {
-        int seconds = Runner.Full ? 60 : 2;
         using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
         {
-            ulong last = 0;
-            long backwards = 0;
             var events = new List<float>();
-            client.StateReceived += s =>
-            {
-                if (s.Tick <= last) ++backwards;
-                last = s.Tick;
-            };
             client.EventsReceived += e =>
             {
                 lock (events)
@@ -57,24 +49,12 @@ public static class LiveTests
                 }
             };
             Check.Until(() => client.Statistics.Received > 500, "mono has compiled what is needed");
-            client.Statistics.Reset();
-            Thread.Sleep(1000 * seconds);
-            ClientStatistics s1 = client.Statistics;
-            long received = s1.Received, lost = s1.Lost, disorder = s1.OutOfOrder;
-            double p50 = s1.LatencyMs(50), p99 = s1.LatencyMs(99), max = s1.MaxLatencyMs, share = s1.Share;
-            Console.WriteLine("figure: UDP at 1 kHz to mono, {0} s: {1} received, {2} lost ({3:0.00000} %), "
-                + "{4} out of order; latency p50 {5:0.00} ms, p99 {6:0.00} ms, max {7:0.00} ms",
-                seconds, received, lost, 100.0 * share, disorder, p50, p99, max);
-            Check.True(share >= 0.999, "less than 99.9 % received");
-            Check.Equal(0L, disorder, "out of order");
-            Check.Equal(0L, backwards, "ticks that go back");
-            // A second of 1 kHz is a thousand states, whatever the machine does: late ones come in a batch.
-            Check.True(received > 0.9 * 1000 * seconds, "less than 900 Hz arrived: " + received);
-            Latency.Judge(p99, program.End());
+            States.Judge(client, "UDP at 1 kHz to mono");
+            program.End();
             lock (events)
             {
                 for (int i = 1; i < events.Count; ++i) Check.Equal(events[i - 1] + 1, events[i], "events in order");
-                Check.True(events.Count >= 4 * seconds, "an event every 250 ms");
+                Check.True(events.Count >= 8, "an event every 250 ms");
             }
         }
     }

@@ -1,6 +1,3 @@
-using System;
-using System.Collections.Generic;
-using System.Threading;
 using Wholehand;
 using wholehand.protocol;
 
@@ -9,51 +6,11 @@ using wholehand.protocol;
 [Tests]
 public static class RealTests
 {
-    /// <summary>How late this machine wakes a thread that does nothing, p99 in ms: what a busy machine
-    /// adds to every latency.</summary>
-    private sealed class Jitter
-    {
-        private readonly List<double> late = new List<double>();
-        private readonly Thread thread;
-        private volatile bool stop;
-
-        public Jitter()
-        {
-            thread = new Thread(() =>
-            {
-                while (!stop)
-                {
-                    long before = MonotonicClock.NowNs();
-                    Thread.Sleep(1);
-                    late.Add((MonotonicClock.NowNs() - before) * 1e-6 - 1.0);
-                }
-            });
-            thread.Start();
-        }
-
-        public double P99()
-        {
-            stop = true;
-            thread.Join();
-            late.Sort();
-            return late[late.Count * 99 / 100];
-        }
-    }
-
     public static void CocktailBar_ReachesTheGameCompleteAndInOrder()
     {
-        int seconds = Runner.Full ? 60 : 2;
         using (var program = new RealProgram())
         using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))
         {
-            ulong last = 0;
-            long backwards = 0, skipped = 0;
-            client.StateReceived += s =>
-            {
-                if (s.Tick < last) ++backwards; // the same one may come twice, where no new ones come
-                if (last != 0 && s.Tick > last + 1) skipped += (long)(s.Tick - last - 1);
-                last = s.Tick;
-            };
             client.Connect();
             Check.Until(() => client.LatestScene.HasValue && client.Statistics.Received > 500, "states");
             Scene scene = client.LatestScene.Value;
@@ -64,22 +21,7 @@ public static class RealTests
             Check.Equal(scene.JointNamesLength, state.JointAngles.Length, "joints");
             Check.Equal(scene.ValueNamesLength, state.Values.Length, "values");
             Check.Equal(RunState.Rendering, state.RunState, "it renders");
-
-            client.Statistics.Reset();
-            skipped = 0;
-            var jitter = new Jitter();
-            Thread.Sleep(1000 * seconds);
-            ClientStatistics s1 = client.Statistics;
-            long received = s1.Received, lost = s1.Lost, disorder = s1.OutOfOrder;
-            double p50 = s1.LatencyMs(50), p99 = s1.LatencyMs(99), share = s1.Share, late = jitter.P99();
-            Console.WriteLine("figure: wholehand run at 1 kHz to mono, {0} s: {1} received, {2} lost ({3:0.00000} %), "
-                + "{4} out of order; {5} ticks skipped by the program; latency p50 {6:0.00} ms, p99 {7:0.00} ms; "
-                + "an idle thread is {8:0.00} ms late, p99",
-                seconds, received, lost, 100.0 * share, disorder, skipped, p50, p99, late);
-            Check.True(share >= 0.999, "less than 99.9 % received");
-            Check.Equal(0L, disorder + backwards, "out of order");
-            Check.True(received + skipped > 0.9 * 1000 * seconds, "less than 900 ticks a second");
-            Latency.Judge(p99, late);
+            States.Judge(client, "wholehand run at 1 kHz to mono");
         }
     }
 }
