@@ -1,9 +1,18 @@
 // Every shipped hand on every shipped device in every shipped scene.
+#include "assembly/resting_player.hpp"
+#include "assembly/sampled_inertia.hpp"
+#include "exercise/load_exercise.hpp"
+#include "model/hand/hand_file.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
+#include "support/tolerance.hpp"
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 namespace wholehand::test {
 namespace {
@@ -79,6 +88,174 @@ INSTANTIATE_TEST_SUITE_P(Devices, EveryFile, testing::ValuesIn(shipped("devices"
                            std::erase_if(name, [](char c) { return c == '-'; });
                            return name;
                          });
+
+// Left hands of every size against right ones, in mirrored scenes, through the whole renderer.
+
+/// Of lambda-pride: mirrored in the plane y = 0, only y changes its sign.
+template <class Axes>
+Axes mirrored(Axes axes) {
+  axes[1] = -axes[1];
+  return axes;
+}
+
+/// From the back a hand reaches for a fixed ball beside it and closes, and is pushed back.
+std::unique_ptr<Rig> reaching(const std::string& size, bool left) {
+  Models m = load(shippedFiles("lambda-pride", "empty", size + (left ? "-left" : "-right")));
+  // Frictionless, so that where the solver lays its tangents does not matter.
+  SceneBody body = ball({0.09, left ? -0.07 : 0.07, 0.0}, 0.03, 0.0);
+  body.friction = 0.0;
+  m.scene.bodies = {body};
+  AxisPosition from(6), to(6);
+  from[0] = -0.07;
+  to[0] = 0.03;
+  to[1] = 0.02;
+  to[3] = 2.2;
+  to[5] = 0.8;
+  return buildScripted(std::move(m), left ? moveAndHold(mirrored(from), mirrored(to), 800)
+                                          : moveAndHold(from, to, 800));
+}
+
+TEST(LeftHandOfEverySize, InTheMirroredScene_FeelsTheMirroredEffort) {
+  double apart_n = 0.0;
+  for (const char* size :
+       {"adult-median", "woman-p05", "woman-p50", "woman-p95", "man-p05", "man-p50", "man-p95"}) {
+    const std::unique_ptr<Rig> right = reaching(size, false), left = reaching(size, true);
+    ASSERT_TRUE(right->renderer->arm()) << size;
+    ASSERT_TRUE(left->renderer->arm()) << size;
+    std::vector<AxisEffort> felt;
+    double most = 0.0;
+    runTicks(*right->renderer, 1200, [&](const TickRecord& r) {
+      felt.push_back(r.sent);
+      most = std::max(most, std::abs(r.sent[3]));
+    });
+    EXPECT_GT(most, 0.05) << size << ": the fingers met the ball";  // N m
+    runTicks(*left->renderer, 1200, [&](const TickRecord& r) {
+      const AxisEffort image = mirrored(r.sent);
+      apart_n = std::max(apart_n, (image.vec() - felt[r.tick].vec()).cwiseAbs().maxCoeff());
+    });
+  }
+  figure("left hands' effort against the mirror image of the right ones'", apart_n, "N or N m");
+  EXPECT_LE(apart_n, tolerance(1e-6));
+}
+
+// A glove with an axis for every finger joint: twelve rotations, no base. 3^12 postures would take
+// minutes; the gate must stay quick and still see the corners.
+
+const std::string kRoot = WHOLEHAND_SOURCE_DIR;
+
+Models glove() {
+  auto file = loadHandFile(kRoot + "/config/hands/adult-median-right.toml");
+  EXPECT_TRUE(file.ok());
+  file->synergy.clear();
+  file->reference.clear();
+  Models models;
+  for (const JointRange& joint : file->joints) {
+    if (joint.joint.find("thumb") != std::string::npos) continue;
+    file->synergy.push_back({joint.joint, joint.joint, 1.0});
+    file->reference.emplace_back(joint.joint, 0.5 * joint.upper_rad);
+    DeviceAxis axis;
+    axis.name = joint.joint;
+    axis.kind = AxisKind::kRotation;
+    axis.group = AxisGroup::kHand;
+    axis.lower = joint.lower_rad;
+    axis.upper = joint.upper_rad;
+    axis.effort_limit = 1.0;
+    axis.speed_limit = 10.0;
+    axis.mass = 1e-4;
+    models.device.axes.push_back(axis);
+  }
+  auto hand = assembleHand(*file, models.device);
+  EXPECT_TRUE(hand.ok()) << (hand.ok() ? "" : format(hand.errors()));
+  models.hand = std::move(*hand);
+  return models;
+}
+
+TEST(SampledInertia, GloveOfTwelveRotations_IsSampledAndNotEnumerated) {
+  const Models models = glove();
+  ASSERT_EQ(models.device.axisCount(), 12);
+  const SampledInertia inertia = sampleInertia(models.hand, models.device);
+  EXPECT_EQ(inertia.samples.size(), 729U);  // 3^6, as many as six rotations have
+  const SampledInertia again = sampleInertia(models.hand, models.device);
+  for (std::size_t i = 0; i < inertia.samples.size(); ++i) {
+    ASSERT_EQ(inertia.samples[i], again.samples[i]);  // the same verdict every time
+    EXPECT_GT(inertia.samples[i].diagonal().minCoeff(), 0.0);
+  }
+  // A straight finger is harder to turn at its knuckle than a bent one: both ends are among them.
+  EXPECT_GT(inertia.samples[0](0, 0), inertia.samples[2](0, 0));
+}
+
+// Every shipped exercise begins: nobody's hand starts inside what is to be grasped.
+
+std::string config(const std::string& name) {
+  return std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + name;
+}
+
+/// As `run` and the station begin: its virtual patient, or a hand at rest where it has none.
+void expectBegins(Models models, std::uint64_t seed) {
+  std::unique_ptr<Player> player = models.exercise->makePlayer(seed);
+  if (!player) player = makeMotionPlayer(models);
+  const auto rig = orThrow(buildRig(std::move(models), std::move(player), {}));
+  const auto armed = rig->renderer->arm();
+  ASSERT_TRUE(armed.ok()) << format(armed.errors());
+  runTicks(*rig->renderer, 20, [](const TickRecord& r) {
+    ASSERT_EQ(r.faults & kStopping, Fault::kNone) << "tick " << r.tick;
+    ASSERT_EQ(r.contact_count, 0) << "touches at tick " << r.tick;
+  });
+}
+
+TEST(ShippedExercises, EveryLevel_ArmsAtItsStartTouchingNothing) {
+  const std::vector<ExerciseFile> exercises = listExercises(config("exercises"));
+  ASSERT_GE(exercises.size(), 3U);
+  for (const ExerciseFile& file : exercises) {
+    int levels = 1;
+    for (int level = 1; level <= levels; ++level) {
+      for (const std::uint64_t seed : {1U, 2U}) {  // virtual patients start by it
+        SCOPED_TRACE(file.name + ", level " + std::to_string(level) + ", seed " +
+                     std::to_string(seed));
+        ModelFiles files = shippedFiles();
+        files.exercise = file.path;
+        files.level = level;
+        Models models = load(files);
+        levels = models.exercise->description().levels;
+        expectBegins(std::move(models), seed);
+      }
+    }
+  }
+}
+
+// It names no device and no hand: with whichever a person has, it begins.
+TEST(ShippedExercises, FreeGrasping_ArmsWithEveryDeviceAndHand) {
+  std::size_t index = 0;
+  for (const std::string& device : shipped("devices")) {
+    for (const std::string& hand : shippedHands(seed(), cases(1) > 1)) {
+      if (leftOutUnderASanitizer(index++)) continue;
+      SCOPED_TRACE(hand + " on " + device);
+      ModelFiles files = shippedFiles(device, "empty", hand);
+      files.exercise = config("exercises/free-grasping.toml");
+      expectBegins(load(files), 1);
+    }
+  }
+}
+
+/// A body is within reach when the device can put the palm where the power grasp of a bottle has
+/// it: the bottle's axis 0.049, 0.041, 0.004 m from the palm's base (docs/exercises.md's
+/// dispensers).
+TEST(ShippedExercises, FreeGrasping_EveryBodyIsWithinReachOfAGrasp) {
+  ModelFiles files = shippedFiles();
+  files.exercise = config("exercises/free-grasping.toml");
+  const Models models = load(files);
+  ASSERT_FALSE(models.scene.bodies.empty());
+  const Eigen::Vector3d held_m(0.049, 0.041, 0.004);
+  for (const SceneBody& body : models.scene.bodies) {
+    const Eigen::Vector3d base_m = body.pose.translation_m - held_m;
+    for (int i = 0; i < 3; ++i) {
+      const DeviceAxis& axis =
+          models.device.axes[models.device.axisIndex(std::string(1, "xyz"[i]))];
+      EXPECT_GE(base_m[i], axis.lower) << body.name << " along " << axis.name;
+      EXPECT_LE(base_m[i], axis.upper) << body.name << " along " << axis.name;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace wholehand::test

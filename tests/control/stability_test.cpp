@@ -3,13 +3,18 @@
 #include "axis_loop.hpp"
 #include "control/avatar_loop.hpp"
 #include "control/bilateral_coupling.hpp"
+#include "control/passivity.hpp"
 #include "control/velocity_estimator.hpp"
 #include "one_axis_gains.hpp"
 #include "reference_tables.hpp"
+#include "support/constants.hpp"
 #include "support/seed.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
 
 namespace wholehand::test {
 namespace {
@@ -160,6 +165,72 @@ TEST(AvatarLoop, CoupledAxes_AreStableWhereTheMatrixConditionHolds) {
       k_pm.vec() *= side * low;
       EXPECT_EQ(spectralRadius(avatarLoopMatrix(inertia, k_pm, 1e-3)) < 1.0, side < 1.0);
     }
+  }
+}
+
+TEST(RequiredDamping, PaperLaw_TendsToItsDirectCurrentLimit) {
+  // Closed form at frequency zero, γ = 0, n = 0: K T/2 + K (k_d − k_p T)² / (4 k_p (k_d − k_p
+  // T/2)).
+  const double kp = 2500.0, kd = criticalDamping(kp, 1e-3);
+  const double e = kd - kp * 1e-3;
+  const double limit = 1000.0 * (0.5e-3 + e * e / (4.0 * kp * (kd - kp * 0.5e-3)));
+  EXPECT_NEAR(requiredDamping(loopOf(0.5, 1.0, 0, 1000.0, 0.0, 30.0, kp)), limit, 1e-3 * limit);
+}
+
+TEST(RequiredDamping, AvatarThatIsActiveItself_CannotBeSaved) {
+  AxisLoop l = loopOf(0.5, 1.0, 0, 1000.0, 0.0, 30.0);
+  l.k_ds_per_s = 1.0;  // below T k_p / 2 = 1.25
+  EXPECT_EQ(requiredDamping(l), HUGE_VAL);
+}
+
+// Why the effort is written before the world is stepped (docs/adr/0002-write-before-step.md).
+
+constexpr double kMass_kg = 0.4, kDamping_n_s_m = 2.0;
+
+/// Exact motion of m v' = f - b v over a time, as a matrix over [x, v, f].
+Eigen::Matrix3d held(double time_s) {
+  const double rate_per_s = kDamping_n_s_m / kMass_kg;
+  const double travel_s = (1.0 - std::exp(-rate_per_s * time_s)) / rate_per_s;
+  Eigen::Matrix3d out = Eigen::Matrix3d::Identity();
+  out.row(0) << 1.0, travel_s, (time_s - travel_s) / kDamping_n_s_m;
+  out.row(1) << 0.0, std::exp(-rate_per_s * time_s), travel_s / kMass_kg;
+  return out;
+}
+
+/// A device against a spring to a rigid stop: one period, in which the effort that was computed
+/// from the position at its start arrives `late_s` after it.
+Eigen::Matrix3d onePeriod(double stiffness_n_m, double late_s) {
+  Eigen::Matrix3d computed = Eigen::Matrix3d::Zero();
+  computed(2, 0) = -stiffness_n_m;  // of the position at the start of the period
+  const Eigen::Matrix3d until = held(late_s);
+  Eigen::Matrix3d renewed = until;
+  renewed.row(2) = computed.row(2);
+  return held(kPeriod_s - late_s) * renewed;
+}
+
+double largestStable(double late_s) {
+  double stable = 1.0, unstable = 1e5;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (stable + unstable);
+    (spectralRadius(onePeriod(middle, late_s)) < 1.0 ? stable : unstable) = middle;
+  }
+  return stable;
+}
+
+TEST(TickOrder, EffortThatWaitsForThePhysicsStep_LosesStiffness) {
+  constexpr double kWrite_s = 0.02e-3;  // what writing itself takes
+  double before_n_m = largestStable(kWrite_s);
+  for (const double step_s : {0.0, 0.1e-3, 0.4e-3, 0.8e-3}) {
+    const double stable_n_m = largestStable(kWrite_s + step_s);
+    std::printf("figure: largest stable stiffness, effort written %.1f ms later = %.0f N/m\n",
+                step_s * 1e3, stable_n_m);
+    // The sampled-data limit of a rigid contact, K < b / (T/2 + delay).
+    const double limit_n_m = kDamping_n_s_m / (0.5 * kPeriod_s + kWrite_s + step_s);
+    EXPECT_NEAR(stable_n_m, limit_n_m, 0.02 * limit_n_m);
+    if (step_s > 0.0) {
+      EXPECT_LT(stable_n_m, 0.9 * before_n_m);
+    }
+    before_n_m = stable_n_m;
   }
 }
 

@@ -5,6 +5,8 @@
 #include "experiments/grasp_script.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"
+#include "support/file_bytes.hpp"
+#include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 
@@ -227,6 +229,39 @@ TEST(SimulatedClock, OneGraspedObject_RunsTenTimesFasterThanTime_slow) {
 #ifdef NDEBUG  // of what is shipped; CPU time, so that a busy machine does not matter
   EXPECT_LE(ratio, 0.1);
 #endif
+}
+
+// A grasp trial that a fault stops.
+
+/// The shipped hand, but thumb flexion moves the joint that circumduction moves: its reduced
+/// inertia is singular. The joint has no end in reach: it would hold what the tick throws about.
+std::string singularHand() {
+  std::string text = replaced(bytesOfFile(shippedFiles().hand), "thumb_circumduction = 1.0",
+                              "thumb_circumduction = 0.5");
+  text =
+      replaced(text, "thumb_cmc_flexion = 0.30\nthumb_mcp_flexion = 0.35\nthumb_ip_flexion = 0.35",
+               "thumb_circumduction = 0.4");
+  return replaced(text, "thumb_circumduction = { range_rad = [0.0, 1.5708]",
+                  "thumb_circumduction = { range_rad = [-3.0, 3.1]");
+}
+
+TEST(Grasping, FaultThatStopsATrial_IsTold) {
+  const Folder folder;
+  // The certificate refuses such a hand; past it, the tick's fault must stop the trial.
+  ModelFiles files = shippedFiles();
+  files.hand = folder.write("singular.toml", singularHand());
+  // Without the armature that would keep it regular.
+  const std::string name = "name = \"thumb_flexion\"\n";
+  files.rendering = folder.write(
+      "light.toml", replaced(bytesOfFile(files.rendering), name, name + "armature_kg_m2 = 0.0\n"));
+  GraspPlan plan;
+  plan.setup.folder = folder.path();
+  plan.setup.rig.uncertified = true;
+  plan.hold_s = 0.1;
+  const auto result = orThrow(runGrasp(tunedTrials().front(), files, plan));
+  EXPECT_TRUE(result.faulted);
+  EXPECT_TRUE(result.dropped);
+  EXPECT_FALSE(result.interrupted);
 }
 
 }  // namespace
