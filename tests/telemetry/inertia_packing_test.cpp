@@ -14,6 +14,7 @@ namespace {
 
 using synthetic::expectLessRoom;
 using synthetic::Folder;
+using synthetic::kManyTicks;
 using synthetic::ofSchema;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -68,19 +69,20 @@ std::vector<TickRecord> avatarTicks(std::uint64_t count, std::uint64_t touch) {
 
 // q̇_s, f_s and q_m of six axes: of the 18 numbers at least 3.5 bytes each.
 TEST(InertiaPacking, FreeAvatar_TakesLessRoomThanInSchema7) {
-  expectLessRoom(avatarTicks(1000, 1000), synthetic::meta(), ofSchema(kStepSchema - 1), 18 * 3.5);
+  expectLessRoom(avatarTicks(kManyTicks, kManyTicks), synthetic::meta(), ofSchema(kStepSchema - 1),
+                 18 * 3.5);
 }
 
 // Of the hand axes' three velocities, at least 3 bytes each.
 TEST(InertiaPacking, TouchedPalm_TellsWhatTheFingersDo) {
   RecordingMeta no_fingers = synthetic::meta();
   no_fingers.law.hand_axis.assign(6, 0.0);
-  expectLessRoom(avatarTicks(1000, 0), synthetic::meta(), no_fingers, 3 * 3.0);
+  expectLessRoom(avatarTicks(kManyTicks, 0), synthetic::meta(), no_fingers, 3 * 3.0);
 }
 
 // A body that tumbles: 7 numbers of position and orientation, at least 6 bytes each.
 TEST(InertiaPacking, TumblingBodies_TakeLessRoomThanInSchema7) {
-  std::vector<TickRecord> ticks = avatarTicks(1000, 1000);
+  std::vector<TickRecord> ticks = avatarTicks(kManyTicks, kManyTicks);
   std::array<Eigen::Quaterniond, 4> turn;
   turn.fill(Eigen::Quaterniond::Identity());
   std::array<Eigen::Vector3d, 4> place{};

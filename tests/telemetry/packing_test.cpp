@@ -19,6 +19,7 @@ namespace {
 
 using synthetic::expectLessRoom;
 using synthetic::Folder;
+using synthetic::kManyTicks;
 using synthetic::ofSchema;
 using synthetic::roundTrip;
 
@@ -134,14 +135,15 @@ TEST(Packing, RowsWrittenInTheMiddleOfAChunkOrWithoutTheLaw_ComeBack) {
 // coupling, phi, damping, rendered and sent of six axes. The plain file holds all of them: 8 bytes
 // for each, of which compression leaves 7.
 TEST(Packing, WhatTheLawsMake_TakesLittleRoom) {
-  expectLessRoom(lawfulTicks(1000), synthetic::meta(), ofSchema(kPackedSchema - 1), 0.7 * 61 * 7);
+  expectLessRoom(lawfulTicks(kManyTicks), synthetic::meta(), ofSchema(kPackedSchema - 1),
+                 0.7 * 61 * 7);
 }
 
 // Schema 6 expects a tremor, and a damping that changes with posture: more than a byte less for
 // each of these 12 numbers of a tick.
 TEST(Packing, TremorAndChangingInertia_TakeLessRoomThanInSchema5) {
-  expectLessRoom(lawfulTicks(1000), ofSchema(kRowElementSchema), ofSchema(kRowElementSchema - 1),
-                 12 * 1.0);
+  expectLessRoom(lawfulTicks(kManyTicks), ofSchema(kRowElementSchema),
+                 ofSchema(kRowElementSchema - 1), 12 * 1.0);
 }
 
 // The virtual patient's effort under a noise of 10 µN, on its grid: schema 7 packs each
@@ -153,7 +155,7 @@ TEST(Packing, PatientOnAGrid_TakesLessRoomThanInSchema6) {
   now.law.palm_contact = now.law.device_damping = now.law.tank_capacity = {};
   RecordingMeta before = now;
   before.schema = kGridSchema - 1;
-  std::vector<TickRecord> ticks = lawfulTicks(1000);
+  std::vector<TickRecord> ticks = lawfulTicks(kManyTicks);
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0.0, 1e-5);
   const auto on_grid = [](double value, double steps) { return std::round(value * steps) / steps; };

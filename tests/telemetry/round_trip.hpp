@@ -1,5 +1,6 @@
 #pragma once
 
+#include "support/tolerance.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
@@ -16,6 +17,9 @@ inline RecordingMeta ofSchema(std::uint32_t schema) {
   m.schema = schema;
   return m;
 }
+
+/// Four chunks; two under a sanitizer.
+inline const std::uint64_t kManyTicks = test::kFew ? 500 : 1000;
 
 /// Writes ticks and expects every bit of them back. @returns bytes of the file a tick
 inline double roundTrip(const std::vector<TickRecord>& ticks, const RecordingMeta& as = meta(),
