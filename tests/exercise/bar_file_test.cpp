@@ -15,26 +15,21 @@ namespace {
 /// A folder with the shipped exercise and its scene, either of them changed.
 class SpoiltBar {
  public:
-  void bar(const std::string& text) { bar_ = text; }
-  [[nodiscard]] const std::string& bar() const { return bar_; }
-  void inBar(const std::string& find, const std::string& with) {
-    bar_ = replaced(bar_, find, with);
-  }
+  void inBar(const std::string& find, const std::string& with) { bar = replaced(bar, find, with); }
   void inScene(const std::string& find, const std::string& with) {
-    scene_ = replaced(scene_, find, with);
+    scene = replaced(scene, find, with);
   }
 
   [[nodiscard]] Diagnostics faults(int level = 1) const {
     const Folder folder;
-    folder.write("scenes/cocktail-bar.toml", scene_);
-    const std::string path = folder.write("exercises/bar.toml", bar_);
+    folder.write("scenes/cocktail-bar.toml", scene);
+    const std::string path = folder.write("exercises/bar.toml", bar);
     const auto loaded = loadExercise(path, level, shippedDevice(), shippedHand());
     return loaded.ok() ? Diagnostics{} : loaded.errors();
   }
 
- private:
-  std::string bar_ = bytesOfFile(config("exercises/cocktail-bar.toml"));
-  std::string scene_ = bytesOfFile(config("scenes/cocktail-bar.toml"));
+  std::string bar = bytesOfFile(config("exercises/cocktail-bar.toml"));
+  std::string scene = bytesOfFile(config("scenes/cocktail-bar.toml"));
 };
 
 struct Case {
@@ -90,7 +85,7 @@ bool namesKey(const Diagnostics& faults, const std::string& key) {
 
 TEST(BarFile, AnyKeyTakenOut_IsMissed) {
   SpoiltBar bar;
-  const std::vector<std::string> lines = linesOf(bar.bar());
+  const std::vector<std::string> lines = linesOf(bar.bar);
   const auto keys = keyLines(lines);
   EXPECT_GT(keys.size(), 90U);
   for (const auto& [line, key] : keys) {
@@ -103,7 +98,7 @@ TEST(BarFile, AnyKeyTakenOut_IsMissed) {
     if (event || kOptional.contains(key)) continue;
     std::vector<std::string> without = lines;
     without.erase(without.begin() + static_cast<long>(line));
-    bar.bar(joined(without));
+    bar.bar = joined(without);
     // Of a rotation with a fingertip the key without _tip_ is named.
     const std::string named = std::regex_replace(key, std::regex("_tip_n.*"), "_nm");
     EXPECT_TRUE(namesKey(bar.faults(), named)) << lines[line] << "\n" << format(bar.faults());
@@ -112,12 +107,12 @@ TEST(BarFile, AnyKeyTakenOut_IsMissed) {
 
 TEST(BarFile, AnyKeyOfAnotherTypeOrName_IsRefused) {
   SpoiltBar bar;
-  const std::vector<std::string> lines = linesOf(bar.bar());
+  const std::vector<std::string> lines = linesOf(bar.bar);
   for (const auto& [line, key] : keyLines(lines)) {
     for (const std::string& wrong : {key + " = { a = 1 }", key + " = nan", key + "_x = 1"}) {
       std::vector<std::string> changed = lines;
       changed[line] = wrong;
-      bar.bar(joined(changed));
+      bar.bar = joined(changed);
       const Diagnostics faults = bar.faults();
       ASSERT_FALSE(faults.empty()) << wrong;
       const bool unknown = wrong.starts_with(key + "_x");
@@ -275,12 +270,10 @@ TEST(BarFile, NoSuchLevelOrFile_IsTold) {
       << misspelt.errors()[0].remedy;
   const auto scene =
       loadExercise(config("scenes/cocktail-bar.toml"), 1, shippedDevice(), shippedHand());
-  ASSERT_FALSE(scene.ok());
-  EXPECT_TRUE(refusedWith(scene, "another kind of file"));
+  ASSERT_TRUE(refusedWith(scene, "another kind of file"));
   EXPECT_EQ(scene.errors()[0].remedy, "an exercise file is expected here");
-  const auto free =
-      loadExercise(config("exercises/free-grasping.toml"), 2, shippedDevice(), shippedHand());
-  ASSERT_FALSE(free.ok());
+  EXPECT_FALSE(
+      loadExercise(config("exercises/free-grasping.toml"), 2, shippedDevice(), shippedHand()));
 }
 
 }  // namespace

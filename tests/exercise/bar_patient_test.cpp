@@ -31,22 +31,16 @@ TEST(BarTolerance, AtTheStart_IsTheLevels) {
   }
 }
 
-TEST(BarTolerance, WiderThanTheLevels_EndsAStepAtTheAskedAmountLessIt) {
-  BarTable bar(1);
-  set(bar, "line_tolerance_l", 0.012);
-  bar.hold(0, 2.0);
-  bar.runUntil("stage", 3);
-  EXPECT_EQ(bar.value("tolerance_l"), 0.012);
-  // Lemonade asks for 40 ml; a tick at the fastest flow is 0.02 ml.
-  EXPECT_NEAR(bar.value("poured_l"), 0.04 - 0.012, 2.1e-5);
-}
-
-TEST(BarTolerance, NarrowerThanTheLevels_AsksForMore) {
-  BarTable bar(1);
-  set(bar, "line_tolerance_l", 0.001);
-  bar.hold(0, 2.0);
-  bar.runUntil("stage", 3);
-  EXPECT_NEAR(bar.value("poured_l"), 0.04 - 0.001, 2.1e-5);
+TEST(BarTolerance, OtherThanTheLevels_EndsAStepAtTheAskedAmountLessIt) {
+  for (const double tolerance_l : {0.012, 0.001}) {  // wider, narrower
+    BarTable bar(1);
+    set(bar, "line_tolerance_l", tolerance_l);
+    bar.hold(0, 2.0);
+    bar.runUntil("stage", kLetGo);
+    EXPECT_EQ(bar.value("tolerance_l"), tolerance_l);
+    // Lemonade asks for 40 ml; a tick at the fastest flow is 0.02 ml.
+    EXPECT_NEAR(bar.value("poured_l"), 0.04 - tolerance_l, 2.1e-5);
+  }
 }
 
 // ---------------------------------------------------------------- fade
@@ -57,18 +51,11 @@ TEST(BarFade, IsHowLongTheWallTakesToFadeIn) {
     set(bar, "wall_fade_s", fade_s);
     bar.hold(0, 0.0);
     int ticks = 0;
-    while (bar.out.alpha < 1.0 && ticks < 10'000) {
-      bar.tick();
-      ++ticks;
-    }
+    for (; bar.out.alpha < 1.0 && ticks < 10'000; ++ticks) bar.tick();
     EXPECT_NEAR(ticks * 1e-3, fade_s, 2.5e-3);  // Eq. (16): u rises by T / T_on a tick
     // Fading out is the file's, whatever was set: a stop waits for it.
     bar.drawBack();
-    ticks = 0;
-    while (bar.out.alpha > 0.0 && ticks < 10'000) {
-      bar.tick();
-      ++ticks;
-    }
+    for (ticks = 0; bar.out.alpha > 0.0 && ticks < 10'000; ++ticks) bar.tick();
     EXPECT_NEAR(ticks * 1e-3, 0.3, 2.5e-3);
   }
 }

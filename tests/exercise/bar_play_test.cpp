@@ -17,6 +17,16 @@ void pour(BarTable& bar, double volume_l, double felt_n = 2.0) {
   bar.squeeze(-1, 0.0);
 }
 
+/// A drink of two steps, each as asked.
+void pourDrink(BarTable& bar) {
+  for (int step = 0; step < 2; ++step) {
+    pour(bar, bar.value("asked_l"));
+    bar.run(0.3);
+    bar.drawBack();
+    bar.run(0.1);
+  }
+}
+
 TEST(CocktailBar, RightAmountThenLetGo_StepAndDrinkAndLevelDone) {
   BarTable bar(1);
   bar.tick();
@@ -195,12 +205,7 @@ TEST(CocktailBar, BegunAtADrink_IsAtItsFirstStepWithAllBottlesFull) {
   EXPECT_EQ(bar.value("step"), 0.0);
   EXPECT_EQ(bar.value("score"), 0.0);
   EXPECT_EQ(bar.left_l(), 0.7);
-  for (int step = 0; step < 2; ++step) {  // the level's last drink, by the file
-    pour(bar, bar.value("asked_l"));
-    bar.run(0.3);
-    bar.drawBack();
-    bar.run(0.1);
-  }
+  pourDrink(bar);  // the level's last drink, by the file
   EXPECT_EQ(bar.value("stage"), kDrinkDone);
   EXPECT_EQ(bar.value("resume_drink"), 0.0) << "nothing of the level is left";
 }
@@ -214,30 +219,13 @@ TEST(CocktailBar, BegunAtADrinkItDoesNotHave_IsAtTheFirst) {
   }
 }
 
-/// A drink of two steps, each as asked.
-void pourDrink(BarTable& bar) {
-  for (int step = 0; step < 2; ++step) {
-    pour(bar, bar.value("asked_l"));
-    bar.run(0.3);
-    bar.drawBack();
-    bar.run(0.1);
-  }
-}
-
-TEST(CocktailBar, DrinkDone_ARestGoesOnWithTheNext) {
+TEST(CocktailBar, NextWhileResting_EndsTheRest) {
   BarTable bar(2);
   bar.tick();
   EXPECT_EQ(bar.value("resume_drink"), 0.0);
   pourDrink(bar);
-  ASSERT_EQ(bar.value("stage"), kDrinkDone);
-  EXPECT_EQ(bar.value("resume_drink"), 1.0);
-}
-
-TEST(CocktailBar, NextWhileResting_EndsTheRest) {
-  BarTable bar(2);
-  bar.tick();
-  pourDrink(bar);
   EXPECT_EQ(bar.value("stage"), kDrinkDone);
+  EXPECT_EQ(bar.value("resume_drink"), 1.0) << "a rest goes on with the next drink";
   EXPECT_EQ(bar.value("target_dispenser"), -1.0);
   bar.act(ExerciseAction::kNext);
   bar.tick();

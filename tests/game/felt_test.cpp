@@ -81,19 +81,8 @@ TEST(GameBodies, AppearingOverTheHand_AreNotFeltUntilSolid) {
 /// Largest speed of the arm, after the person has pressed a body from above for a second and it was
 /// taken away [m/s].
 double armSpeedAfter(const std::function<Command()>& order, BodyOwner owner) {
-  AxisPosition pressing(6);
-  pressing[2] = -0.06;
-  Game game(gameModels(), Intention::throughWaypoints({{0.0, AxisPosition(6)}, {0.5, pressing}}));
-  game.prepare(0, {boxShape({0.25, 0.25, 0.04})});
-  game.run(100);
-  const double lowest_m = -reach(game.rig->models.hand, game.record.q_s, -Eigen::Vector3d::UnitZ());
-  Eigen::Vector3d at = game.palm();
-  at.z() = lowest_m - 0.025;
-  game.order(spawnCommand(spawnOf(0, 0, owner, poseAt(at))));
-  for (int k = 0; k < 1500; ++k) {
-    if (owner == BodyOwner::kGame && k % 16 == 0) game.order(bodyTargetCommand(0, 1, poseAt(at)));
-    game.tick();
-  }
+  Eigen::Vector3d at;
+  Game game = pressedFromAbove(owner, at);
   EXPECT_GT(game.forceOf(0).norm(), 2.0) << "it is pressed";
   game.order(order());
   double fastest_m_s = 0.0;

@@ -22,6 +22,8 @@ inline Models gameModels(const std::string& device = "lambda-pride",
   return load(files);
 }
 
+inline const Eigen::Vector3d kAside_m(0.5, 0.3, 0.2);  ///< of the hand
+
 inline Shape boxShape(const Eigen::Vector3d& size_m) {
   Shape shape;
   shape.half_extents_m = 0.5 * size_m;
@@ -68,6 +70,13 @@ struct Game {
   Game(Models models, Intention intention, const RigOptions& options = {})
       : rig(orThrow(buildRig(std::move(models), std::move(intention), options))) {
     if (!rig->renderer->arm()) throw std::runtime_error("not armed");
+  }
+
+  /// The shipped scene at rest, with these shapes as set 0, after so many ticks.
+  explicit Game(const std::vector<Shape>& pieces, int after_ticks = 0)
+      : Game(gameModels(), Intention::throughWaypoints({{0.0, AxisPosition(6)}})) {
+    prepare(0, pieces);
+    run(after_ticks);
   }
 
   void order(const Command& command) { waiting.push_back(command); }
@@ -150,6 +159,23 @@ inline SpawnOrder spawnOf(int slot, int set, BodyOwner owner, const BodyPose& po
   order.owner = owner;
   order.pose = pose;
   return order;
+}
+
+/// A person who has pressed a plate from above for a second; it is at `at_m`.
+inline Game pressedFromAbove(BodyOwner owner, Eigen::Vector3d& at_m) {
+  AxisPosition pressing(6);
+  pressing[2] = -0.06;
+  Game game(gameModels(), Intention::throughWaypoints({{0.0, AxisPosition(6)}, {0.5, pressing}}));
+  game.prepare(0, {boxShape({0.25, 0.25, 0.04})});
+  game.run(100);
+  at_m = game.palm();
+  at_m.z() = -reach(game.rig->models.hand, game.record.q_s, -Eigen::Vector3d::UnitZ()) - 0.025;
+  game.order(spawnCommand(spawnOf(0, 0, owner, poseAt(at_m))));
+  for (int k = 0; k < 1500; ++k) {
+    if (owner == BodyOwner::kGame && k % 16 == 0) game.order(bodyTargetCommand(0, 1, poseAt(at_m)));
+    game.tick();
+  }
+  return game;
 }
 
 }  // namespace wholehand::test

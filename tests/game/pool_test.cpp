@@ -5,28 +5,23 @@
 namespace wholehand::test {
 namespace {
 
-const Eigen::Vector3d kPoolAside_m(0.5, 0.3, 0.2);
-
 TEST(GamePool, SpawnedInFreeSpace_IsSolidAtOnceAndFalls) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {boxShape({0.04, 0.05, 0.06})});
-  game.run(2);
-  game.order(spawnCommand(spawnOf(3, 0, BodyOwner::kLoop, poseAt(kPoolAside_m))));
+  Game game(std::vector<Shape>{boxShape({0.04, 0.05, 0.06})}, 2);
+  game.order(spawnCommand(spawnOf(3, 0, BodyOwner::kLoop, poseAt(kAside_m))));
   game.tick();
   game.tick();
   EXPECT_EQ(game.event(3), "solid");
   game.run(100);
   // Symplectic Euler: after 101 steps v = 101 g T.
   EXPECT_NEAR(game.body(3).velocity_m_s.z, -kGravity_m_s2 * 0.101, tolerance(1e-9));
-  EXPECT_EQ(game.body(3).position_m.x, kPoolAside_m.x());
+  EXPECT_EQ(game.body(3).position_m.x, kAside_m.x());
 }
 
 TEST(GamePool, OfTheGame_IsWeightlessAndReachesItsTarget) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
-  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kPoolAside_m))));
+  Game game(std::vector<Shape>{ballShape(0.03)});
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kAside_m))));
   game.run(5);
-  const Eigen::Vector3d goal = kPoolAside_m + Eigen::Vector3d(0.1, 0.0, 0.05);
+  const Eigen::Vector3d goal = kAside_m + Eigen::Vector3d(0.1, 0.0, 0.05);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitX()));
   double fastest_m_s = 0.0;
   for (int k = 0; k < 1500; ++k) {
@@ -41,11 +36,10 @@ TEST(GamePool, OfTheGame_IsWeightlessAndReachesItsTarget) {
 }
 
 TEST(GamePool, TargetsThatStop_HaltTheBody) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
-  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kPoolAside_m))));
+  Game game(std::vector<Shape>{ballShape(0.03)});
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kAside_m))));
   game.run(5);
-  game.order(bodyTargetCommand(0, 1, poseAt(kPoolAside_m + Eigen::Vector3d(0.2, 0.0, 0.0))));
+  game.order(bodyTargetCommand(0, 1, poseAt(kAside_m + Eigen::Vector3d(0.2, 0.0, 0.0))));
   game.run(90);
   EXPECT_GT(game.body(0).velocity_m_s.x, 0.4);
   game.run(15);
@@ -56,11 +50,9 @@ TEST(GamePool, TargetsThatStop_HaltTheBody) {
 }
 
 TEST(GamePool, TwoSpawnedInOnePlace_TheLowerSlotIsSolidFirst) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {boxShape({0.05, 0.05, 0.05})});
-  game.run(1);
+  Game game(std::vector<Shape>{boxShape({0.05, 0.05, 0.05})}, 1);
   for (const int slot : {5, 2}) {
-    game.order(spawnCommand(spawnOf(slot, 0, BodyOwner::kFixed, poseAt(kPoolAside_m))));
+    game.order(spawnCommand(spawnOf(slot, 0, BodyOwner::kFixed, poseAt(kAside_m))));
   }
   std::map<int, std::string> last;
   for (int k = 0; k < 20; ++k) {
@@ -83,23 +75,21 @@ TEST(GamePool, AMesh_LiesWhereTheSameBoxLies) {
     game.prepare(0, {boxShape({0.3, 0.3, 0.02})});
     game.prepare(1, {mesh ? boxMesh(size) : boxShape(size)});
     game.run(2);
-    game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kFixed, poseAt(kPoolAside_m))));
-    const Eigen::Vector3d above = kPoolAside_m + Eigen::Vector3d(0.0, 0.0, 0.045);
+    game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kFixed, poseAt(kAside_m))));
+    const Eigen::Vector3d above = kAside_m + Eigen::Vector3d(0.0, 0.0, 0.045);
     game.order(spawnCommand(spawnOf(1, 1, BodyOwner::kLoop, poseAt(above))));
     game.run(1500);
     height_m[mesh ? 1 : 0] = game.body(1).position_m.z;
     EXPECT_EQ(game.body(1).velocity_m_s.eigen().norm(), 0.0);
   }
-  EXPECT_NEAR(height_m[0], kPoolAside_m.z() + 0.04, tolerance(5e-5));
+  EXPECT_NEAR(height_m[0], kAside_m.z() + 0.04, tolerance(5e-5));
   EXPECT_NEAR(height_m[1], height_m[0], tolerance(5e-5));
 }
 
 TEST(GamePool, WhatLiesOnARemovedBody_Falls) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {boxShape({0.1, 0.1, 0.02})});
-  game.run(1);
-  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kFixed, poseAt(kPoolAside_m))));
-  const Eigen::Vector3d above = kPoolAside_m + Eigen::Vector3d(0.0, 0.0, 0.0201);
+  Game game(std::vector<Shape>{boxShape({0.1, 0.1, 0.02})}, 1);
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kFixed, poseAt(kAside_m))));
+  const Eigen::Vector3d above = kAside_m + Eigen::Vector3d(0.0, 0.0, 0.0201);
   game.order(spawnCommand(spawnOf(1, 0, BodyOwner::kLoop, poseAt(above))));
   game.run(1500);
   EXPECT_EQ(game.body(1).velocity_m_s.eigen().norm(), 0.0);  // at rest
@@ -107,16 +97,15 @@ TEST(GamePool, WhatLiesOnARemovedBody_Falls) {
   game.run(100);
   EXPECT_NEAR(game.body(1).velocity_m_s.z, -kGravity_m_s2 * 0.1, tolerance(0.02));
   // The slot can be used again, under another generation.
-  SpawnOrder again = spawnOf(0, 0, BodyOwner::kFixed, poseAt(kPoolAside_m));
+  SpawnOrder again = spawnOf(0, 0, BodyOwner::kFixed, poseAt(kAside_m));
   again.generation = 2;
   game.order(spawnCommand(again));
   EXPECT_TRUE(game.until(0, "solid", 5));
 }
 
 TEST(GamePool, FallenOutOfTheWorld_IsTakenOut) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
-  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kLoop, poseAt(kPoolAside_m))));
+  Game game(std::vector<Shape>{ballShape(0.03)});
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kLoop, poseAt(kAside_m))));
   EXPECT_TRUE(game.until(0, "left", 2000));
   bool named = false;
   for (int i = 0; i < game.record.exercise.event_count; ++i) {
@@ -129,9 +118,8 @@ TEST(GamePool, FallenOutOfTheWorld_IsTakenOut) {
 }
 
 TEST(GamePool, SilentGame_ItsBodiesLeaveAfterFiveSeconds) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
-  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kPoolAside_m))));
+  Game game(std::vector<Shape>{ballShape(0.03)});
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kAside_m))));
   game.run(10);
   Command silent;
   silent.type = CommandType::kOwner;
@@ -149,16 +137,14 @@ struct BadOrder {
 };
 
 TEST(GamePool, BadOrders_AreRefusedWithTheReasonAndChangeNothing) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {boxShape({0.05, 0.05, 0.05})});
-  game.run(1);
-  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kFixed, poseAt(kPoolAside_m))));
+  Game game(std::vector<Shape>{boxShape({0.05, 0.05, 0.05})}, 1);
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kFixed, poseAt(kAside_m))));
   game.run(5);
   const auto changed = [](SpawnOrder order, auto change) {
     change(order);
     return spawnCommand(order);
   };
-  const Eigen::Vector3d beside_m = kPoolAside_m + Eigen::Vector3d(0.2, 0.0, 0.0);
+  const Eigen::Vector3d beside_m = kAside_m + Eigen::Vector3d(0.2, 0.0, 0.0);
   const SpawnOrder good = spawnOf(1, 0, BodyOwner::kLoop, poseAt(beside_m));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Eigen::Quaterniond off(1.01, 0.0, 0.0, 0.0);
@@ -177,7 +163,7 @@ TEST(GamePool, BadOrders_AreRefusedWithTheReasonAndChangeNothing) {
       {"busy set", shapeCommands(0, shapes)[0], OrderRefusal::kShapesBusy},
       {"piece without set", too_large, OrderRefusal::kBadShapes},
       {"NaN", changed(good, [&](auto& o) { o.pose.position_m.x = nan; }), OrderRefusal::kBadPose},
-      {"quaternion", teleportCommand(0, 1, poseAt(kPoolAside_m, off)), OrderRefusal::kBadPose},
+      {"quaternion", teleportCommand(0, 1, poseAt(kAside_m, off)), OrderRefusal::kBadPose},
       {"world", teleportCommand(0, 1, poseAt({6.0, 0.0, 0.0})), OrderRefusal::kBadPose},
       {"velocity", changed(good, [](auto& o) { o.velocity_m_s.x = 3.0; }), OrderRefusal::kBadPose},
       {"owner", changed(good, [](auto& o) { o.owner = static_cast<BodyOwner>(7); }),
@@ -185,11 +171,11 @@ TEST(GamePool, BadOrders_AreRefusedWithTheReasonAndChangeNothing) {
       {"mass", changed(good, [](auto& o) { o.mass_kg = 2.1; }), OrderRefusal::kBadMass},
       {"NaN mass", changed(good, [&](auto& o) { o.mass_kg = nan; }), OrderRefusal::kBadMass},
       {"friction", changed(good, [](auto& o) { o.friction = -0.1; }), OrderRefusal::kBadMass},
-      {"target", bodyTargetCommand(0, 1, poseAt(kPoolAside_m)), OrderRefusal::kNotTheGames},
+      {"target", bodyTargetCommand(0, 1, poseAt(kAside_m)), OrderRefusal::kNotTheGames},
       {"overlap",
        changed(good,
                [](auto& o) {
-                 o.pose = poseAt(kPoolAside_m);
+                 o.pose = poseAt(kAside_m);
                  o.refuse_overlap = true;
                }),
        OrderRefusal::kOverlap},
@@ -214,9 +200,7 @@ TEST(GamePool, BadOrders_AreRefusedWithTheReasonAndChangeNothing) {
 }
 
 TEST(GamePool, BeyondTheBudget_IsRefused) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.01)});
-  game.run(1);
+  Game game(std::vector<Shape>{ballShape(0.01)}, 1);
   for (int slot = 0; slot < 30; ++slot) {
     const Eigen::Vector3d at(0.5, 0.04 * slot, 0.5);
     game.order(spawnCommand(spawnOf(slot, 0, BodyOwner::kLoop, poseAt(at))));
@@ -236,8 +220,7 @@ TEST(GamePool, BeyondTheBudget_IsRefused) {
 }
 
 TEST(GamePool, SpawnedWithVelocityAndSpin_HasBothWhenItIsSolid) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
+  Game game(std::vector<Shape>{ballShape(0.03)});
   SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt({0.5, 0.3, 0.2}));
   order.velocity_m_s = {0.5, -1.0, 0.25};
   order.spin_rad_s = {-30.0, 0.5, 100.0};

@@ -40,9 +40,7 @@ Eigen::Vector3d above(Game& game) {
 }
 
 TEST(Touched, ABallThatFallsOnTheHand_TellsTheMomentumThatItLost) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
-  game.run(100);
+  Game game(std::vector<Shape>{ballShape(0.03)}, 100);
   SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt(above(game)));
   order.mass_kg = 0.2;
   order.friction = 0.0;
@@ -67,9 +65,7 @@ TEST(Touched, ABallThatFallsOnTheHand_TellsTheMomentumThatItLost) {
 }
 
 TEST(Touched, OnceATouch_AndAgainAfterATenthOfASecondWithoutContact) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
-  game.run(100);
+  Game game(std::vector<Shape>{ballShape(0.03)}, 100);
   const Eigen::Vector3d high = above(game), palm = game.palm();
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(high))));
   const auto targetUntil = [&](const Eigen::Vector3d& at) {
@@ -83,9 +79,7 @@ TEST(Touched, OnceATouch_AndAgainAfterATenthOfASecondWithoutContact) {
 }
 
 TEST(Touched, BouncesWithinATenthOfASecond_AreOneTouch) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
-  game.run(100);
+  Game game(std::vector<Shape>{ballShape(0.03)}, 100);
   const Eigen::Vector3d high = above(game), palm = game.palm();
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(high))));
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -112,9 +106,7 @@ TEST(Touched, BouncesWithinATenthOfASecond_AreOneTouch) {
 }
 
 TEST(Touched, ABodyThatIsRemovedWhileItStrikes_IsToldBeforeItLeft) {
-  Game game(gameModels(), atRest());
-  game.prepare(0, {ballShape(0.03)});
-  game.run(100);
+  Game game(std::vector<Shape>{ballShape(0.03)}, 100);
   SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt(above(game)));
   game.order(spawnCommand(order));
   const auto& names = game.rig->models.exercise->description().event_names;
@@ -139,8 +131,6 @@ TEST(Touched, ABodyThatIsRemovedWhileItStrikes_IsToldBeforeItLeft) {
 }
 
 // Bodies of a game that are somewhere else at once: ghosts until they overlap nothing.
-
-const Eigen::Vector3d kAside_m(0.5, 0.3, 0.2);
 
 /// A game with a ball of its own at a place, solid.
 struct DrivenBall {
@@ -200,21 +190,11 @@ TEST(Teleports, FarTargetWithinTheHand_MakesAGhostThatPushesNobody) {
 }
 
 TEST(Teleports, FarTargetOfAPressedBody_LetsTheHandGoFirst) {
-  AxisPosition pressing(6);
-  pressing[2] = -0.06;
-  Game game(gameModels(), Intention::throughWaypoints({{0.0, AxisPosition(6)}, {0.5, pressing}}));
-  game.prepare(0, {boxShape({0.25, 0.25, 0.04})});
-  game.run(100);
-  Eigen::Vector3d at = game.palm();
-  at.z() = -reach(game.rig->models.hand, game.record.q_s, -Eigen::Vector3d::UnitZ()) - 0.025;
-  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(at))));
+  Eigen::Vector3d at;
+  Game game = pressedFromAbove(BodyOwner::kGame, at);
   const auto target = [&](const Eigen::Vector3d& to) {
     game.order(bodyTargetCommand(0, 1, poseAt(to)));
   };
-  for (int k = 0; k < 1500; ++k) {
-    if (k % 16 == 0) target(at);
-    game.tick();
-  }
   ASSERT_GT(game.forceOf(0).norm(), 1.0) << "it is pressed";
   // The game does not stop to name targets, and the last one counts.
   Eigen::Vector3d far = at + Eigen::Vector3d(0.4, 0.0, 0.0);
