@@ -1,5 +1,6 @@
 // Force Dimension devices against a fake of their SDK: what is read, and what is pushed.
 #include "fake_sdk.hpp"
+#include "support/file_bytes.hpp"
 #include "support/says.hpp"
 #include "support/seed.hpp"
 
@@ -147,8 +148,8 @@ TEST_P(Handed, RandomMoves_DoTheSameWorkOnBothSides) {
   std::uniform_real_distribution<double> in(-1.0, 1.0);
   ForceDimensionDriver at;
   at.fake->left_handed = GetParam();
-  std::string settings = std::string(kForceSettings) + kGripperSettings;
-  settings.replace(settings.find("3.14159"), 17, "0.7");  // askew
+  const std::string settings =  // askew
+      replaced(kForceSettings, "3.141592653589793", "0.7") + kGripperSettings;
   ASSERT_TRUE(at.load("", settings)) << at.said;
   ASSERT_TRUE(at.driver->control(WH_ENABLE, 0.0));
   const double sign = GetParam() != 0 ? -1.0 : 1.0;  // the SDK's angle of a left-hand gripper

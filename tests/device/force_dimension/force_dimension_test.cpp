@@ -72,10 +72,9 @@ TEST_F(ForceDimension, WithoutAGripper_IsRefusedWhereOneIsAskedFor) {
 TEST_F(ForceDimension, Settings_AreReadStrictly) {
   const auto driver = at.load("", std::string(kForceSettings) + "watchdog = 3\n");
   ASSERT_FALSE(driver);
-  std::string gripper = kGripperSettings;
-  gripper.replace(gripper.find("open_rad = 0.5"), 14, "open_rad = 0.1");
-  gripper.replace(gripper.find("closed_rad = 0.1"), 16, "closed_rad = 0.5");
-  const auto crossed = at.load("", kForceSettings + gripper);
+  const std::string gripper = replaced(kGripperSettings, "open_rad = 0.5", "open_rad = 0.1");
+  const auto crossed =
+      at.load("", kForceSettings + replaced(gripper, "closed_rad = 0.1", "closed_rad = 0.5"));
   ASSERT_FALSE(crossed);
   EXPECT_TRUE(says(at.said, "is not below open_rad"));
 }

@@ -2,9 +2,9 @@
 
 #include "moteus/settings.hpp"
 #include "support/figure.hpp"
+#include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 
-#include <fstream>
 #include <string>
 
 namespace wholehand::test {
@@ -59,15 +59,7 @@ thumb_circumduction = 0.4
 /// A settings file of a test; `was` is replaced by `is` where it is named.
 inline std::string settingsFile(const Folder& folder, const std::string& text = kHandSettings,
                                 const std::string& was = "", const std::string& is = "") {
-  std::string out = text;
-  if (!was.empty()) {
-    const std::size_t at = out.find(was);
-    if (at == std::string::npos) throw std::runtime_error("no " + was);
-    out.replace(at, was.size(), is);
-  }
-  const std::string path = folder.file("settings.toml");
-  std::ofstream(path) << out;
-  return path;
+  return folder.write("settings.toml", was.empty() ? text : replaced(text, was, is));
 }
 
 inline moteus::Settings handSettings() {

@@ -1,6 +1,7 @@
 #include "moteus/motor_map.hpp"
 
 #include "support/seed.hpp"
+#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -94,7 +95,7 @@ double product(const PerMotor& a, const PerMotor& b) {
 TEST(MotorMap, RandomMaps_DoTheSameWorkOnBothSides) {
   auto random = test::seededRandom(2);
   std::uniform_real_distribution<double> in(-1.0, 1.0);
-  for (int i = 0; i < 10'000; ++i) {
+  for (int i = 0; i < test::cases(10'000); ++i) {
     const MotorMap map = randomMap(random);
     PerMotor m{}, dm{}, ahead{}, tau_q{};
     for (std::size_t k = 0; k < map.size(); ++k) {
