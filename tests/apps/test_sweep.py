@@ -21,14 +21,14 @@ trial = "contact"
 [axes]
 patient = ["stiff-adult"]
 delay_ticks = [0, 2]
-stiffness = [1.0, 8.0, 64.0, 128.0]
+stiffness = [1.0, 128.0]
 
 [[maps]]
 figure = "stable"
 rows = "delay_ticks"
 columns = "stiffness"
 """
-CELLS = 8
+CELLS = 4
 FIGURES = ["stable", "certified", "refuted", "margin", "noise_n", "penetration_m", "faulted"]
 RECORD = 8 + 8 * len(FIGURES) + 4  # docs/sweeps.md: index, figures, checksum
 ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
@@ -86,14 +86,14 @@ class Sweep(AppTest):
             self.assertEqual(file.attrs["kind"], b"wholehand-sweep")
             self.assertEqual([name.decode() for name in file["axes"].attrs["order"]], ["patient", "delay_ticks", "stiffness"])
             self.assertEqual(list(file["axes/patient"].asstr()), ["stiff-adult"])
-            self.assertEqual(list(file["axes/stiffness"]), [1.0, 8.0, 64.0, 128.0])
+            self.assertEqual(list(file["axes/stiffness"]), [1.0, 128.0])
             self.assertEqual(file["grid"].asstr()[0], GRID)
             self.assertEqual(set(file["figures"]), set(FIGURES))
             stable, certified = file["figures/stable"][:], file["figures/certified"][:]
-            self.assertEqual(stable.shape, (1, 2, 4))
+            self.assertEqual(stable.shape, (1, 2, 2))
         # Shipped gains are certified and rest; 128 times as stiff, later than b / (T (1/2 + n)), nobody rests.
         self.assertTrue(certified[:, 0, 0].all() and stable[:, 0, 0].all())
-        self.assertFalse(certified[:, 1, 3].any() or stable[:, 1, 3].any())
+        self.assertFalse(certified[:, 1, 1].any() or stable[:, 1, 1].any())
         self.assertFalse((certified * (1 - stable)).any(), "certified, but not at rest")
 
     def test_a_cell_is_the_experiment_of_the_same_name(self):
@@ -160,7 +160,7 @@ class Sweep(AppTest):
         first, = (self.folder / "cut.h5.cells").glob("0.cells")
         data = bytearray(first.read_bytes())
         first.write_bytes(data[:-5])
-        self.assertIn("5 of them run now", self.sweep("cut.h5", "--processes", 1).out)
+        self.assertIn("3 of them run now", self.sweep("cut.h5", "--processes", 1).out)
         self.assertEqual(digest(self.folder / "cut.h5"), digest(self.folder / "whole.h5"))
 
     def test_a_worker_that_dies_is_told_and_the_same_command_goes_on(self):
@@ -192,7 +192,7 @@ class Sweep(AppTest):
     def test_another_grid_is_refused(self):
         self.sweep()
         self.sweep("half.h5", "--share", "1/2")
-        self.write("grid.toml", GRID.replace("64.0", "32.0"))
+        self.write("grid.toml", GRID.replace("128.0", "32.0"))
         self.expect_refused(self.run_app("sweep", "grid.toml", "--out", "a.h5"), "a.h5: holds another grid's results",
                             "name another --out, or remove the file", lines=1)
         self.expect_refused(self.run_app("sweep", "grid.toml", "--out", "half.h5"), "half.h5.cells: holds cells of another grid", lines=1)
@@ -220,9 +220,9 @@ class Sweep(AppTest):
     def test_bad_grids_are_named(self):
         for change, texts in [
             (("stiffness", "stifness"), ["axes", "stifness", "is no axis of the trial contact", "device_damping"]),
-            (("[1.0, 8.0, 64.0, 128.0]", "[]"), ["stiffness", "1 to 10000 numbers"]),
-            (("[1.0, 8.0, 64.0, 128.0]", "[1.0, 1.0]"), ["stiffness", "has a value twice"]),
-            (("[1.0, 8.0, 64.0, 128.0]", "[-1.0]"), ["stiffness", "-1", "(0, 1000]"]),
+            (("[1.0, 128.0]", "[]"), ["stiffness", "1 to 10000 numbers"]),
+            (("[1.0, 128.0]", "[1.0, 1.0]"), ["stiffness", "has a value twice"]),
+            (("[1.0, 128.0]", "[-1.0]"), ["stiffness", "-1", "(0, 1000]"]),
             (("[0, 2]", "[0.5]"), ["delay_ticks", "whole number"]),
             (('"stiff-adult"]', '"stiff-adult"]\nengine = ["bulet"]'), ["engine", "bulet", "bullet"]),
             (('"stiff-adult"]', '"nobody"]'), ["nobody.toml"]),
@@ -240,7 +240,7 @@ class Sweep(AppTest):
                 self.assertFalse((self.folder / "bad.h5").exists())
 
     def test_a_grid_is_validated_like_any_file(self):
-        said = self.expect(self.run_app("validate", "grid.toml"), DONE, "ok  sweep", "8 cells (1 patient × 2 delay_ticks × 4 stiffness)")
+        said = self.expect(self.run_app("validate", "grid.toml"), DONE, "ok  sweep", "4 cells (1 patient × 2 delay_ticks × 2 stiffness)")
         self.assertEqual(said.err, "")
         self.write("grid.toml", GRID.replace("stiff-adult", "nobody"))
         self.expect_refused(self.run_app("validate", "grid.toml"), "nobody.toml", "is not there", lines=1)
