@@ -253,7 +253,7 @@ void tryOne(Stages& stages, std::uint32_t number, DigitTally& tally) {
 }
 
 TEST(UntouchedDigits, RandomHandsPosturesApproaches_GetNothingFromAnyExercise) {
-  const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
+  const bool full = fullCounts();
   std::printf("seed: WHOLEHAND_SEED=%llu\n", static_cast<unsigned long long>(seed()));
   unsigned from = 0, to = full ? 10'000 : 150;
   const char* some = std::getenv("WHOLEHAND_CASES");

@@ -235,7 +235,7 @@ TEST(CocktailBar, NextWhileResting_EndsTheRest) {
 }
 
 TEST(CocktailBar, EveryLevel_PlayedRight_EndsWithThreeStars) {
-  for (int level = 1; level <= 4; ++level) {
+  for (const int level : allOrOne(1, 4)) {
     SCOPED_TRACE(level);
     BarTable bar(level);
     for (int step = 0; step < 20 && bar.value("stage") != kLevelDone; ++step) {

@@ -1,5 +1,4 @@
 // Every shipped hand plays every level of both bars to its end: a sample of 50 seeds each.
-#include "core/sanitized.hpp"
 #include "experiments/bar_figures.hpp"
 #include "experiments/cocktail_trial.hpp"
 #include "experiments/worker_pool.hpp"
@@ -50,10 +49,10 @@ std::vector<Play> playsDrawn() {
       }
     }
   }
-  if (std::getenv("WHOLEHAND_FULL") != nullptr) return all;
+  if (fullCounts()) return all;
   auto random = seededRandom(75);
   std::vector<Play> drawn = {kFound};
-  if (WHOLEHAND_SANITIZED) return drawn;
+  if (kFew) return drawn;
   for (const std::size_t i : sampleOf(all.size(), 2, random)) drawn.push_back(all[i]);
   return drawn;
 }
@@ -95,7 +94,8 @@ TEST(EveryHandAtTheBar, VirtualPatient_PlaysTheLevelToItsEnd) {
 // mixed.
 
 TEST(BarWithShortReach, DrinkOfEitherHand_IsMixedWithinIt) {
-  for (const char* name : {"adult-median-right", "woman-p50-left"}) {
+  for (const int side : allOrOne(0, 1)) {
+    const char* name = side == 0 ? "adult-median-right" : "woman-p50-left";
     SCOPED_TRACE(name);
     ModelFiles files = shippedFiles("lambda-pride", "empty", name);
     files.scene.clear();

@@ -167,8 +167,8 @@ void expectNothingPoured(int pushes, unsigned stream, const std::vector<How>& ho
 /// @return `full` under WHOLEHAND_FULL; a number in WHOLEHAND_PUSHES is a slice of it
 int pushesOf(int full, int sample) {
   if (const char* slice = std::getenv("WHOLEHAND_PUSHES")) return std::atoi(slice);
-  if (std::getenv("WHOLEHAND_FULL") != nullptr) return full;
-  return WHOLEHAND_SANITIZED ? 4 : sample;
+  if (fullCounts()) return full;
+  return kFew ? 2 : sample;
 }
 
 TEST(BarPushed, WithoutAPalmarGrip_PoursNothing) {

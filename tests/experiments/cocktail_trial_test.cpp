@@ -29,7 +29,7 @@ CocktailResult play(int level, std::uint64_t seed) {
 
 TEST(CocktailBar, EveryLevelBySeedsDrawn_IsCompletedWithinToleranceAndNothingIsLost) {
   auto random = seededRandom(72);
-  for (int level = 1; level <= 4; ++level) {
+  for (const int level : allOrOne(1, 4)) {
     for (int i = 0; i < cases(1); ++i) {
       const std::uint64_t seed = 1 + random() % 1'000'000;
       const CocktailResult r = play(level, seed);
@@ -44,7 +44,7 @@ TEST(CocktailBar, EveryLevelBySeedsDrawn_IsCompletedWithinToleranceAndNothingIsL
   }
 }
 
-TEST(CocktailBar, SameSeed_IsTheSameBitForBitAnotherIsNot) {
+TEST(CocktailBar, SameSeed_IsTheSameBitForBitAnotherIsNot_slow) {
   const CocktailResult a = play(1, 5), b = play(1, 5), c = play(1, 6);
   EXPECT_EQ(a.score, b.score);
   EXPECT_EQ(a.amount_error_max_l, b.amount_error_max_l);
@@ -197,7 +197,7 @@ TEST(CocktailBar, HandGivenBackWhereItIsHeld_GetsFreeAndFinishesTheLevel) {
                           {"cocktail-bar", 2, 13'787, 17'240, 789'258},
                           {"cocktail-bar", 2, 4'109, 6'156, 676'815},
                           {"cocktail-bar-free", 2, 24'627, 25'033, 572'286}};
-  for (const Visit& visit : visits) EXPECT_GT(finishAfter(visit), 0.0) << wordsOf(visit);
+  for (const int i : allOrOne(0, 3)) EXPECT_GT(finishAfter(visits[i]), 0.0) << wordsOf(visits[i]);
 }
 
 /// Of 480 visits 12 did not finish: in 4 the hand stayed wedged, in 8 it sprang free too fast.

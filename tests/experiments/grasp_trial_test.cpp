@@ -62,8 +62,7 @@ std::vector<GraspTrial> oneOfEachKind(const std::vector<GraspTrial>& trials) {
   std::vector<GraspTrial> sample;
   const std::size_t only = random() % kinds.size();
   for (std::size_t k = 0; k < kinds.size(); ++k) {
-    if (!WHOLEHAND_SANITIZED || k == only)
-      sample.push_back(kinds[k].at(random() % kinds[k].size()));
+    if (!kFew || k == only) sample.push_back(kinds[k].at(random() % kinds[k].size()));
   }
   return sample;
 }
@@ -134,7 +133,7 @@ TEST(Grasping, JitteredTrials_AreHeld) {
   }
   const std::vector<GraspTrial> all = jitteredTrials(72, kToldSeed);
   std::vector<GraspTrial> sample;
-  for (const std::size_t i : sampleOf(all.size(), WHOLEHAND_SANITIZED ? 1 : 4, random)) {
+  for (const std::size_t i : sampleOf(all.size(), kFew ? 1 : 4, random)) {
     sample.push_back(all[i]);
     std::printf("jittered trial %zu of 0 .. 71: %s\n", i, all[i].name().c_str());
   }

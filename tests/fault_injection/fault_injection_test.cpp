@@ -250,8 +250,8 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
 }
 
 int runsOfEach() {
-  if (std::getenv("WHOLEHAND_FULL") != nullptr) return 1000;
-  return WHOLEHAND_SANITIZED ? 2 : 6;
+  if (fullCounts()) return 1000;
+  return kFew ? 1 : 6;
 }
 
 class StoppingFault : public ::testing::TestWithParam<Kind> {};

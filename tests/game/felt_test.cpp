@@ -30,7 +30,7 @@ TEST(GameBodies, AppearingOverTheHand_AreNotFeltUntilSolid) {
   const std::vector<AxisEffort> before = undisturbed(gameModels());
   double largest = 0.0;
   int became_solid = 0, slews = 0, stayed = 0;
-  const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
+  const bool full = fullCounts();
   const int count = full ? 10'000 : cases(40);
   for (int n = 0; n < count; ++n) {
     SCOPED_TRACE(n);

@@ -153,7 +153,7 @@ TEST(ThousandBodies, AroundAMovingHand_CostLittleAllocateNothingAndReplay) {
   EXPECT_EQ(seen.refused, 0U);
   EXPECT_GE(seen.most_awake, 20U);
   EXPECT_LE(seen.most_awake, 24U) << "budget.awake";
-  if (kCountsTell && std::getenv("WHOLEHAND_FULL") != nullptr) {
+  if (kCountsTell && fullCounts()) {
     EXPECT_LE(cpu.p999_ns, 500e3);
   }
   expectSameAgain(folder.file("run.h5"), kThousandTicks);

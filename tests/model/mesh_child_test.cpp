@@ -84,7 +84,7 @@ TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
 TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
   auto random = seededRandom(272);
   const Folder folder;
-  const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
+  const bool full = fullCounts();
   int read = 0, died = 0;
   const auto samples = meshSamples();
   for (int i = 0; i < (full ? 10000 : 60); ++i) {

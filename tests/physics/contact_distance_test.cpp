@@ -86,7 +86,7 @@ TEST(SegmentDistance, OfRandomCapsules_IsExactToATenthOfAMicrometre) {
   auto random = seededRandom(374);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   for (const Shape& shape : shapes()) {
-    for (int i = 0; i < (WHOLEHAND_SANITIZED ? 500 : 8000); ++i) {
+    for (int i = 0; i < (kFew ? 500 : 8000); ++i) {
       const Vector3d a(where(random), where(random), where(random));
       const Vector3d b = a + 0.5 * Vector3d(where(random), where(random), where(random));
       const double exact_m = leastDistance_m(shape, a, b);

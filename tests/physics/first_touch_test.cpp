@@ -121,7 +121,7 @@ Found expectFirstTouches(const Named& named, std::mt19937_64 random, int first, 
 class FirstTouch : public testing::TestWithParam<Named> {};
 
 TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
-  const int hands = WHOLEHAND_SANITIZED ? 12 : 50;
+  const int hands = kFew ? 6 : 50;
   const Found found = expectFirstTouches(GetParam(), seededRandom(31), 0, hands - 1);
   if (!kCountsTell) return;
   EXPECT_GT(found.touches, hands * 3 / 10);

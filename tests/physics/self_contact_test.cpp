@@ -151,7 +151,7 @@ TEST(SelfContact, AtTheSpeedLimit_NeitherOverlapsNorIsPassedThrough) {
 }
 
 TEST(SelfContact, HeldForAMinute_GainsNoEnergy) {
-  const std::uint64_t ticks = WHOLEHAND_SANITIZED ? 15'000 : 60'000;  // a sanitizer sees no energy
+  const std::uint64_t ticks = kFew ? 6'000 : 60'000;  // a sanitizer sees no energy
   for (const ClosingHand& c : kClosings) {
     SCOPED_TRACE(c.name);
     const auto rig = closingRig(c);

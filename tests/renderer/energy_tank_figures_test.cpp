@@ -63,7 +63,7 @@ TEST_P(AtEveryRate, PressedToSaturationAndDrawnBack_RippleIsAsWithoutTheTank) {
 void playTheBar(int rate_hz, int divisor) {
   // One level by the seed; all four where every large count is asked for.
   auto random = seededRandom(static_cast<unsigned>(rate_hz + divisor - 1));
-  const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
+  const bool full = fullCounts();
   const int drawn = 1 + static_cast<int>(random() % 4U);
   for (int level = full ? 1 : drawn; level <= (full ? 4 : drawn); ++level) {
     ModelFiles files = shippedFiles();

@@ -38,6 +38,14 @@ inline bool leftOutUnderASanitizer(std::size_t index) {
   return kFew && (index + seed()) % 10U != 0;
 }
 
+/// The numbers first .. last; under a sanitizer one of them, by the seed.
+inline std::vector<int> allOrOne(int first, int last) {
+  std::vector<int> all(static_cast<std::size_t>(last - first + 1));
+  std::iota(all.begin(), all.end(), first);
+  if (kFew) all = {all[seed() % all.size()]};
+  return all;
+}
+
 /// `count` of the numbers 0 .. size - 1, none of them twice, in random order.
 /// @pre count <= size
 template <class Random>

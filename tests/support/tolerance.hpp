@@ -13,26 +13,31 @@ inline double tolerance(double value) {
   return scale != nullptr ? value * std::atof(scale) : value;
 }
 
-/// Whether every large count is asked for (./check --full).
-inline bool fullCounts() {
+/// Whether ./check --full runs.
+inline bool underFull() {
   return std::getenv("WHOLEHAND_FULL") != nullptr;
 }
 
-/// Whether a sanitizer runs at counts for everyday: ./check judges unit tests there and nowhere
-/// else. ./check --full judges them in a release build at every large count besides.
-inline const bool kFew = WHOLEHAND_SANITIZED != 0 && !fullCounts();
+/// Whether every large count is asked for. A sanitizer has the usual ones in ./check --full.
+inline bool fullCounts() {
+  return underFull() && WHOLEHAND_SANITIZED == 0;
+}
 
-/// How many random cases to try: a tenth under a sanitizer, thirty times as many in a release build
-/// where every large count is asked for.
+/// Whether a sanitizer runs, and not at the usual counts: ./check judges unit tests so. ./check
+/// --full judges them in a release build, at every large count.
+inline const bool kFew = WHOLEHAND_SANITIZED != 0 && !underFull();
+
+/// How many random cases to try: thirty times as many where every large count is asked for, a tenth
+/// in ./check.
 inline int cases(int sampled) {
   if (kFew) return std::max(1, sampled / 10);
-  return fullCounts() && !WHOLEHAND_SANITIZED ? 30 * sampled : sampled;
+  return fullCounts() ? 30 * sampled : sampled;
 }
 
 /// The same where a case is there for the memory: damaged files and messages. As many under a
 /// sanitizer.
 inline int damagedCases(int sampled) {
-  return fullCounts() ? 30 * sampled : sampled;
+  return underFull() ? 30 * sampled : sampled;
 }
 
 /// Whether enough cases run that how often something was seen says anything.
