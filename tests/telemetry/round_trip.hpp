@@ -43,12 +43,4 @@ inline double roundTrip(const std::vector<TickRecord>& ticks, const RecordingMet
   return static_cast<double>(std::filesystem::file_size(path)) / static_cast<double>(ticks.size());
 }
 
-/// Under both descriptions every bit comes back, and `now` takes so many bytes a tick less.
-inline void expectLessRoom(const std::vector<TickRecord>& ticks, const RecordingMeta& now,
-                           const RecordingMeta& before, double less_bytes) {
-  const double bytes = roundTrip(ticks, now), bytes_before = roundTrip(ticks, before);
-  std::printf("figure: %.0f bytes a tick, %.0f before\n", bytes, bytes_before);
-  EXPECT_LT(bytes, bytes_before - less_bytes);
-}
-
 }  // namespace wholehand::synthetic

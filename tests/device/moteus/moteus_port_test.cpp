@@ -137,20 +137,6 @@ TEST(TtyBus, AdapterThatTakesNothing_FailsInsteadOfWaiting) {
   });
 }
 
-TEST(MoteusPortLost, ProgramThatStops_IsLetGoByTheDrives) {
-  Port port;
-  port.enable();
-  ASSERT_TRUE(port.ticksUntil([&] { return port.torque_nm() > 0.4; }, 0.5));
-  // By the drives' clock; what is under way may arrive in between and feed them once more.
-  for (int i = 0; i < 1000 && port.torque_nm() != 0.0; ++i) {
-    ::usleep(1000);
-    port.adapter.pass(25'000'000);
-  }
-  EXPECT_EQ(port.torque_nm(), 0.0);
-  EXPECT_TRUE(port.ticksUntil([&] { return (port.sample.status & WH_SILENCED) != 0; }, 0.5));
-  EXPECT_EQ(port.torque_nm(), 0.0);
-}
-
 TEST(MoteusPortTick, ReadsAndWrites_AllocateNothing) {
   Port port;
   port.enable();
