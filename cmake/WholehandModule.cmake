@@ -68,7 +68,8 @@ endfunction()
 # folders of tests/ add their sources with wholehand_tests(<name> ...).
 #
 # LABEL: who runs it.
-#   unit      ./check under AddressSanitizer and UndefinedBehaviorSanitizer, --full in the release build too
+#   unit      under AddressSanitizer and UndefinedBehaviorSanitizer; in a release build with
+#             WHOLEHAND_FULL_TESTS only, or by its name
 #   figure    release: it measures at length what other tests drive through the same code
 #   sessions  release, on the real clock, and it mostly sleeps
 #   realtime  release, on the real clock, and nothing runs beside it
@@ -89,6 +90,10 @@ function(wholehand_test_program name)
   target_compile_definitions(${target} PRIVATE WHOLEHAND_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                WHOLEHAND_BINARY_DIR="${PROJECT_BINARY_DIR}")
   wholehand_read_precompiled(${target} wholehand_precompiled_tests)
+  if(arg_LABEL STREQUAL unit AND CMAKE_BUILD_TYPE STREQUAL Release AND NOT WHOLEHAND_FULL_TESTS)
+    set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
   set(filter "-*_slow*")
   if(WHOLEHAND_FULL_TESTS)
     set(filter "*")
