@@ -7,6 +7,7 @@
 #include "spoiled_places.hpp"
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"
+#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
@@ -180,20 +181,16 @@ TEST_P(FailingDevice, InATick_IsToldAndRampsToNeutral) {
     EXPECT_EQ(neutral, -1) << "goes on";
   }
 }
-INSTANTIATE_TEST_SUITE_P(
-    Kinds, FailingDevice,
-    // The sample after the first frozen one is 1 period old, and 20 ms are allowed.
-    testing::Values(
-        FailingInATick{"unplug", Fault::kDeviceRead}, FailingInATick{"missing", Fault::kDeviceRead},
-        FailingInATick{"nan", Fault::kNonFinitePosition},
-        FailingInATick{"drive", Fault::kDriveFault}, FailingInATick{"enable", Fault::kEnableLost},
-        FailingInATick{"unhomed", Fault::kEnableLost},
-        FailingInATick{"silenced", Fault::kEnableLost}, FailingInATick{"hot", Fault::kDriveHot},
-        FailingInATick{"backwards", Fault::kStaleSample},
-        FailingInATick{"clock", Fault::kStaleSample},
-        FailingInATick{"frozen", Fault::kStaleSample, 21},
-        FailingInATick{"refuse", Fault::kDeviceWrite}),
-    [](const auto& tested) { return tested.param.name; });
+// The sample after the first frozen one is 1 period old, and 20 ms are allowed.
+const std::vector<FailingInATick> kFailing = {
+    {"unplug", Fault::kDeviceRead},      {"missing", Fault::kDeviceRead},
+    {"nan", Fault::kNonFinitePosition},  {"drive", Fault::kDriveFault},
+    {"enable", Fault::kEnableLost},      {"unhomed", Fault::kEnableLost},
+    {"silenced", Fault::kEnableLost},    {"hot", Fault::kDriveHot},
+    {"backwards", Fault::kStaleSample},  {"clock", Fault::kStaleSample},
+    {"frozen", Fault::kStaleSample, 21}, {"refuse", Fault::kDeviceWrite}};
+INSTANTIATE_TEST_SUITE_P(Kinds, FailingDevice, testing::ValuesIn(aTenth(kFailing)),
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace wholehand::test

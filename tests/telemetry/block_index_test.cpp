@@ -222,7 +222,7 @@ pid_t startWriting(const std::string& path, const std::vector<TickRecord>& ticks
   return child;
 }
 
-TEST_F(BlockIndexTest, RecordingThatIsWrittenAndThenKilled_IsReadAsFarAsItIsThere) {
+TEST_F(BlockIndexTest, RecordingThatIsWrittenAndThenKilled_IsReadAsFarAsItIsThere_slow) {
   const std::string path = folder->file("growing.h5");
   const pid_t child = startWriting(path, ticks);
   {
@@ -237,7 +237,7 @@ TEST_F(BlockIndexTest, RecordingThatIsWrittenAndThenKilled_IsReadAsFarAsItIsTher
   expectWhole(path);
 }
 
-TEST_F(BlockIndexTest, TicksThatDoNotRise_AreReadWithoutIt) {
+TEST_F(BlockIndexTest, TicksThatDoNotRise_AreReadWithoutIt_slow) {
   const std::string path = folder->file("falling.h5");
   std::swap(ticks[600], ticks[610]);
   synthetic::writeRecording(path, ticks);
