@@ -6,7 +6,7 @@ internal static class Answers
 {
     public static CommandReply Ended(Task<CommandReply> command)
     {
-        Check.True(command.Wait(20000), "the command is answered");
+        Check.True(command.Wait(300000), "the command is answered");
         return command.Result;
     }
 

@@ -56,7 +56,7 @@ internal static class States
         double p50 = s1.LatencyMs(50), p99 = s1.LatencyMs(99), share = s1.Share, late = jitter.P99();
         Console.WriteLine("figure: {8}, {0} s: {1} received, {2} lost ({3:0.00000} %), {4} out of order; {5} ticks skipped by the "
             + "program; latency p50 {6:0.00} ms, p99 {7:0.00} ms; an idle thread is {9:0.00} ms late, p99",
-            seconds, received, lost, 100.0 * share, disorder, skipped, p50, p99, what, late);
+            seconds, received, lost, 100.0 * (1.0 - share), disorder, skipped, p50, p99, what, late);
         Check.True(share >= 0.999, "less than 99.9 % received");
         Check.Equal(0L, disorder + backwards, "out of order");
         // A second of 1 kHz is a thousand states, whatever the machine does: late ones come in a batch.

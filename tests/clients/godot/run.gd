@@ -12,7 +12,7 @@ const Shapes = preload("res://addons/wholehand/shapes.gd")
 const State = preload("res://addons/wholehand/state.gd")
 const World = preload("res://addons/wholehand/world.gd")
 
-const PATIENCE_MS = 20000
+const PATIENCE_MS = 90000
 # Conditions of until(), which takes both sides of an `and`.
 const NO_BODIES = "connection.bodies.bodies.empty() and world.game_bodies.empty()"
 const HAS_STATE = "connection.state != null and connection.scene != null"
@@ -61,7 +61,7 @@ func check(condition, what):
 	return condition
 
 
-# Frames until an expression of this script's is true; at most 20 s, however slow the machine.
+# Frames until an expression of this script's is true; at most 90 s, however slow the machine.
 func until(condition, what):
 	var expression = Expression.new()
 	check(expression.parse(condition) == OK, condition)
@@ -69,7 +69,7 @@ func until(condition, what):
 	var end = OS.get_ticks_msec() + PATIENCE_MS
 	while not expression.execute([], self):
 		if OS.get_ticks_msec() > end or expression.has_execute_failed():
-			check(false, "not within 20 s: " + what)
+			check(false, "not within 90 s: " + what)
 			break
 		yield(self, "idle_frame")
 
@@ -277,7 +277,7 @@ func becomes(what, slot):
 				body_events.erase(event)
 				return event
 		yield(self, "idle_frame")
-	check(false, "not within 20 s: slot %d: %s; there were %s" % [slot, what, body_events])
+	check(false, "not within 90 s: slot %d: %s; there were %s" % [slot, what, body_events])
 	return [what, slot, 0, 0]
 
 
