@@ -6,6 +6,7 @@
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
+#include "support/test_names.hpp"
 #include "support/tolerance.hpp"
 
 #include <Eigen/Core>
@@ -83,11 +84,7 @@ TEST_P(EveryFile, OnThisDevice_BuildsArmsAndRunsASecond) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Devices, EveryFile, testing::ValuesIn(shipped("devices")),
-                         [](const auto& tested) {
-                           std::string name = tested.param;
-                           std::erase_if(name, [](char c) { return c == '-'; });
-                           return name;
-                         });
+                         [](const auto& tested) { return withoutHyphens(tested.param); });
 
 // Left hands of every size against right ones, in mirrored scenes, through the whole renderer.
 
@@ -117,8 +114,9 @@ std::unique_ptr<Rig> reaching(const std::string& size, bool left) {
 
 TEST(LeftHandOfEverySize, InTheMirroredScene_FeelsTheMirroredEffort) {
   double apart_n = 0.0;
-  for (const char* size :
-       {"adult-median", "woman-p05", "woman-p50", "woman-p95", "man-p05", "man-p50", "man-p95"}) {
+  for (const std::string& size :
+       aTenth<std::string>({"adult-median", "woman-p05", "woman-p50", "woman-p95", "man-p05",
+                            "man-p50", "man-p95"})) {
     const std::unique_ptr<Rig> right = reaching(size, false), left = reaching(size, true);
     ASSERT_TRUE(right->renderer->arm()) << size;
     ASSERT_TRUE(left->renderer->arm()) << size;
@@ -206,10 +204,12 @@ void expectBegins(Models models, std::uint64_t seed) {
 TEST(ShippedExercises, EveryLevel_ArmsAtItsStartTouchingNothing) {
   const std::vector<ExerciseFile> exercises = listExercises(config("exercises"));
   ASSERT_GE(exercises.size(), 3U);
+  std::size_t index = 0;
   for (const ExerciseFile& file : exercises) {
     int levels = 1;
     for (int level = 1; level <= levels; ++level) {
       for (const std::uint64_t seed : {1U, 2U}) {  // virtual patients start by it
+        if (level > 1 && leftOutUnderASanitizer(index++)) continue;
         SCOPED_TRACE(file.name + ", level " + std::to_string(level) + ", seed " +
                      std::to_string(seed));
         ModelFiles files = shippedFiles();

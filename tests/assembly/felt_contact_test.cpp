@@ -4,6 +4,7 @@
 #include "assembly/ball_clearance.hpp"
 #include "control/impedance.hpp"
 #include "support/rig_tools.hpp"
+#include "support/seed.hpp"
 #include "support/shipped.hpp"
 #include "support/test_names.hpp"
 #include "support/tolerance.hpp"
@@ -62,7 +63,7 @@ std::vector<FeltSide> everySide() {
       if (axis.group == AxisGroup::kBase) sides.push_back({device, axis.name, -1});
     }
   }
-  return sides;
+  return aTenth(sides);
 }
 
 /// The axis by itself, without what is not linear: dry friction, encoder, adaptive damping.

@@ -4,6 +4,7 @@
 #include "realtime/monotonic_clock.hpp"
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"
+#include "support/seed.hpp"
 
 #include <chrono>
 #include <cstring>
@@ -69,14 +70,15 @@ TEST(Rehearsal, Bar_PassesWithTheContactsOfAWholePlayInHalfASecond) {
 }
 
 TEST(Rehearsal, EveryDevice_TouchesWhatLiesOnATable) {
-  for (const char* device : {"lambda-pride", "wrist-9axis", "desktop-3axis"}) {
+  for (const std::string& device :
+       aTenth<std::string>({"lambda-pride", "wrist-9axis", "desktop-3axis"})) {
     SCOPED_TRACE(device);
     const Models models = load(shippedFiles(device, "table"));
     RehearsalOptions any;
     any.most_of_period = 100.0;
     const Rehearsal r = orThrow(rehearse(models, origin(models), {}, any));
-    std::printf("%s: %s\n", device, describe(r).c_str());
-    EXPECT_GE(r.bodies_touched, std::string(device) == "desktop-3axis" ? 2 : 4);
+    std::printf("%s: %s\n", device.c_str(), describe(r).c_str());
+    EXPECT_GE(r.bodies_touched, device == "desktop-3axis" ? 2 : 4);
   }
 }
 

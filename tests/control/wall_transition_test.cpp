@@ -22,7 +22,7 @@ TEST(VirtualWall, MillionRandomStates_NeverPullAFingerIn) {
   auto random = seededRandom(31);
   std::uniform_real_distribution<double> unit(0.0, 1.0), both(-1.0, 1.0);
   double most = -kInfinite;
-  for (int i = 0; i < 1'000'000; ++i) {
+  for (int i = 0; i < cases(1'000'000); ++i) {
     const double side = i % 2 == 0 ? 1.0 : -1.0;
     const VirtualWall wall{both(random), side, 20.0 * unit(random), unit(random), unit(random)};
     // Mostly near the wall, where signs matter; p up to 2 rad, ṗ up to 20 rad/s.
@@ -99,7 +99,7 @@ TEST(Transition, ReversedAtAnyMoment_NeverJumps) {
   auto random = seededRandom(32);
   TransitionState state;
   double before = 0.0, largest = 0.0;
-  for (int tick = 0; tick < 200'000; ++tick) {
+  for (int tick = 0; tick < cases(200'000); ++tick) {
     const double distance_m = random() % 97 == 0 ? 1.0 : random() % 41 == 0 ? 0.0 : 0.025;
     state = advanceTransition(state, distance_m, true, config, 1, kPeriod_s);
     const double alpha = transitionAlpha(state);

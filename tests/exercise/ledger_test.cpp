@@ -63,7 +63,7 @@ TEST(Ledger, MillionRandomMoves_EveryDropIsAccountedFor) {
   ledger.fill(dispensers({0.35, 0.2, 1.0 / 3.0, 0.1}));
   const double start_l = 0.35 + 0.2 + 1.0 / 3.0 + 0.1;
   double worst_l = 0.0;
-  for (int i = 0; i < 1'000'000; ++i) {
+  for (int i = 0; i < cases(1'000'000); ++i) {
     const int d = static_cast<int>(random() % 4);
     const double volume_l = 1e-5 * unit(random) * unit(random);
     if (random() % 3 == 0) {

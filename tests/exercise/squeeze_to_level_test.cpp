@@ -1,6 +1,7 @@
 #include "assembly/exercise_results.hpp"
 #include "exercise/squeeze_to_level/band_steps.hpp"
 #include "support/rig_tools.hpp"
+#include "support/seed.hpp"
 
 namespace wholehand::test {
 namespace {
@@ -66,7 +67,7 @@ TEST(BandSteps, AtHalfTheLevel_HalfTheForceDoes) {
 
 /// Every shipped hand does it by itself, within the limits, and what counts is told.
 TEST(SqueezeToLevel, PlayedByItsVirtualPatient_IsDoneWithin25s) {
-  for (const char* hand : {"adult-median-right", "adult-median-left"}) {
+  for (const std::string& hand : aTenth<std::string>({"adult-median-right", "adult-median-left"})) {
     SCOPED_TRACE(hand);
     ModelFiles files = shippedFiles("lambda-pride", "empty", hand);
     files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/squeeze-to-level.toml";
@@ -89,7 +90,7 @@ TEST(SqueezeToLevel, PlayedByItsVirtualPatient_IsDoneWithin25s) {
     EXPECT_EQ(results[1].name, "score");
     EXPECT_GT(results[1].value, 50.0);
     EXPECT_LE(results[1].value, 100.0);
-    std::printf("figure: %s, score %.0f\n", hand, results[1].value);
+    std::printf("figure: %s, score %.0f\n", hand.c_str(), results[1].value);
   }
 }
 

@@ -251,7 +251,7 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
 
 int runsOfEach() {
   if (fullCounts()) return 1000;
-  return kFew ? 1 : 6;
+  return kFew ? 2 : 6;
 }
 
 class StoppingFault : public ::testing::TestWithParam<Kind> {};

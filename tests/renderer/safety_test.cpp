@@ -4,6 +4,7 @@
 #include "renderer/safety_tools.hpp"
 #include "support/accepting_device.hpp"
 #include "support/says.hpp"
+#include "support/test_names.hpp"
 
 namespace wholehand::test {
 namespace {
@@ -294,11 +295,7 @@ INSTANTIATE_TEST_SUITE_P(
                       std::pair<std::string, std::string>{"lambda-pride", "table"},
                       std::pair<std::string, std::string>{"desktop-3axis", "four-shapes"},
                       std::pair<std::string, std::string>{"wrist-9axis", "four-shapes"}),
-    [](const auto& tested) {
-      std::string name = tested.param.first + tested.param.second;
-      std::erase_if(name, [](char c) { return c == '-'; });
-      return name;
-    });
+    [](const auto& tested) { return withoutHyphens(tested.param.first + tested.param.second); });
 
 }  // namespace
 }  // namespace wholehand::test

@@ -38,6 +38,17 @@ inline bool leftOutUnderASanitizer(std::size_t index) {
   return kFew && (index + seed()) % 10U != 0;
 }
 
+/// All of them; under a sanitizer a tenth, by the seed, and one at least.
+template <class T>
+std::vector<T> aTenth(const std::vector<T>& all) {
+  std::vector<T> out;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!leftOutUnderASanitizer(i)) out.push_back(all[i]);
+  }
+  if (out.empty() && !all.empty()) out.push_back(all[seed() % all.size()]);
+  return out;
+}
+
 /// The numbers first .. last; under a sanitizer one of them, by the seed.
 inline std::vector<int> allOrOne(int first, int last) {
   std::vector<int> all(static_cast<std::size_t>(last - first + 1));

@@ -15,7 +15,8 @@ inline double tolerance(double value) {
 
 /// Whether ./check --full runs.
 inline bool underFull() {
-  return std::getenv("WHOLEHAND_FULL") != nullptr;
+  static const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
+  return full;
 }
 
 /// Whether every large count is asked for. A sanitizer has the usual ones in ./check --full.
