@@ -4,7 +4,6 @@
 #include "realtime/allocation_counter.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
-#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
@@ -129,7 +128,7 @@ const std::vector<Broken> kBroken = {{"exits", "lifecycle.open"},
                                      {"other_major", "boundary.major", true},
                                      {"too_short", "boundary.size", true},
                                      {"without_write", "boundary.functions", true}};
-INSTANTIATE_TEST_SUITE_P(Kinds, OneRuleBroken, testing::ValuesIn(aTenth(kBroken)),
+INSTANTIATE_TEST_SUITE_P(Kinds, OneRuleBroken, testing::ValuesIn(kBroken),
                          [](const auto& tested) { return tested.param.name; });
 
 TEST(Conformance, DriverThatCrashes_FailsTheCheckUnderWayAndNoOtherGroup) {
@@ -144,12 +143,9 @@ TEST(Conformance, DriverThatHangs_IsEndedAndToldOf) {
   EXPECT_TRUE(says(failures(results), "samples.succeed: the driver hangs"));
 }
 
-TEST(Conformance, GoodDriver_FailsNothing) {
-  EXPECT_EQ(failures(conform(with(builtAt("rails"), ""))), "");
-}
-
-TEST(Conformance, DriverThatBreaksNoRuleAndMoves_FailsNothing_slow) {
+TEST(Conformance, GoodDrivers_FailNothing) {
   EXPECT_EQ(failures(conform(with(builtAt("broken", "moving"), ""))), "");
+  EXPECT_EQ(failures(conform(with(builtAt("rails"), ""))), "");
 }
 
 // It may wait, has no watchdog of its own and moves by itself: what it does without effort.
