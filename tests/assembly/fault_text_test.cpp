@@ -1,1 +1,0 @@
-// Its tests are in safety_log_test.cpp.

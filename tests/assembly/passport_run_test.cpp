@@ -1,1 +1,0 @@
-// Its tests are in run_test.cpp.

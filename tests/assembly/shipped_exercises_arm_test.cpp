@@ -1,1 +1,0 @@
-// Its tests are in every_file_test.cpp.

@@ -1,1 +1,0 @@
-// Its tests are in passport_test.cpp.

@@ -1,1 +1,0 @@
-// Its tests are in stability_test.cpp.

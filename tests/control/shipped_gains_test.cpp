@@ -1,1 +1,0 @@
-// Its tests are in certificate_test.cpp.

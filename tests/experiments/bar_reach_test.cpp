@@ -1,1 +1,0 @@
-// Its tests are in bar_patients_test.cpp.

@@ -1,1 +1,0 @@
-// Its tests are in grasp_trial_test.cpp.

@@ -1,1 +1,0 @@
-// Its tests are in complexity_test.cpp.

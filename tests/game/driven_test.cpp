@@ -1,1 +1,0 @@
-// Its tests are in felt_test.cpp.

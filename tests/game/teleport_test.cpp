@@ -1,1 +1,0 @@
-// Its tests are in touched_test.cpp.

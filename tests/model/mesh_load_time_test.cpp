@@ -1,1 +1,0 @@
-// Its tests are in mesh_child_test.cpp.

@@ -1,1 +1,0 @@
-// Its tests are in bad_input_test.cpp.

@@ -1,1 +1,0 @@
-// Its tests are in players_test.cpp.

@@ -1,1 +1,0 @@
-// Its tests are in habits_test.cpp.

@@ -1,1 +1,0 @@
-// Its tests are in body_rows_test.cpp.

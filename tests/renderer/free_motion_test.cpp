@@ -1,1 +1,0 @@
-// Its tests are in contact_figures_test.cpp.

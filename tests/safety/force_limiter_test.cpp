@@ -1,1 +1,0 @@
-// Its tests are in slew_and_power_test.cpp.

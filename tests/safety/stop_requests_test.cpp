@@ -1,1 +1,0 @@
-// Its tests are in supervisor_test.cpp.
