@@ -1,35 +1,21 @@
 // Recordings with bodies of a game: the replay and the report draw them.
-import { spawn } from 'node:child_process';
-import { existsSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { openPage, until } from './browser.mjs';
-import { expect } from './checks.mjs';
-import { letProgram, startProgram } from './program.mjs';
+import { expect, openFile, openPage, until } from './browser.mjs';
+import { letProgram } from './program.mjs';
 import { replay, replayed, still, withQuery } from './replay_checks.mjs';
-import { open } from './report_checks.mjs';
 
-const PATIENT_MS = 120_000;
 const PLAYER = join(dirname(fileURLToPath(import.meta.url)), 'play_with_bodies.py');
 /** Beside the ball, which may have fallen out of the world. Each takes a few hundred pixels of a picture at least. */
 const BODIES = 11;
 const PIXELS_OF_BODIES = 3000;
 
-/** A recording of a game that brings bodies, made once, with the Python client that stands beside the program. */
-async function recordedBodies({ file, folder }) {
-  const path = join(folder, 'bodies.h5');
-  if (existsSync(path)) return path;
-  const program = await startProgram({ file, folder, args: ['--wait', '--no-rehearsal', '--exercise', 'game-scene', '--record', path] });
-  try {
-    const python = { ...process.env, PYTHONPATH: join(dirname(file), 'python') };
-    const player = spawn('/usr/bin/python3', ['-B', PLAYER, `127.0.0.1:${program.port}`], { env: python, stdio: ['ignore', 'inherit', 'pipe'] });
-    const said = [];
-    player.stderr.on('data', (data) => said.push(String(data)));
-    const code = await new Promise((resolve) => player.once('exit', resolve));
-    expect(code === 0, `the game ended with ${code}: ${said.join('')}`);
-  } finally {
-    await program.stop();
-  }
+/** A recording of a game that brings bodies, with the Python client that stands beside the program. */
+async function recordedBodies(t) {
+  const path = join(t.folder, 'bodies.h5');
+  const program = await t.program('--no-rehearsal', '--exercise', 'game-scene', '--record', path);
+  await letProgram({ file: '/usr/bin/python3', folder: t.folder, args: ['-B', PLAYER, `127.0.0.1:${program.port}`], env: { ...process.env, PYTHONPATH: join(dirname(t.file), 'python') } });
+  await program.stop();
   return path;
 }
 
@@ -50,7 +36,7 @@ async function bluePixels(page) {
 
 /** The moment in the middle of those with all bodies, by looking every tenth of a second. */
 async function drawnWithBodies(page) {
-  await until('the whole picture', async () => (await replayed(page))?.quality === 'low', { within_ms: PATIENT_MS });
+  await until('the whole picture', async () => (await replayed(page))?.quality === 'low');
   await page.keyboard.press('Home');
   await still(page, 'no body at first', ({ rows, bodies }) => rows[0] === 0 && bodies[0] === 0);
   const without = await bluePixels(page);
@@ -69,42 +55,36 @@ async function drawnWithBodies(page) {
 }
 
 /** Bodies of a game come, are drawn and go, in the replay and in a report. */
-export async function bodiesAreReplayed(drawing, recorded, picture) {
-  const path = await recordedBodies(recorded);
-  return replay(recorded, [path], async (url) => {
-    const page = await openPage(drawing, withQuery(url, { lang: 'en', theme: 'light', quality: 'low' }));
-    const { without, middle_s } = await drawnWithBodies(page);
-    while ((await replayed(page)).time_s > middle_s + 0.05) {
-      const { time_s } = await replayed(page);
-      await page.keyboard.press('Shift+ArrowLeft');
-      await still(page, 'a tenth back', (now) => now.time_s < time_s);
-    }
-    await still(page, 'all bodies', ({ bodies }) => bodies[0] >= BODIES);
-    await picture(page, 'replay_bodies');
-    const blue = await bluePixels(page);
-    expect(blue > without + PIXELS_OF_BODIES, `${blue} blue pixels with bodies, ${without} without`);
-    expect(page.faults.length === 0, page.faults.join('\n'));
-    await page.context().close();
-    return `${blue} pixels of bodies at ${middle_s.toFixed(1)} s, ${without} before; in the report ${await bodiesAreReported(drawing, recorded, path, middle_s, picture)}`;
-  });
+export async function bodiesAreReplayed(t) {
+  const path = await recordedBodies(t);
+  const page = await openPage(t.drawing, withQuery(await replay(t, path), { lang: 'en', theme: 'light', quality: 'low' }));
+  const { without, middle_s } = await drawnWithBodies(page);
+  while ((await replayed(page)).time_s > middle_s + 0.05) {
+    const { time_s } = await replayed(page);
+    await page.keyboard.press('Shift+ArrowLeft');
+    await still(page, 'a tenth back', (now) => now.time_s < time_s);
+  }
+  await still(page, 'all bodies', ({ bodies }) => bodies[0] >= BODIES);
+  await t.picture(page, 'replay_bodies');
+  const blue = await bluePixels(page);
+  expect(blue > without + PIXELS_OF_BODIES, `${blue} blue pixels with bodies, ${without} without`);
+  return `${blue} pixels of bodies at ${middle_s.toFixed(1)} s, ${without} before; in the report ${await bodiesAreReported(t, path, middle_s)}`;
 }
 
-async function bodiesAreReported(drawing, recorded, path, at_s, picture) {
-  const report = join(recorded.folder, 'bodies-report.html');
-  await letProgram({ ...recorded, args: ['replay', path, '--report', report] });
-  const { page, asked } = await open(drawing, report);
-  await until('the picture is drawn', async () => (await page.locator('[data-testid=picture] img').count()) === 1, { within_ms: PATIENT_MS });
-  await picture(page, 'report_bodies');
+async function bodiesAreReported(t, path, at_s) {
+  const report = join(t.folder, 'bodies-report.html');
+  await letProgram({ ...t, args: ['replay', path, '--report', report] });
+  const { page, asked } = await openFile(t.drawing, report);
+  await page.waitForSelector('[data-testid=picture] img');
+  await t.picture(page, 'report_bodies');
   await page.evaluate((time_s) => { location.hash = `replay=${time_s}`; }, at_s);
   await until('the viewer has all bodies', async () => {
     const now = await replayed(page);
     return now?.exact && now.quality !== 'none' && now.bodies[0] >= BODIES;
-  }, { within_ms: PATIENT_MS });
-  await picture(page, 'report_bodies_viewer');
+  });
+  await t.picture(page, 'report_bodies_viewer');
   const blue = await bluePixels(page);
   expect(blue > PIXELS_OF_BODIES, `${blue} blue pixels in the report's viewer`);
   expect(asked.length === 1, `it asked for nothing but itself: ${asked.join(' ')}`);
-  expect(page.faults.length === 0, page.faults.join('\n'));
-  await page.context().close();
   return `${blue}`;
 }

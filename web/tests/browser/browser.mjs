@@ -1,7 +1,11 @@
 // Debian's Chromium, with and without 3D, and what its pages say went wrong.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
+
+/** Longer than anything takes on a machine that works, however slow: what is not there by then hangs. No verdict. */
+export const HANGS_MS = 180_000;
 
 const require = createRequire(import.meta.url);
 const AXE = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
@@ -18,7 +22,7 @@ const WITHOUT_3D = /cannot be drawn here: Error: WebGL 2 is not there/;
 export async function openBrowser({ with3d = true, args = [] } = {}) {
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    headless: true,
+    headless: true, handleSIGINT: false, handleSIGTERM: false, handleSIGHUP: false,  // run.mjs ends, and all with it
     args: ['--no-sandbox', ...(with3d ? SOFTWARE_3D : ['--disable-3d-apis']), ...args],
   });
   browser.with3d = with3d;
@@ -51,11 +55,19 @@ function faultOf(message, { with3d, cutOff }) {
   return cutOff && CUT_OFF.includes(pathOf(address)) ? null : `${text} (${address})`;
 }
 
-/** A page that remembers its own errors, and what it was refused. `init`: runs in it before everything else. */
-export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', cutOff = false, init = null, ...more } = {}) {
+/** Ten frames a second, or five with 3D: what a page shows is wanted, not its smoothness, which takes two processors. */
+const drawsSeldom = (every_ms) => {
+  const frame = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (run) => { setTimeout(() => frame(run), every_ms); return 0; };
+};
+
+/** A page that remembers its own errors, and what it was refused. `smooth`: it draws as often as it can. `init`: runs in it before everything else, one or several. */
+export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', cutOff = false, smooth = false, init = null, ...more } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, locale, ...more });
-  if (init) await context.addInitScript(init);
+  if (!smooth) await context.addInitScript(drawsSeldom, browser.with3d ? 200 : 100);
+  for (const script of [init ?? []].flat()) await context.addInitScript(script);
   const page = await context.newPage();
+  page.setDefaultTimeout(HANGS_MS);
   page.faults = [];
   page.cutOff = cutOff;
   page.on('pageerror', (error) => page.faults.push(error.message));
@@ -70,23 +82,50 @@ export async function openPage(browser, url, { width = 1280, height = 800, local
     if (fault !== null) page.faults.push(fault);
   });
   // Not until everything is loaded: a page that draws in software keeps its own machine busy.
-  await page.goto(url, { waitUntil: 'commit', timeout: 120_000 });
+  await page.goto(url, { waitUntil: 'commit' });
   return page;
 }
 
+/** A page that is a file, opened from the disk; and what it asks for. */
+export async function openFile(browser, path, { state = 'shown', theme = 'light', ...more } = {}) {
+  const page = await openPage(browser, 'about:blank', more);
+  const asked = [];
+  page.on('request', (request) => { if (!/^(data|blob):/.test(request.url())) asked.push(request.url()); });
+  await page.goto(`${pathToFileURL(path).href}?lang=en&theme=${theme}`, { waitUntil: 'commit' });
+  await page.waitForSelector(`body[data-state=${state}]`);
+  return { page, asked };
+}
+
+/** How many sheets of paper it is printed on. */
+export const sheetsOf = async (page) => ((await page.pdf({ preferCSSPageSize: true })).toString('latin1').match(/\/Type\s*\/Page\b/g) ?? []).length;
+
+/** Fails with words. */
+export function expect(condition, words) {
+  if (!condition) throw new Error(words);
+}
+
+/** The pages said of nothing that it went wrong. */
+export const expectNoFaults = (...pages) => pages.forEach(({ faults }) => expect(faults.length === 0, faults.join('\n')));
+
+/** The page keeps nobody out. */
+export async function expectAccessible(page, words = '') {
+  const faults = await accessibilityFaults(page);
+  expect(faults.length === 0, `${words} ${faults.join('\n')}`);
+}
+
 /** Faults that keep somebody out: serious and critical ones, by axe-core. */
-export async function accessibilityFaults(page) {
+async function accessibilityFaults(page) {
   await page.evaluate(AXE);
   // What is still appearing is read half transparent.
   await page.evaluate(() => { for (const a of document.getAnimations()) if (Number.isFinite(a.effect?.getComputedTiming().endTime)) a.finish(); });
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  const { violations } = await page.evaluate(() => globalThis.axe.run({ resultTypes: ['violations'] }));
   return violations
     .filter(({ impact }) => impact === 'serious' || impact === 'critical')
     .map(({ id, help, nodes }) => `${id}: ${help} (${nodes.map(({ html }) => html.slice(0, 100)).join(' | ')})`);
 }
 
 /** Calls `look` until it gives something true, and gives that. */
-export async function until(what, look, { within_ms = 60_000, every_ms = 100 } = {}) {
+export async function until(what, look, { within_ms = HANGS_MS, every_ms = 100 } = {}) {
   const end_ms = Date.now() + within_ms;
   for (;;) {
     const found = await look();

@@ -1,11 +1,8 @@
 // A camera that plays: Chromium's fake one, before which a drawn hand is held.
-import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { accessibilityFaults, openPage, pageUrl, until } from './browser.mjs';
-import { expect, GOES_ON } from './checks.mjs';
-
-const PATIENT_MS = 120_000;
+import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
+import { GOES_ON } from './checks.mjs';
 
 /** Draws an open hand, its palm at the middle of a 640 × 480 picture, which hand tracking takes for one; gives a JPEG. */
 async function pictureOfAHand() {
@@ -41,52 +38,56 @@ async function pictureOfAHand() {
   return [...new Uint8Array(await blob.arrayBuffer())];
 }
 
-/** A file that Chromium's fake camera shows over and over: the hand. */
-async function fileOfAHand(plain, folder) {
-  const context = await plain.newContext();
-  const page = await context.newPage();
-  const jpeg = Buffer.from(await page.evaluate(pictureOfAHand));
-  await context.close();
-  const file = join(folder, 'hand.mjpeg');
+/** A browser with a camera that shows the hand, over and over. */
+async function browserWithCamera(t) {
+  const jpeg = Buffer.from(await (await openPage(t.plain, 'about:blank')).evaluate(pictureOfAHand));
+  const file = join(t.folder, 'hand.mjpeg');
   writeFileSync(file, Buffer.concat(Array.from({ length: 30 }, () => jpeg)));
-  return file;
+  return t.browser({ args: ['--use-fake-device-for-media-stream', `--use-file-for-fake-video-capture=${file}`] });
+}
+
+async function startWithCamera(browser, url, options) {
+  const page = await openPage(browser, pageUrl(url, '/', { lang: 'en', quality: 'low' }), { width: 480, height: 400, ...options });
+  await page.click('[data-way=webcam]');
+  await page.click('[data-testid=start]');
+  return page;
+}
+
+/** A camera that is refused, or not there, is said in words, and the game can still be begun. */
+export async function missingCameraIsSaid(t) {
+  const { url } = await t.watcher();
+  const refusing = await t.browser({ with3d: false, args: ['--use-fake-device-for-media-stream'] });
+  const said = [];
+  for (const [browser, permissions, words] of [[refusing, [], /refused/], [t.plain, ['camera'], /No camera/]]) {
+    const text = (await startWithCamera(browser, url, { permissions })).getByText(words).first();
+    await text.waitFor();
+    said.push(await text.textContent());
+  }
+  return said.join(' ');
 }
 
 /** Chosen, kept in the frame, played with; taken away in the play; taken up again. */
-export async function cameraPlays(plain, openBrowserWith, programUrl, picture) {
-  const folder = mkdtempSync(join(tmpdir(), 'wholehand-camera-'));
-  const file = await fileOfAHand(plain, folder);
-  const browser = await openBrowserWith(['--use-fake-device-for-media-stream', `--use-file-for-fake-video-capture=${file}`]);
-  try {
-    const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { width: 800, height: 500, permissions: ['camera'], init: GOES_ON });
-    await page.click('[data-way=webcam]', { timeout: PATIENT_MS });
-    const pressed_ms = Date.now();
-    await page.click('[data-testid=start]');
-    await page.waitForSelector('.framing[data-step=frame].seen', { timeout: PATIENT_MS });
-    const ready_ms = Date.now() - pressed_ms;
-    await picture(page, 'camera-frame');
-    expect(await page.evaluate(() => document.body.dataset.state) === 'framing', 'it steers before the hand was kept in the frame');
-    const first = Number(await page.textContent('[data-testid=camera-count]'));
-    expect(first >= 5 && first <= 10, `the count begins at ${first}`);
-    const faults = await accessibilityFaults(page);
-    expect(faults.length === 0, faults.join('\n'));
-    await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=hold], [data-state=drawback])', { timeout: PATIENT_MS });
-    await page.waitForSelector('[data-testid=camera] video', { timeout: PATIENT_MS });
-    await picture(page, 'camera-play');
-    // Taken away, as by a cable.
-    await page.evaluate(() => { for (const track of document.querySelector('.camera video').srcObject.getTracks()) { track.stop(); track.dispatchEvent(new Event('ended')); } });
-    await page.waitForSelector('text=/The camera has stopped/', { timeout: PATIENT_MS });
-    await picture(page, 'camera-gone');
-    const more = await accessibilityFaults(page);
-    expect(more.length === 0, more.join('\n'));
-    await page.click('[data-testid=camera-again]');
-    await page.waitForSelector('.framing[data-step=frame].seen', { timeout: PATIENT_MS });
-    await page.click('[data-testid=camera-other]');
-    await until('the play without the camera', () => page.evaluate(() => document.body.dataset.state !== 'framing' && !document.querySelector('video')));
-    expect(page.faults.length === 0, page.faults.join('\n'));
-    return `a hand seen ${(ready_ms / 1000).toFixed(1)} s after Start; kept in the frame from ${first}; gone, said, and back`;
-  } finally {
-    await browser.close();
-    rmSync(folder, { recursive: true, force: true });
-  }
+export async function cameraPlays(t) {
+  const { url } = await t.watcher();
+  const browser = await browserWithCamera(t);
+  const page = await startWithCamera(browser, url, { permissions: ['camera'], init: GOES_ON, smooth: true });
+  await page.waitForSelector('.framing[data-step=frame].seen');
+  await t.picture(page, 'camera-frame');
+  expect(await page.evaluate(() => document.body.dataset.state) === 'framing', 'it steers before the hand was kept in the frame');
+  const first = Number(await page.textContent('[data-testid=camera-count]'));
+  expect(first >= 5 && first <= 10, `the count begins at ${first}`);
+  await expectAccessible(page);
+  await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=hold], [data-state=drawback])');
+  await page.waitForSelector('[data-testid=camera] video');
+  await t.picture(page, 'camera-play');
+  // Taken away, as by a cable.
+  await page.evaluate(() => { for (const track of document.querySelector('.camera video').srcObject.getTracks()) { track.stop(); track.dispatchEvent(new Event('ended')); } });
+  await page.waitForSelector('text=/The camera has stopped/');
+  await t.picture(page, 'camera-gone');
+  await expectAccessible(page);
+  await page.click('[data-testid=camera-again]');
+  await page.waitForSelector('.framing[data-step=frame].seen');
+  await page.click('[data-testid=camera-other]');
+  await until('the play without the camera', () => page.evaluate(() => document.body.dataset.state !== 'framing' && !document.querySelector('video')));
+  return `kept in the frame from ${first}; gone, said, and back`;
 }

@@ -1,17 +1,13 @@
 // A device is commissioned through its page: one rail behind tests/device/handled_driver.c; the check is the person.
-import { spawn } from 'node:child_process';
-import { closeSync, mkdtempSync, openSync, readFileSync, readSync, rmSync, writeFileSync, writeSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { closeSync, openSync, readFileSync, readSync, writeFileSync, writeSync } from 'node:fs';
 import { dirname, join } from 'node:path';
-import { createInterface } from 'node:readline';
 import { fileURLToPath } from 'node:url';
-import { accessibilityFaults, openPage, pageUrl, until } from './browser.mjs';
-import { expect } from './checks.mjs';
+import { expect, expectAccessible, expectNoFaults, openPage, pageUrl, until } from './browser.mjs';
+import { startProgram } from './program.mjs';
 
 const ROOT = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..');
 const [HAND, ENABLED, EFFORT, LARGEST] = [0, 4, 5, 7];  // of the driver's shared file
 const ONE_FIFTH_N = 0.2 * 8.0;
-const WITHIN_MS = 30_000;
 
 /** The rail's memory, shared with its driver. */
 class Rail {
@@ -53,22 +49,13 @@ function railFile(folder) {
   return path;
 }
 
-async function startCommission(program, folder) {
-  const drivers = process.env.WHOLEHAND_DRIVERS ?? join(dirname(program), 'drivers');
-  const child = spawn(program, ['device', 'commission', '--web', '--port', '0', '--operator', 'A. Name', '--device', railFile(folder),
-    '--driver', join(drivers, 'handled.so'), '--driver-settings', join(folder, 'rail')], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
-  const ended = new Promise((resolve) => child.once('exit', (code) => resolve(code)));
-  const url = await new Promise((resolve, reject) => {
-    createInterface({ input: child.stdout }).on('line', (line) => { const at = /http:\S+commission/.exec(line); if (at) resolve(at[0]); });
-    void ended.then((code) => reject(new Error(`commission ended at once (${code})`)));
-  });
-  return { child, ended, url };
-}
+const startCommission = ({ file, folder }) => startProgram({ file, folder, command: ['device', 'commission', '--web'], args: ['--operator', 'A. Name',
+  '--device', railFile(folder), '--driver', join(process.env.WHOLEHAND_DRIVERS ?? join(dirname(file), 'drivers'), 'handled.so'), '--driver-settings', join(folder, 'rail')] });
 
 /** Of what is tried again. */
 const SOON = { timeout: 2000 };
-const task = (page, wanted) => page.waitForSelector(`body[data-task=${wanted}]`, { timeout: WITHIN_MS });
-const press = (page, id) => page.click(`[data-testid="${id}"]:enabled`, { timeout: WITHIN_MS });
+const task = (page, wanted) => page.waitForSelector(`body[data-task=${wanted}]`);
+const press = (page, id) => page.click(`[data-testid="${id}"]:enabled`);
 
 /**
  * Holds until there is another task than to hold. A machine that others use may be so late that a press ends, and with
@@ -86,12 +73,12 @@ async function hold(page, down, up, wanted) {
       await down().catch((error) => { if (error.name !== 'TimeoutError') throw error; });
     }
     return false;
-  }, { within_ms: 2 * WITHIN_MS });
+  });
   await up();
 }
 
 /** As far as the first long move: another console only watches, and a pointer or a key has to be held. */
-async function leadToGravity(page, other, rail, picture) {
+async function leadToGravity(t, page, other, rail) {
   await task(page, 'lead');
   await press(page, 'lead');
   await task(page, 'yes-no');
@@ -106,8 +93,8 @@ async function leadToGravity(page, other, rail, picture) {
       if (!await page.isVisible('text=/nobody attached/i')) await press(page, 'answer-yes');
     }
     return false;
-  }, { within_ms: 2 * WITHIN_MS });
-  await picture(page, 'commission-question');
+  });
+  await t.picture(page, 'commission-question');
   await press(page, 'answer-yes');
   await task(page, 'hold');
   await page.click('[data-testid=hold]');
@@ -129,40 +116,34 @@ async function leadToGravity(page, other, rail, picture) {
 }
 
 /** Commissions up to gravity; the page is lost in mid-move; the step is repeated by the one that took over. */
-export async function commissionedThroughThePage(browser, program, picture = async () => {}) {
-  const folder = mkdtempSync(join(tmpdir(), 'wholehand-commission-'));
-  const rail = new Rail(join(folder, 'rail'));
-  const { child, ended, url } = await startCommission(program, folder);
+export async function commissionedThroughThePage(t) {
+  const rail = new Rail(join(t.folder, 'rail'));
+  const { url, ended } = await startCommission(t);
   try {
     const query = { lang: 'en', theme: 'light' };
-    const page = await openPage(browser, pageUrl(url, '/commission', query), { cutOff: true });
-    const other = await openPage(browser, pageUrl(url, '/commission', query), { cutOff: true });
-    await leadToGravity(page, other, rail, picture);
+    const page = await openPage(t.plain, pageUrl(url, '/commission', query), { cutOff: true });
+    const other = await openPage(t.plain, pageUrl(url, '/commission', query), { cutOff: true });
+    await leadToGravity(t, page, other, rail);
     await page.hover('[data-testid=hold]');
     await page.mouse.down();
     await until('effort', () => rail.get(ENABLED) === 1 && Math.abs(rail.get(EFFORT)) > 0.01, { every_ms: 10 });
-    await picture(page, 'commission-moving');
-    const faults = [...await accessibilityFaults(page), ...page.faults];
-    expect(faults.length === 0, faults.join('\n'));
-    const lost_ms = Date.now();
+    await t.picture(page, 'commission-moving');
+    await expectAccessible(page);
+    expectNoFaults(page);
     await page.context().close();
     await until('neutral', () => rail.get(EFFORT) === 0 && rail.get(ENABLED) === 0, { every_ms: 5 });
-    const let_go_ms = Date.now() - lost_ms;
     expect(rail.get(LARGEST) <= ONE_FIFTH_N + 1e-9, `an effort of ${rail.get(LARGEST)} N`);
     await task(other, 'lead');
     await press(other, 'lead');
     await task(other, 'next');
-    await picture(other, 'commission-failed');
+    await t.picture(other, 'commission-failed');
     const failed = await other.innerText('[data-testid=failed]');
     expect(/the key was let go/.test(failed), `it says "${failed}"`);
-    const more = await accessibilityFaults(other);
-    expect(more.length === 0 && other.faults.length === 0, [...more, ...other.faults].join('\n'));
+    await expectAccessible(other);
     await press(other, 'answer-quit');
-    expect(await ended === 1, 'it did not end as unfinished');
-    return `to gravity and a lost page in mid-move, at neutral after ${let_go_ms} ms, taken over by another`;
+    expect((await ended).code === 1, 'it did not end as unfinished');
+    return 'to gravity and a lost page in mid-move, at neutral, taken over by another';
   } finally {
-    child.kill('SIGKILL');
     rail.close();
-    rmSync(folder, { recursive: true, force: true });
   }
 }

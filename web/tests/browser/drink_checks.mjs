@@ -3,11 +3,12 @@ import { build } from 'esbuild';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { PerspectiveCamera, Vector3 } from 'three';
-import { openPage, pageUrl } from './browser.mjs';
-import { expect, GOES_ON } from './checks.mjs';
+import { expect, openPage, pageUrl } from './browser.mjs';
+import { GOES_ON } from './checks.mjs';
+import { startProgram } from './program.mjs';
+import { openWatcher } from './watcher.mjs';
 
 const HANDS = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..', 'config', 'hands');
-const PATIENT_MS = 60_000;
 /** A drink with full help. */
 const DRINK_S = 60;
 const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
@@ -46,17 +47,17 @@ async function bottleIn({ width, height }, first) {
 }
 
 /**
- * Plays until the card that praises; the exercise's own clock is gated, the wall's only ends the waiting.
+ * Plays until the card that praises; the exercise's own clock is gated.
  * `press` is done once where the screen
  * asks for it, and again where it says so.
  */
 async function drink(page, watcher, press) {
-  const began_ms = Date.now();
+  const { tick: began } = await watcher.now();
   let pressed_ms = 0, before = '', said = [];
   for (;;) {
     const shown = await page.getAttribute('body', 'data-state');
     if (shown === 'success') break;
-    expect(Date.now() - began_ms < 4 * 1000 * DRINK_S, `no drink: ${JSON.stringify((await watcher.now()).values)}; the screen said ${[...new Set(said)].join(' | ')}`);
+    expect((await watcher.now()).tick - began < 4 * 1000 * DRINK_S, `no drink: ${JSON.stringify((await watcher.now()).values)}; the screen said ${[...new Set(said)].join(' | ')}`);
     said.push(await page.textContent('[data-testid=instruction]'));
     const asksAnew = shown === 'reach' && before !== 'reach';
     before = shown;
@@ -78,51 +79,43 @@ const PLACES = [
   { side: 'right', level: 3, width: 1920, height: 1080 }, { side: 'left', level: 4, width: 390, height: 844 },
 ];
 
-/** A switch, the keys, the mouse, a finger and a pad each mix a drink. `start` starts a program with arguments, `watch` a watcher of it. */
-export async function drinksByEveryWay(browser, start, watch) {
+/** A switch, the keys, the mouse, a finger and a pad each mix a drink. */
+export async function drinksByEveryWay(t) {
   const took = [];
   for (const place of PLACES) {
-    const program = await start('--hand', join(HANDS, `adult-median-${place.side}.toml`), '--level', String(place.level));
-    try {
-      const watcher = await watch(program.url);
-      const words = await drinksAt(browser, program.url, watcher, place);
-      console.log(`figure drinks, ${place.side} hand, level ${place.level}, ${place.width} × ${place.height}: ${words}`);
-      took.push(words);
-      await watcher.page.context().close();
-    } finally {
-      await program.stop();
-    }
+    const program = await startProgram({ ...t, args: ['--hand', join(HANDS, `adult-median-${place.side}.toml`), '--level', String(place.level)] });
+    const watcher = await openWatcher(t.plain, program.url);
+    const words = await drinksAt(t.drawing, program.url, watcher, place);
+    console.log(`figure drinks, ${place.side} hand, level ${place.level}, ${place.width} × ${place.height}: ${words}`);
+    took.push(words);
+    await watcher.page.context().close();
+    await program.stop();
   }
   return `${took.length} places: ${took.join('; ')}`;
 }
 
 async function drinksAt(browser, programUrl, watcher, { level, width, height }) {
-  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', level: String(level) }), { width, height, hasTouch: true, init: PAD });
-  // A starved machine loses the controls: a person presses "Go on".
-  try {
-    await page.evaluate(GOES_ON);
-    await page.waitForSelector('[data-testid=start]', { timeout: PATIENT_MS });
-    // Without the picture nobody points: it is loaded apart from the words.
-    await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null, { timeout: PATIENT_MS });
-    await page.keyboard.press('Enter');
-    const bottle = await bottleIn({ width, height }, await watcher.now());
-    const ways = {
-      'one button': async () => { await page.keyboard.down('Space'); await wait(150); await page.keyboard.up('Space'); },
-      keys: async () => { await page.keyboard.up('Space'); await wait(400); await page.keyboard.down('Space'); },   // and holds it
-      mouse: async (now) => { const { x, y } = bottle(now); await page.mouse.move(x - 60, y + 40); await page.mouse.move(x, y, { steps: 4 }); await page.mouse.down(); await wait(150); await page.mouse.up(); },
-      touch: async (now) => { const { x, y } = bottle(now); await page.touchscreen.tap(x, y); },
-      pad: async () => { await page.evaluate(() => { window.padDown = true; }); await wait(150); await page.evaluate(() => { window.padDown = false; }); },
-    };
-    const took = [];
-    for (const [name, press] of Object.entries(ways)) {
-      await page.waitForSelector('body[data-state=reach]', { timeout: PATIENT_MS });
-      await wait(500);
-      took.push(`${name} ${await drink(page, watcher, press)}`);
-      await page.keyboard.up('Space');
-      if (name !== 'pad') await page.keyboard.press('Enter');
-    }
-    return took.join(', ');
-  } finally {
-    await page.context().close();
+  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', level: String(level) }), { width, height, hasTouch: true, smooth: true, init: [PAD, GOES_ON] });
+  await page.waitForSelector('[data-testid=start]');
+  // Without the picture nobody points: it is loaded apart from the words.
+  await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null);
+  await page.keyboard.press('Enter');
+  const bottle = await bottleIn({ width, height }, await watcher.now());
+  const ways = {
+    'one button': async () => { await page.keyboard.down('Space'); await wait(150); await page.keyboard.up('Space'); },
+    keys: async () => { await page.keyboard.up('Space'); await wait(400); await page.keyboard.down('Space'); },   // and holds it
+    mouse: async (now) => { const { x, y } = bottle(now); await page.mouse.move(x - 60, y + 40); await page.mouse.move(x, y, { steps: 4 }); await page.mouse.down(); await wait(150); await page.mouse.up(); },
+    touch: async (now) => { const { x, y } = bottle(now); await page.touchscreen.tap(x, y); },
+    pad: async () => { await page.evaluate(() => { window.padDown = true; }); await wait(150); await page.evaluate(() => { window.padDown = false; }); },
+  };
+  const took = [];
+  for (const [name, press] of Object.entries(ways)) {
+    await page.waitForSelector('body[data-state=reach]');
+    await wait(500);
+    took.push(`${name} ${await drink(page, watcher, press)}`);
+    await page.keyboard.up('Space');
+    if (name !== 'pad') await page.keyboard.press('Enter');
   }
+  await page.context().close();
+  return took.join(', ');
 }

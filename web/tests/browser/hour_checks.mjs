@@ -2,15 +2,11 @@
 // and the graphics card hold stays flat. WHOLEHAND_HOUR_MIN: other minutes than 60.
 import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { openPage, pageUrl } from './browser.mjs';
-import { expect } from './checks.mjs';
-import { armFrom } from './stop_checks.mjs';
-import { openWatcher } from './watcher.mjs';
+import { expect, openPage, pageUrl } from './browser.mjs';
+import { openWatcher, RENDERING } from './watcher.mjs';
 
 const MINUTES = Number(process.env.WHOLEHAND_HOUR_MIN ?? 60);
 const LEVELS = 4;
-const RENDERING = 1;
-const PATIENT_MS = 120_000;
 // Growth beyond which it is no noise.
 const MAY_GROW = { rss_mb: 16, threads: 0, descriptors: 2, heap_mb: 3, nodes: 200, listeners: 20, geometries: 0, textures: 1 };
 const LAST_MIN = 10;
@@ -50,10 +46,10 @@ export function growthOf(who, samples) {
 }
 
 async function loadLevel(therapist, level) {
-  await therapist.page.selectOption('[data-testid=level]', String(level), { timeout: PATIENT_MS });
-  await therapist.page.click('[data-testid=load]', { timeout: PATIENT_MS });
+  await therapist.page.selectOption('[data-testid=level]', String(level));
+  await therapist.page.click('[data-testid=load]');
   try {
-    await therapist.until(`level ${level}, and rendering`, (now) => now.level === level && now.runState === RENDERING, { within_ms: PATIENT_MS });
+    await therapist.until(`level ${level}, and rendering`, (now) => now.level === level && now.runState === RENDERING);
   } catch (error) {
     const shown = await therapist.page.evaluate(() => document.body.innerText.replace(/\s+/g, ' ').slice(0, 600));
     throw new Error(`${error.message}; the console says: ${shown}`, { cause: error });
@@ -63,12 +59,13 @@ async function loadLevel(therapist, level) {
 /** p99.9 of the tick [µs of processor], each from a status line of the program. */
 const ticksIn = (said) => [...said.join('').matchAll(/tick \d+\/\d+\/(\d+) µs/g)].map(([, p999]) => Number(p999));
 
-export async function hourOfPlayIsFlat(plain, drawing, program, output) {
-  const therapist = await openWatcher(plain, program.url);
-  await armFrom(therapist);
-  await therapist.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
-  const game = await openPage(drawing, pageUrl(program.url, '/', { lang: 'en', quality: 'low', watch: '1' }));
-  const console3d = await openPage(drawing, pageUrl(program.url, '/console', { lang: 'en', role: 'watcher' }));
+export async function hourOfPlayIsFlat(t) {
+  const program = await t.program('--no-rehearsal');
+  const therapist = await openWatcher(t.plain, program.url);
+  await therapist.arm();
+  await therapist.rendering();
+  const game = await openPage(t.drawing, pageUrl(program.url, '/', { lang: 'en', quality: 'low', watch: '1' }), { smooth: true });
+  const console3d = await openPage(t.drawing, pageUrl(program.url, '/console', { lang: 'en', role: 'watcher' }), { smooth: true });
   const pages = { game, console: console3d, therapist: therapist.page };
   const samples = [];
   for (let minute = 0; minute < MINUTES; minute += 1) {
@@ -79,7 +76,7 @@ export async function hourOfPlayIsFlat(plain, drawing, program, output) {
     const sample = { minute, level, program: heldByProgram(program.pid), tick_us: median(ticksIn(program.said.splice(0))) };
     for (const [name, page] of Object.entries(pages)) sample[name] = await heldByPage(page);
     samples.push(sample);
-    writeFileSync(join(output, 'hour.json'), `${JSON.stringify(samples, null, 1)}\n`);
+    writeFileSync(join(t.output, 'hour.json'), `${JSON.stringify(samples, null, 1)}\n`);
     if (minute % 5 === 0) console.log(`      minute ${minute}: ${JSON.stringify(sample)}`);
   }
   const warm = samples.slice(LEVELS);   // the first round of levels fills caches
@@ -88,8 +85,6 @@ export async function hourOfPlayIsFlat(plain, drawing, program, output) {
   const tick = (part) => median(part.map(({ tick_us }) => tick_us));
   const ratio = tick(samples.slice(-LAST_MIN)) / tick(samples.slice(0, LAST_MIN));
   expect(ratio <= TICK_RATIO, `p99.9 of the tick in the last ${LAST_MIN} minutes: ${ratio.toFixed(2)} × the first`);
-  for (const [name, page] of Object.entries(pages)) expect(page.faults.length === 0, `${name}: ${page.faults.join('\n')}`);
-  for (const page of Object.values(pages)) await page.context().close();
   const held = samples.at(-1);
   return `${MINUTES} minutes: program ${held.program.rss_mb.toFixed(0)} MB, ${held.program.threads} threads, ${held.program.descriptors} descriptors; heap of the game ${held.game.heap_mb.toFixed(1)} MB; p99.9 of the tick ${ratio.toFixed(2)} × the first ten minutes`;
 }

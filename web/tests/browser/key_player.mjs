@@ -33,9 +33,12 @@ export function keysFor(now, help = 'full') {
   return x < AT_M || Math.abs(aside) > 0.012 ? ['ArrowUp'] : ['Space'];
 }
 
-/** Plays until a drink is done; returns the last state and how long it took. */
-export async function playOneDrink(page, watcher, { within_s = 120, help = 'full', onLook = () => {} } = {}) {
-  const began_ms = Date.now();
+/** Of the program's own time: nobody needs as long for one drink. */
+const WITHIN_TICKS = 300_000;
+
+/** Plays until a drink is done; returns the last state. */
+export async function playOneDrink(page, watcher, { help = 'full' } = {}) {
+  const { tick: began } = await watcher.now();
   const held = new Set();
   const hold = async (wanted) => {
     for (const key of [...held].filter((k) => !wanted.includes(k))) {
@@ -47,17 +50,10 @@ export async function playOneDrink(page, watcher, { within_s = 120, help = 'full
       held.add(key);
     }
   };
-  try {
-    for (;;) {
-      const now = await watcher.now();
-      const taken_s = (Date.now() - began_ms) / 1000;
-      onLook(now, taken_s);
-      if (now.values.stage === STAGE.drinkDone || now.values.stage === STAGE.levelDone) return { now, taken_s };
-      if (taken_s > within_s) throw new Error(`no drink within ${within_s} s: ${JSON.stringify({ ...now.values, q: now.q.map((v) => +v.toFixed(3)) })}`);
-      await hold(keysFor(now, help));
-      await new Promise((resolve) => setTimeout(resolve, 100));
-    }
-  } finally {
-    await hold([]);
-  }
+  return watcher.until('a drink', async (now) => {
+    if (now.values.stage === STAGE.drinkDone || now.values.stage === STAGE.levelDone) return true;
+    if (now.tick - began > WITHIN_TICKS) throw new Error(`no drink within ${WITHIN_TICKS} ticks`);
+    await hold(keysFor(now, help));
+    return false;
+  }, { within_ms: Infinity });
 }

@@ -1,15 +1,13 @@
 // What happens when the person leaves the page, the page hangs, or the program does not answer.
-import { openPage, pageUrl, until } from './browser.mjs';
-import { expect, openGame } from './checks.mjs';
+import { expect, openPage, pageUrl, until } from './browser.mjs';
+import { GOES_ON, openGame } from './checks.mjs';
+import { FULL } from './harness.mjs';
+import { RENDERING } from './watcher.mjs';
 
-const RENDERING = 1;
-const STOPPED = 3;
 const LEFT_ALONE_S = 900;  // docs/protocol.md
-const PATIENT_MS = 60_000;
 /** Bit of WorldState.faults: the exercise's effort is out, as nobody shows it. */
 const OWNER_SILENT = 1 << 20;
 
-const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const fingers = (now) => now.q[now.axes.indexOf('finger_flexion')];
 const boxOf = (locator) => locator.evaluate((element) => {
   const { left, top, right, bottom } = element.getBoundingClientRect();
@@ -65,37 +63,66 @@ const EMULATED = () => {
 };
 
 /** With a game that plays, the hand closed by the key, whose page can be hidden. */
-async function withClosedHand(browser, programUrl, watcher, check) {
-  await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
-  const page = await openGame(browser, programUrl, { help: 'none' }, { init: EMULATED });
-  try {
-    // Away from the dispensers first: what the hand closes on would hold its fingers open.
-    await page.keyboard.down('ArrowDown');
-    await watcher.until('the hand drawn back', (now) => now.q[now.axes.indexOf('x')] < -0.06, { within_ms: PATIENT_MS });
-    await page.keyboard.up('ArrowDown');
-    await page.keyboard.down('Space');
-    await watcher.until('the hand closed', (now) => fingers(now) > 2, { within_ms: PATIENT_MS });
-    return await check(page, await countSwitches(watcher));
-  } finally {
-    await page.context().close();
-  }
+async function withClosedHand(t) {
+  const watcher = await t.watcher();
+  const page = await openGame(t.plain, watcher.url, { help: 'none' }, { init: [EMULATED, GOES_ON] });
+  // A page that lost the controls, on a machine that others use, begins anew: so does the person.
+  const hold = (key, what, reached) => {
+    let due_tick = 0;
+    return watcher.until(what, async (now) => {
+      if (now.tick >= due_tick) {
+        due_tick = now.tick + 4000;
+        await page.keyboard.up(key);
+        await page.keyboard.down(key);
+      }
+      return reached(now);
+    });
+  };
+  // Away from the dispensers first: what the hand closes on would hold its fingers open.
+  await hold('ArrowDown', 'the hand drawn back', (now) => now.q[now.axes.indexOf('x')] < -0.06);
+  await page.keyboard.up('ArrowDown');
+  await hold('Space', 'the hand closed', (now) => fingers(now) > 2);
+  await page.evaluate(() => { window.letGo = true; });
+  return { watcher, page, switches: await countSwitches(watcher) };
 }
 
-/** `hidden_s`: how long nobody sees the page. */
-export const hiddenPageLetsGoOnce = (browser, programUrl, watcher, hidden_s) => withClosedHand(browser, programUrl, watcher, async (page, switches) => {
+/** Half bent is 65 degrees, 1.13 rad. */
+const open = (now) => fingers(now) < 1.3;
+const cardIn = async (page, selector) => (await (await page.waitForSelector(selector)).innerText()).replace(/\s+/g, ' ');
+const expectSwitches = (seen, count) => expect(seen.length === count && (count === 0 || seen.at(-1).silent === (count % 2 === 1)), `the effort changed ${seen.length} times, not ${count}: ${JSON.stringify(seen)}`);
+
+/**
+ * Timers at 1 Hz without a word that the page is hidden, as in some browsers' power saving: the worker beats on. Then
+ * a key that is let go of behind a card, which must not leave the hand clenched.
+ */
+export async function slowTimersAreNoSilence(t) {
+  const { watcher, page, switches } = await withClosedHand(t);
+  await page.evaluate(() => window.emulate('slow'));
+  await watcher.pass(FULL ? 8000 : 4000);
+  expectSwitches(await switches(), 0);
+  await page.evaluate(() => window.emulate('shown'));
+  await page.click('[data-testid=help]');
+  await page.waitForSelector('[data-testid=help-card]');
+  await page.keyboard.up('Space');
+  const now = await watcher.until('the hand open behind the card', open);
+  return `no change of the effort; fingers at ${fingers(now).toFixed(2)} rad behind the help`;
+}
+
+/** Nobody sees the page for so long; then it is seen, taken up again, and hangs for seconds: silent once each time, and says so. */
+export async function hiddenPageLetsGoOnce(t, hidden_s) {
+  const { watcher, page, switches } = await withClosedHand(t);
   const left_ms = await page.evaluate(() => { window.emulate('hidden'); return Date.now(); });
   await page.keyboard.up('Space');
-  await watcher.until('the hand open', (now) => fingers(now) < 1.3, { within_ms: PATIENT_MS });
-  await wait(1000 * hidden_s);
+  await watcher.until('the hand open', open);
+  await watcher.pass(1000 * hidden_s);
   await page.evaluate(() => window.emulate('shown'));
   // Nobody held the controls for so long: what a client armed was stopped, and the page says that.
   const stopped = hidden_s > LEFT_ALONE_S;
-  const card = await page.waitForSelector(stopped ? '.stopped' : '[data-testid=left]', { timeout: PATIENT_MS });
-  const words = (await card.innerText()).replace(/\s+/g, ' ');
+  const words = await cardIn(page, stopped ? '.stopped' : '[data-testid=left]');
   expect(stopped || (/left this page/.test(words) && /given back/.test(words)), `the card says "${words}"`);
-  await wait(1500);
+  await watcher.pass(1500);
   const seen = await switches();
-  expect(seen.length === 1 && seen[0].silent, `the effort changed ${seen.length} times: ${JSON.stringify(seen)}`);
+  expectSwitches(seen, 1);
   const [free_ms, out_ms] = [(await switches.free_ms()) - left_ms, seen[0].at_ms - left_ms];
   // 200 ms and a frame on an idle machine; ControlDeskTest.BeatsTooSeldom_TheEffortChangesOnce gates it in time that it
   // makes. Here it is only told from the 5 s after which nobody holds them in any case.
@@ -104,90 +131,59 @@ export const hiddenPageLetsGoOnce = (browser, programUrl, watcher, hidden_s) => 
   if (stopped) return told;
   // It goes on by a press, and by nothing else.
   await page.click('[data-testid=take-again]');
-  await watcher.until('the person steering again', (now) => now.steering === 1 && now.runState === RENDERING, { within_ms: PATIENT_MS });
-  await until('the effort back', async () => (await switches()).length === 2, { within_ms: PATIENT_MS });
-  return told;
-});
-
-/** Timers at 1 Hz without a word that the page is hidden, as in some browsers' power saving: the worker beats on. */
-export const slowTimersAreNoSilence = (browser, programUrl, watcher) => withClosedHand(browser, programUrl, watcher, async (page, switches) => {
-  await page.evaluate(() => window.emulate('slow'));
-  await wait(8000);
-  const seen = await switches();
-  expect(seen.length === 0, `the effort changed ${seen.length} times in 8 s`);
-  return 'no change of the effort in 8 s';
-});
-
-/** A page that hangs for seconds is silent, once, and says so when it is back. */
-export const hungPageLosesTheControlsOnce = (browser, programUrl, watcher) => withClosedHand(browser, programUrl, watcher, async (page, switches) => {
-  await page.evaluate(() => { for (const end_ms = Date.now() + 6000; Date.now() < end_ms;); });
-  const card = await page.waitForSelector('[data-testid=left]', { timeout: PATIENT_MS });
-  const words = (await card.innerText()).replace(/\s+/g, ' ');
-  expect(/not heard/.test(words), `the card says "${words}"`);
-  await wait(3000);
-  const seen = await switches();
-  expect(seen.length === 1 && seen[0].silent, `the effort changed ${seen.length} times`);
-  return `"${words}"`;
-});
-
-/** A key that is let go of behind a card must not leave the hand clenched. */
-export const helpOpensTheHand = (browser, programUrl, watcher) => withClosedHand(browser, programUrl, watcher, async (page) => {
-  await page.click('[data-testid=help]');
-  await page.waitForSelector('[data-testid=help-card]', { timeout: PATIENT_MS });
-  await page.keyboard.up('Space');
-  // Half bent is 65 degrees, 1.13 rad.
-  const now = await watcher.until('the hand open behind the card', (n) => fingers(n) < 1.3, { within_ms: PATIENT_MS });
-  return `fingers at ${fingers(now).toFixed(2)} rad`;
-});
+  await watcher.steered();
+  await until('the effort back', async () => (await switches()).length === 2);
+  await page.evaluate(() => { for (const end_ms = Date.now() + 1500; Date.now() < end_ms;); });
+  const hung = await cardIn(page, '[data-testid=left]');
+  expect(/not heard/.test(hung), `the card says "${hung}"`);
+  await watcher.pass(3000);
+  expectSwitches(await switches(), 3);
+  return `${told}; a page that hung: "${hung}"`;
+}
 
 /** After a page that played has vanished nothing pushes, until somebody presses something: to watch is enough. */
-export async function watchingBringsThePlayBack(browser, programUrl, watcher) {
-  await withClosedHand(browser, programUrl, watcher, async () => {});
-  const faded = () => watcher.page.evaluate((bit) => (window.wholehandNow.state.faults & bit) !== 0, OWNER_SILENT);
-  await until('the effort out', faded, { within_ms: PATIENT_MS });
-  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }));
-  try {
-    await page.waitForSelector('[data-testid=watch]:enabled', { timeout: PATIENT_MS });
-    await wait(1000);
-    expect(await faded(), 'a page that is only opened brings the effort back');
-    // A slow page draws its first picture for seconds after the press, and reads no answer before.
-    await page.evaluate(() => {
-      document.querySelector('[data-testid=watch]').click();
-      for (const end_ms = Date.now() + 4500; Date.now() < end_ms;);
-    });
-    await until('the effort back', async () => !(await faded()), { within_ms: 10_000 });
-    await watcher.until('the virtual patient playing', (now) => now.steering === 0 && now.runState === RENDERING, { within_ms: PATIENT_MS });
-  } finally {
-    await page.context().close();
-  }
+export async function watchingBringsThePlayBack(t) {
+  const watcher = await t.watcher();
+  const played = await openGame(t.plain, watcher.url);
+  await watcher.steered();
+  await played.context().close();
+  const faded = (now) => (now.faults & OWNER_SILENT) !== 0;
+  await watcher.until('the effort out', faded);
+  const page = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'en', quality: 'low' }));
+  await page.waitForSelector('[data-testid=watch]:enabled');
+  await watcher.pass(1000);
+  expect(faded(await watcher.now()), 'a page that is only opened brings the effort back');
+  // A slow page draws its first picture for seconds after the press, and reads no answer before.
+  await page.evaluate(() => {
+    document.querySelector('[data-testid=watch]').click();
+    for (const end_ms = Date.now() + 4500; Date.now() < end_ms;);
+  });
+  await watcher.until('the virtual patient playing', (now) => !faded(now) && now.steering === 0 && now.runState === RENDERING);
   return 'the virtual patient plays again after a press of "Watch first" on a page that then drew for 4.5 s';
 }
 
-/** As on a slow machine: the line opens this late [ms]. */
-const LATE_LINE_MS = 1500;
-const LATE_LINE = (ms) => {
+/** As on a slow machine: the line opens when the test says so. */
+const LATE_LINE = () => {
   const { postMessage } = Worker.prototype;
-  Worker.prototype.postMessage = function later(...args) { setTimeout(() => postMessage.apply(this, args), ms); };
+  const kept = [];
+  Worker.prototype.postMessage = function later(...args) { kept.push(() => postMessage.apply(this, args)); };
+  window.openLine = () => {
+    Worker.prototype.postMessage = postMessage;
+    kept.forEach((post) => post());
+  };
 };
 
 /** Start can be pressed from when it acts: no press on it is lost. */
-export async function startWaitsForTheLine(browser, programUrl, watcher) {
-  await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
-  const late = await browser.newContext();
-  try {
-    await late.addInitScript(LATE_LINE, LATE_LINE_MS);
-    const game = await late.newPage();
-    await game.goto(pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { waitUntil: 'commit' });
-    const start = game.locator('[data-testid=start]');
-    await game.waitForSelector('[data-testid=start]:disabled', { timeout: PATIENT_MS });
-    const words = await game.locator('.welcome .actions p').innerText();
-    expect(words === 'Connecting …', `beside the button that cannot be pressed it says "${words}"`);
-    await start.click({ timeout: PATIENT_MS });  // waits until it can be pressed, presses once
-    await watcher.until('the person steering', (now) => now.steering === 1 && now.runState === RENDERING, { within_ms: PATIENT_MS });
-    return `"${words}" beside Start, then one press began the play`;
-  } finally {
-    await late.close();
-  }
+export async function startWaitsForTheLine(t) {
+  const watcher = await t.watcher();
+  const game = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'en', quality: 'low' }), { init: LATE_LINE });
+  await game.waitForSelector('[data-testid=start]:disabled');
+  const words = await game.locator('.welcome .actions p').innerText();
+  expect(words === 'Connecting …', `beside the button that cannot be pressed it says "${words}"`);
+  await game.evaluate(() => window.openLine());
+  await game.click('[data-testid=start]');  // waits until it can be pressed, presses once
+  await watcher.steered();
+  return `"${words}" beside Start, then one press began the play`;
 }
 
 /** Whether a press in the middle of this button reaches it. */
@@ -197,48 +193,37 @@ const reachable = (locator) => locator.evaluate((element) => {
 });
 
 /** With the program frozen: what the pages say, and that the stop acts as soon as it can. */
-export async function unconfirmedStopIsSaid(browser, programUrl, watcher, program, folder) {
-  await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
-  const page = await openGame(browser, programUrl);
-  await watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
+export async function unconfirmedStopIsSaid(t) {
+  const watcher = await t.watcher();
+  const page = await openGame(t.plain, watcher.url);
+  await watcher.rendering();
   const stop = page.locator('[data-testid=stop]');
   const said = page.locator('[data-testid=stop-unconfirmed]');
   for (const one of [page, watcher.page]) one.cutOff = true;
-  program.signal('SIGSTOP');
-  try {
-    await stop.click();
-    const pressed_ms = Date.now();
-    await said.waitFor({ state: 'visible', timeout: 5000 });
-    const told_ms = Date.now() - pressed_ms;
-    expect((await said.innerText()).includes('Stop not confirmed: use the red button'), `it says "${await said.innerText()}"`);
-    await page.waitForSelector('body[data-state=lost]', { timeout: PATIENT_MS });
-    const card = page.locator('[role=alertdialog]');
-    for (const [width, height] of [[1280, 800], [390, 844], [844, 390]]) {
-      await page.setViewportSize({ width, height });
-      await wait(600);
-      expect(await reachable(stop), `Stop is covered at ${width} x ${height}`);
+  watcher.program.signal('SIGSTOP');
+  await stop.click();
+  await said.waitFor();
+  expect((await said.innerText()).includes('Stop not confirmed: use the red button'), `it says "${await said.innerText()}"`);
+  await page.waitForSelector('body[data-state=lost]');
+  const card = page.locator('[role=alertdialog]');
+  for (const [width, height] of [[1280, 800], [390, 844], [844, 390]]) {
+    await page.setViewportSize({ width, height });
+    await until(`Stop beside the card at ${width} x ${height}`, async () => {
       const [over, under] = [await boxOf(card), await boxOf(stop)];
-      expect(over.bottom <= under.top || over.right <= under.left, `the card lies over Stop at ${width} x ${height}`);
-      await page.screenshot({ path: `${folder}/stop-unconfirmed-${width}.png`, timeout: PATIENT_MS });
-    }
-    await page.setViewportSize({ width: 1280, height: 800 });
-    const words = (await card.innerText()).replace(/\s+/g, ' ');
-    expect(!/letting go/.test(words), `the card claims "${words}"`);
-    await watcher.page.keyboard.press('Escape');
-    await watcher.page.waitForSelector('[data-testid=stop-unconfirmed]:not([hidden])', { timeout: PATIENT_MS });
-    await watcher.page.screenshot({ path: `${folder}/stop-unconfirmed-console.png`, timeout: PATIENT_MS });
-    program.signal('SIGCONT');
-    await watcher.until('stopped', (now) => now.shown === 'stopped' && now.runState === STOPPED, { within_ms: PATIENT_MS });
-    await said.waitFor({ state: 'hidden', timeout: PATIENT_MS });
-    await watcher.page.waitForSelector('[data-testid=stop-unconfirmed]', { state: 'hidden', timeout: PATIENT_MS });
-    // The next ones find it as this one did.
-    await watcher.page.click('[data-testid=arm]', { timeout: PATIENT_MS });
-    await watcher.until('rendering again', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
-    return `said ${told_ms} ms after the press, "${words}"; stopped when the program went on`;
-  } finally {
-    program.signal('SIGCONT');
-    await wait(1000);
-    for (const one of [page, watcher.page]) one.cutOff = false;
-    await page.context().close();
+      return await reachable(stop) && (over.bottom <= under.top || over.right <= under.left);
+    });
+    await t.picture(page, `stop-unconfirmed-${width}`);
   }
+  await page.setViewportSize({ width: 1280, height: 800 });
+  const words = await cardIn(page, '[role=alertdialog]');
+  expect(!/letting go/.test(words), `the card claims "${words}"`);
+  await watcher.page.keyboard.press('Escape');
+  await watcher.page.waitForSelector('[data-testid=stop-unconfirmed]:not([hidden])');
+  await t.picture(watcher.page, 'stop-unconfirmed-console');
+  watcher.program.signal('SIGCONT');
+  await watcher.neutral();
+  await watcher.page.waitForSelector('body[data-state=stopped]');
+  await said.waitFor({ state: 'hidden' });
+  await watcher.page.waitForSelector('[data-testid=stop-unconfirmed]', { state: 'hidden' });
+  return `"${words}"; stopped when the program went on`;
 }

@@ -1,16 +1,15 @@
 // Stops at random moments of what people press at the pages. Nothing renders after one, until somebody presses
 // who was shown it. WHOLEHAND_FULL tries 1,000 moments, WHOLEHAND_MOMENTS a slice of them, WHOLEHAND_SEED repeats them.
-import { openPage, pageUrl, until } from './browser.mjs';
-import { expect } from './checks.mjs';
-import { armFrom, keepRunStates, runStates, sleep } from './stop_checks.mjs';
-import { openWatcher } from './watcher.mjs';
+import { expect, openPage, pageUrl } from './browser.mjs';
+import { keepRunStates, runStates } from './stop_checks.mjs';
+import { openWatcher, RENDERING, STOPPED } from './watcher.mjs';
 
-const RENDERING = 1;
-const STOPPED = 3;
-const PATIENT_MS = 60_000;
 // What was on its way when the stop came has been answered by then.
-const NOTHING_FOR_MS = 2000;
-const MOMENTS = Number(process.env.WHOLEHAND_MOMENTS ?? (process.env.WHOLEHAND_FULL ? 1000 : 6));
+const NOTHING_FOR_TICKS = 2000;
+const MOMENTS = Number(process.env.WHOLEHAND_MOMENTS ?? (process.env.WHOLEHAND_FULL ? 1000 : 3));
+
+/** Of moments at random, not for anything to happen. */
+const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** Draws of 0 to 1, the same ones for the same seed (mulberry32). */
 function draws(seed) {
@@ -25,25 +24,21 @@ function draws(seed) {
 
 const click = (page, testid) => page.evaluate((id) => document.querySelector(`[data-testid=${id}]:not(:disabled)`)?.click(), testid);
 
-async function openGame({ browser, url, opened }) {
-  const page = await openPage(browser, pageUrl(url, '/', { lang: 'en', quality: 'low' }), { cutOff: true });
+async function open({ browser, url, opened }, path, shown) {
+  const page = await openPage(browser, pageUrl(url, path, { lang: 'en', quality: 'low' }), { cutOff: true });
   opened.push(page);
-  await page.waitForSelector('[data-testid=start]:enabled', { timeout: PATIENT_MS });
+  await page.waitForSelector(`[data-testid=${shown}`);
   return page;
 }
+
+const openGame = (all) => open(all, '/', 'start]:enabled');
+const openConsole = (all) => open(all, '/console', 'load]');
 
 /** Another level, and Start. */
 const pressStart = (page) => page.evaluate(() => {
   [...document.querySelectorAll('[data-level]')].find((button) => button.getAttribute('aria-pressed') === 'false').click();
   document.querySelector('[data-testid=start]').click();
 });
-
-async function openConsole({ browser, url, opened }) {
-  const page = await openPage(browser, pageUrl(url, '/console', { lang: 'en' }), { cutOff: true });
-  opened.push(page);
-  await page.waitForSelector('[data-testid=load]', { timeout: PATIENT_MS });
-  return page;
-}
 
 /**
  * Each opens its pages and gives back what is pressed there until the stop; that gives back what happens after it
@@ -128,13 +123,13 @@ async function oneMoment(all, watcher, name) {
   if (name === 'pause' || (stopped && AT_THE_GAME.includes(name)) || all.random() < 0.3) {
     // A therapist starts it and goes: while one is there a game loads and starts nothing.
     const page = await openConsole(all);
-    await armFrom({ page });
-    await watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
+    await page.click('[data-testid=arm]:enabled');
+    await watcher.rendering();
     await page.context().close();
     all.opened.splice(all.opened.indexOf(page), 1);
   }
   const press = await SCRIPTS[name](all);
-  const before = await watcher.page.evaluate(() => window.wholehandNow.state.endings);
+  const { endings: before } = await watcher.now();
   await runStates(watcher);
   const pressed = press();
   await sleep(2500 * all.random());
@@ -142,10 +137,10 @@ async function oneMoment(all, watcher, name) {
   if (all.game && all.random() < 0.5) await click(all.game, 'stop');
   else await watcher.page.keyboard.press('Escape');
   const afterwards = await pressed;
-  await until('the stop is shown', () => watcher.page.evaluate((n) => window.wholehandNow.state.endings > n, before), { within_ms: PATIENT_MS, every_ms: 10 });
+  await watcher.until('the stop shown', (now) => now.endings > before, { every_ms: 10 });
   await afterwards?.();
-  await watcher.until('stopped', (now) => now.runState === STOPPED, { within_ms: PATIENT_MS });
-  await sleep(NOTHING_FOR_MS);
+  await watcher.until('stopped', (now) => now.runState === STOPPED);
+  await watcher.pass(NOTHING_FOR_TICKS);
   const states = await runStates(watcher);
   const again = states.filter((state) => state.runState === RENDERING && state.endings > before);
   expect(again.length === 0, `it renders again: ${JSON.stringify(states)}`);
@@ -154,37 +149,30 @@ async function oneMoment(all, watcher, name) {
   return states.some((state) => state.runState === RENDERING);
 }
 
-/** @param start makes a program that waits */
-export async function stopsAtRandomMoments(browser, start, moments = MOMENTS) {
+export async function stopsAtRandomMoments(t) {
   const seed = Number(process.env.WHOLEHAND_SEED ?? 20251120);
   const random = draws(seed);
   const names = Object.keys(SCRIPTS);
   let program = null;
   let watcher = null;
   let rendered = 0;
-  try {
-    for (let moment = 0; moment < moments; moment += 1) {
-      // One that has never rendered waits for the game's Start; one that was stopped, for a console.
-      if (program === null || random() < 0.4) {
-        await watcher?.page.context().close();
-        await program?.stop();
-        program = await start();
-        watcher = await openWatcher(browser, program.url, { role: 'watcher' });
-        await keepRunStates(watcher);
-      }
-      const name = names[(moment + Math.floor(seed % names.length)) % names.length];
-      const all = { browser, url: program.url, random, opened: [], game: null, stopped: false };
-      try {
-        rendered += await oneMoment(all, watcher, name);
-      } catch (error) {
-        throw new Error(`moment ${moment} (${name}, WHOLEHAND_SEED=${seed}): ${error.message}`);
-      } finally {
-        for (const page of all.opened) await page.context().close();
-      }
+  for (let moment = 0; moment < MOMENTS; moment += 1) {
+    // One that has never rendered waits for the game's Start; one that was stopped, for a console.
+    if (program === null || random() < 0.4) {
+      await watcher?.page.context().close();
+      await program?.stop();
+      program = await t.program();
+      watcher = await openWatcher(t.plain, program.url, { role: 'watcher' });
+      await keepRunStates(watcher);
     }
-  } finally {
-    await watcher?.page.context().close();
-    await program?.stop();
+    const name = names[(moment + seed) % names.length];
+    const all = { browser: t.plain, url: program.url, random, opened: [], game: null, stopped: false };
+    try {
+      rendered += await oneMoment(all, watcher, name);
+    } catch (error) {
+      throw new Error(`moment ${moment} (${name}, WHOLEHAND_SEED=${seed}): ${error.message}`, { cause: error });
+    }
+    for (const page of all.opened) await page.context().close();
   }
-  return `${moments} stops, ${rendered} of them of something that rendered: nothing started again`;
+  return `${MOMENTS} stops, ${rendered} of them of something that rendered: nothing started again`;
 }

@@ -1,13 +1,10 @@
 // The replay of recordings, against the program as `replay --web`.
 import { copyFileSync, existsSync, readFileSync, truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { accessibilityFaults, openPage, until } from './browser.mjs';
-import { expect } from './checks.mjs';
+import { expect, expectAccessible, openPage, until } from './browser.mjs';
 import { letProgram, startProgram } from './program.mjs';
-import { armFrom } from './stop_checks.mjs';
 import { openWatcher } from './watcher.mjs';
 
-const PATIENT_MS = 120_000;
 const SECONDS = 12;
 
 export const replayed = (page) => page.evaluate(() => window.wholehandReplay);
@@ -15,7 +12,7 @@ export const replayed = (page) => page.evaluate(() => window.wholehandReplay);
 export const still = (page, what, look = () => true) => until(what, async () => {
   const now = await replayed(page);
   return now && now.exact && now.loaded === 1 && look(now) ? now : undefined;
-}, { within_ms: PATIENT_MS });
+});
 
 /** A recording of the bar by the virtual patient, on the simulated clock: made once. */
 export async function recording({ file, folder }, name = 'replayed.h5', exercise = 'cocktail-bar') {
@@ -24,15 +21,9 @@ export async function recording({ file, folder }, name = 'replayed.h5', exercise
   return path;
 }
 
-export async function replay(recorded, paths, check) {
-  const [path, beside] = paths;
-  const program = await startProgram({ ...recorded, command: ['replay', path, '--web'], args: beside ? ['--beside', beside] : [] });
-  try {
-    return await check(program.url, program);
-  } finally {
-    await program.stop();
-  }
-}
+/** The address of a replay of one, or of two beside each other. */
+export const startReplay = (t, path, beside) => startProgram({ ...t, command: ['replay', path, '--web'], args: beside ? ['--beside', beside] : [] });
+export const replay = async (...all) => (await startReplay(...all)).url;
 
 export const withQuery = (address, query) => {
   const url = new URL(address);
@@ -41,51 +32,45 @@ export const withQuery = (address, query) => {
 };
 
 /** Scrubbed, stepped, played, zoomed; in two themes and three languages; its picture where there is 3D. */
-export async function recordingIsReplayed(plain, drawing, recorded, picture) {
-  const path = await recording(recorded);
-  return replay(recorded, [path], async (url) => {
-    const page = await openPage(plain, withQuery(url, { lang: 'en', theme: 'light' }));
-    // All of it is seen at first: the ramp to neutral after its length, too.
-    const { window: { to_s: last_s } } = await still(page, 'the first tick', (now) => now.rows[0] === 0);
-    expect(last_s > SECONDS - 0.1 && last_s < SECONDS + 1, `it is ${last_s} s long`);
-    // Through the middle and back: at every place the very row of its time.
-    const line = await page.locator('[data-testid=time-line]').boundingBox();
-    for (const share of [0.5, 0.25, 0.9, 0.251]) {
-      await page.mouse.click(line.x + share * line.width, line.y + 30);
-      const now = await still(page, `the row at ${share}`, ({ time_s }) => Math.abs(time_s - share * last_s) < 0.05);
-      expect(now.rows[0] === Math.round(now.time_s * 1000), `row ${now.rows[0]} at ${now.time_s} s`);
-    }
-    await keysMove(page, last_s);
-    await zoomed(page, last_s);
-    await page.keyboard.press('Home');
-    await page.click('[data-testid=play]');
-    await until('some of it played', async () => (await replayed(page)).time_s > 0.5, { within_ms: PATIENT_MS });
-    await page.keyboard.press(' ');
-    const first = page.locator('[data-testid=moments] button').first();
-    await first.click();
-    await still(page, 'the first mark');
-    expect((await first.getAttribute('aria-current')) === 'time', 'the mark at the play head is not marked');
-    // A list that has the focus keeps the key for itself.
-    await page.locator('[role=slider]').first().focus();
-    await page.keyboard.press('End');
-    await still(page, 'the end', ({ time_s }) => Math.abs(time_s - last_s) < 2e-3);
-    const marks = await page.locator('[data-testid=moments] button').evaluateAll((all) => all.map((one) => `${one.getAttribute('aria-current') ?? ''} ${one.innerText}`));
-    expect(marks.findIndex((mark) => mark.startsWith('time')) === marks.length - 1, `the list does not follow the play head: ${JSON.stringify(marks)}`);
-    const faults = [];
-    for (const [lang, click] of [['en', null], ['de', '[data-testid=theme]'], ['fr', '[data-testid=tables]']]) {
-      await page.selectOption('[data-testid=language]', lang);
-      if (click) await page.click(click);
-      faults.push(...(await accessibilityFaults(page)).map((fault) => `${lang}: ${fault}`));
-      await picture(page, `replay_${lang}`);
-      if (lang !== 'fr') await plotsAreComplete(page, lang);
-    }
-    expect(faults.length === 0, faults.join('\n'));
-    expect(page.faults.length === 0, page.faults.join('\n'));
-    const { scrub_ms } = await replayed(page);
-    await page.context().close();
-    await pictureIsDrawn(drawing, url, picture);
-    return `${scrub_ms.length} looks, the fastest answered within ${Math.min(...scrub_ms).toFixed(0)} ms`;
-  });
+export async function recordingIsReplayed(t) {
+  const url = await replay(t, await recording(t));
+  const page = await openPage(t.plain, withQuery(url, { lang: 'en', theme: 'light' }));
+  // All of it is seen at first: the ramp to neutral after its length, too.
+  const { window: { to_s: last_s } } = await still(page, 'the first tick', (now) => now.rows[0] === 0);
+  expect(last_s > SECONDS - 0.1 && last_s < SECONDS + 1, `it is ${last_s} s long`);
+  // Through the middle and back: at every place the very row of its time.
+  const line = await page.locator('[data-testid=time-line]').boundingBox();
+  for (const share of [0.5, 0.25, 0.9, 0.251]) {
+    await page.mouse.click(line.x + share * line.width, line.y + 30);
+    const now = await still(page, `the row at ${share}`, ({ time_s }) => Math.abs(time_s - share * last_s) < 0.05);
+    expect(now.rows[0] === Math.round(now.time_s * 1000), `row ${now.rows[0]} at ${now.time_s} s`);
+  }
+  await keysMove(page, last_s);
+  await zoomed(page, last_s);
+  await page.keyboard.press('Home');
+  await page.click('[data-testid=play]');
+  await until('some of it played', async () => (await replayed(page)).time_s > 0.5);
+  await page.keyboard.press(' ');
+  const first = page.locator('[data-testid=moments] button').first();
+  await first.click();
+  await still(page, 'the first mark');
+  expect((await first.getAttribute('aria-current')) === 'time', 'the mark at the play head is not marked');
+  // A list that has the focus keeps the key for itself.
+  await page.locator('[role=slider]').first().focus();
+  await page.keyboard.press('End');
+  await still(page, 'the end', ({ time_s }) => Math.abs(time_s - last_s) < 2e-3);
+  const marks = await page.locator('[data-testid=moments] button').evaluateAll((all) => all.map((one) => `${one.getAttribute('aria-current') ?? ''} ${one.innerText}`));
+  expect(marks.findIndex((mark) => mark.startsWith('time')) === marks.length - 1, `the list does not follow the play head: ${JSON.stringify(marks)}`);
+  for (const [lang, click] of [['en', null], ['de', '[data-testid=theme]'], ['fr', '[data-testid=tables]']]) {
+    await page.selectOption('[data-testid=language]', lang);
+    if (click) await page.click(click);
+    await expectAccessible(page, lang);
+    await t.picture(page, `replay_${lang}`);
+    if (lang !== 'fr') await plotsAreComplete(page, lang);
+  }
+  const { scrub_ms } = await replayed(page);
+  await pictureIsDrawn(t, url);
+  return `${scrub_ms.length} looks, the fastest answered within ${Math.min(...scrub_ms).toFixed(0)} ms`;
 }
 
 /** Plots that were built anew show what they show when they are drawn once more: curves, marks and limits. */
@@ -127,104 +112,88 @@ async function zoomed(page, last_s) {
 }
 
 /** The hand is there in 3D, at a moment of a grasp. */
-async function pictureIsDrawn(drawing, url, picture) {
-  const page = await openPage(drawing, withQuery(url, { lang: 'en', quality: 'low' }));
-  await until('the whole picture', async () => (await replayed(page))?.quality === 'low', { within_ms: PATIENT_MS });
+async function pictureIsDrawn(t, url) {
+  const page = await openPage(t.drawing, withQuery(url, { lang: 'en', quality: 'low' }));
+  await until('the whole picture', async () => (await replayed(page))?.quality === 'low');
   await page.keyboard.press('PageDown');
   await still(page, 'a mark');
-  await picture(page, 'replay_3d');
-  expect(page.faults.length === 0, page.faults.join('\n'));
-  await page.context().close();
+  await t.picture(page, 'replay_3d');
 }
 
 /** Another exercise beside the first: both at the same time, each with its plots. */
-export async function twoAreReplayed(browser, recorded, picture) {
-  const paths = [await recording(recorded), await recording(recorded, 'grasping.h5', 'free-grasping')];
-  return replay(recorded, paths, async (url) => {
-    const page = await openPage(browser, withQuery(url, { lang: 'en' }));
-    await still(page, 'both at their beginning', (now) => now.rows.length === 2 && now.rows.every((row) => row === 0));
-    const notices = await page.locator('.replay-notices').innerText();
-    expect(notices.includes('Differs from A in: Exercise.'), notices);
-    await page.keyboard.press('Shift+ArrowRight');
-    const now = await still(page, 'a tenth of a second in both', ({ rows }) => rows.every((row) => row === 100));
-    const plots = await page.locator('.plots').evaluateAll((all) => all.map((one) => one.querySelectorAll('.plot').length));
-    expect(plots.length === 2 && plots[0] === plots[1] && plots[0] >= 8, `plots: ${plots}`);
-    const faults = await accessibilityFaults(page);
-    expect(faults.length === 0, faults.join('\n'));
-    await picture(page, 'replay_beside');
-    expect(page.faults.length === 0, page.faults.join('\n'));
-    await page.context().close();
-    return `rows ${now.rows.join(' and ')}, ${plots[0]} plots each`;
-  });
+export async function twoAreReplayed(t) {
+  const page = await openPage(t.plain, withQuery(await replay(t, await recording(t), await recording(t, 'grasping.h5', 'free-grasping')), { lang: 'en' }));
+  await still(page, 'both at their beginning', (now) => now.rows.length === 2 && now.rows.every((row) => row === 0));
+  const notices = await page.locator('.replay-notices').innerText();
+  expect(notices.includes('Differs from A in: Exercise.'), notices);
+  await page.keyboard.press('Shift+ArrowRight');
+  const now = await still(page, 'a tenth of a second in both', ({ rows }) => rows.every((row) => row === 100));
+  const plots = await page.locator('.plots').evaluateAll((all) => all.map((one) => one.querySelectorAll('.plot').length));
+  expect(plots.length === 2 && plots[0] === plots[1] && plots[0] >= 8, `plots: ${plots}`);
+  await expectAccessible(page);
+  await t.picture(page, 'replay_beside');
+  return `rows ${now.rows.join(' and ')}, ${plots[0]} plots each`;
 }
 
 /** What is no recording, what there is none of, and a program that goes away meanwhile. */
-export async function badRecordingsAreSaid(browser, recorded, picture) {
-  const path = await recording(recorded);
-  const foreign = join(recorded.folder, 'foreign.h5');
+export async function badRecordingsAreSaid(t) {
+  const path = await recording(t);
+  const foreign = join(t.folder, 'foreign.h5');
   writeFileSync(foreign, 'this is no recording\n');
-  const said = await replay(recorded, [foreign], async (url) => {
-    const page = await openPage(browser, withQuery(url, { lang: 'de' }));
-    const problem = page.locator('[data-testid=problem]');
-    await problem.waitFor({ timeout: PATIENT_MS });
-    expect((await problem.getAttribute('data-kind')) === 'unreadable', await problem.innerText());
-    await page.goto(withQuery(url, { recording: '<b>nobody</b>', lang: 'de' }));
-    await page.waitForSelector('[data-kind=unknown]', { timeout: PATIENT_MS });
-    expect((await problem.locator('bdi').innerText()) === '<b>nobody</b>', 'a name is markup');
-    const words = await problem.innerText();
-    await page.context().close();
-    return words.split('\n')[0];
-  });
+  const open = (url, query, more) => openPage(t.plain, withQuery(url, query), more);
+  const url = await replay(t, foreign);
+  const page = await open(url, { lang: 'de' }, { cutOff: true });
+  const problem = page.locator('[data-testid=problem]');
+  await problem.waitFor();
+  expect((await problem.getAttribute('data-kind')) === 'unreadable', await problem.innerText());
+  await page.goto(withQuery(url, { recording: '<b>nobody</b>', lang: 'de' }));
+  await page.waitForSelector('[data-kind=unknown]');
+  expect((await problem.locator('bdi').innerText()) === '<b>nobody</b>', 'a name is markup');
+  const [said] = (await problem.innerText()).split('\n');
+  await page.context().close();
   // The one that cannot be shown hides no other, whichever comes first.
   for (const paths of [[path, foreign], [foreign, path]]) {
-    await replay(recorded, paths, async (url) => {
-      const page = await openPage(browser, withQuery(url, { lang: 'fr' }));
-      await still(page, 'the one that is sound', ({ rows }) => rows.length === 1);
-      const notice = await page.locator('.notice.bad:has([data-testid=reload])').innerText();
-      expect(notice.includes('foreign.h5 n’est pas affiché'), notice);
-      await picture(page, 'replay_one_of_two');
-      await page.context().close();
-    });
+    const sound = await open(await replay(t, ...paths), { lang: 'fr' });
+    await still(sound, 'the one that is sound', ({ rows }) => rows.length === 1);
+    const notice = await sound.locator('.notice.bad:has([data-testid=reload])').innerText();
+    expect(notice.includes('foreign.h5 n’est pas affiché'), notice);
+    await t.picture(sound, 'replay_one_of_two');
+    await sound.context().close();
   }
-  const cut = join(recorded.folder, 'cut.h5');
+  const cut = join(t.folder, 'cut.h5');
   copyFileSync(path, cut);
   truncateSync(cut, Math.floor(readFileSync(path).length * 0.9));
-  await replay(recorded, [cut], async (url) => {
-    const page = await openPage(browser, withQuery(url, { lang: 'fr' }));
-    await page.waitForSelector('[data-testid=problem], .notice', { timeout: PATIENT_MS });
-    await picture(page, 'replay_cut');
-    await page.context().close();
-  });
-  await replay(recorded, [path], async (url, program) => {
-    const page = await openPage(browser, withQuery(url, { lang: 'en' }));
-    await still(page, 'the first tick');
-    await program.stop('SIGKILL');
-    await page.keyboard.press('End');
-    await page.waitForSelector('.notice.bad [data-testid=retry]', { timeout: PATIENT_MS });
-    await page.keyboard.press('Home');
-    await until('what was read', async () => (await replayed(page)).rows[0] === 0, { within_ms: PATIENT_MS });
-    await page.context().close();
-  });
+  const damaged = await open(await replay(t, cut), { lang: 'fr' });
+  await damaged.waitForSelector('[data-testid=problem], .notice');
+  await t.picture(damaged, 'replay_cut');
+  await damaged.context().close();
+  const program = await startReplay(t, path);
+  const left = await open(program.url, { lang: 'en' });
+  await still(left, 'the first tick');
+  await program.stop('SIGKILL');
+  await left.keyboard.press('End');
+  await left.waitForSelector('.notice.bad [data-testid=retry]');
+  await left.keyboard.press('Home');
+  await until('what was read', async () => (await replayed(left)).rows[0] === 0);
+  await left.context().close();
   return `"${said}"`;
 }
 
 /** What is being recorded stands in the console's list, is replayed as far as it goes, and is offered whole when it has ended. */
-export async function recordingIsListedWhileItRuns(browser, programUrl) {
-  const { page } = await openWatcher(browser, programUrl);
+export async function recordingIsListedWhileItRuns(t) {
+  const { url } = await t.program();
+  const { page, arm } = await openWatcher(t.plain, url);
   await page.selectOption('[data-testid=language]', 'de');
-  await armFrom({ page });
+  await arm();
   const row = page.locator('[data-testid=recordings] li').first();
-  await row.getByText('wird noch aufgezeichnet').waitFor({ timeout: PATIENT_MS });
+  await row.getByText('wird noch aufgezeichnet').waitFor();
   const links = await row.locator('.links a').allInnerTexts();
   expect(links.join() === 'Wiedergabe', `offered while it is written: ${links}`);
-  const replayPage = await openPage(browser, new URL(await row.locator('[data-testid=replay]').getAttribute('href'), programUrl).href);
+  const replayPage = await openPage(t.plain, new URL(await row.locator('[data-testid=replay]').getAttribute('href'), url).href);
   const { window: { to_s } } = await still(replayPage, 'what is written so far');
-  await replayPage.click('[data-testid=read-on]', { timeout: PATIENT_MS });
+  await replayPage.click('[data-testid=read-on]');
   await still(replayPage, 'what was written since', ({ window }) => window.to_s > to_s);
-  await page.click('[data-testid=emergency-stop]', { timeout: PATIENT_MS });
-  await row.locator('a[download]').waitFor({ timeout: PATIENT_MS });
-  expect(replayPage.faults.length === 0, replayPage.faults.join('\n'));
-  await replayPage.context().close();
-  await page.context().close();
+  await page.click('[data-testid=emergency-stop]');
+  await row.locator('a[download]').waitFor();
   return `replayed from ${to_s.toFixed(1)} s on`;
 }

@@ -1,38 +1,23 @@
 // A report of the program, opened as the file that it is: from the disk, without the program.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { pathToFileURL } from 'node:url';
-import { accessibilityFaults, openPage, until } from './browser.mjs';
-import { expect } from './checks.mjs';
+import { expect, expectAccessible, expectNoFaults, openFile, sheetsOf, until } from './browser.mjs';
 import { letProgram } from './program.mjs';
 import { recording } from './replay_checks.mjs';
 
-const PATIENT_MS = 120_000;
-
 /** A report; with `before` beside the session before it. */
-async function report(recorded, before) {
-  const path = join(recorded.folder, 'report.html');
-  await letProgram({ ...recorded, args: ['replay', await recording(recorded), '--report', path, ...(before ? ['--before', before] : [])] });
+async function report(t, before) {
+  const path = join(t.folder, 'report.html');
+  await letProgram({ ...t, args: ['replay', await recording(t), '--report', path, ...(before ? ['--before', before] : [])] });
   return path;
-}
-
-const address = (path, hash = '') => `${pathToFileURL(path).href}?lang=en&theme=light${hash}`;
-
-export async function open(browser, path, state = 'shown', hash = '') {
-  const page = await openPage(browser, 'about:blank');
-  const asked = [];
-  page.on('request', (request) => { if (!/^(data|blob):/.test(request.url())) asked.push(request.url()); });
-  await page.goto(address(path, hash), { waitUntil: 'commit', timeout: PATIENT_MS });
-  await until(`the page is ${state}`, () => page.evaluate((wanted) => document.body?.dataset.state === wanted, state), { within_ms: PATIENT_MS });
-  return { page, asked };
 }
 
 const words = (page, selector) => page.locator(selector).innerText();
 
 /** Without 3D and the network: therapy, engineering, three languages, two sheets of paper, and the viewer; beside a session of another exercise. */
-export async function reportIsOneFile(plain, recorded, picture) {
-  const before = await recording(recorded, 'grasping.h5', 'free-grasping');
-  const { page, asked } = await open(plain, await report(recorded, before));
+export async function reportIsOneFile(t) {
+  const before = await recording(t, 'grasping.h5', 'free-grasping');
+  const { page, asked } = await openFile(t.plain, await report(t, before));
   await until('it says that there is no 3D', async () => /no WebGL/.test(await words(page, '[data-testid=picture]')));
   const therapy = await words(page, '[data-testid=therapy]');
   for (const text of ['Relaxed adult', 'Cocktail bar, Level 1', 'drinks finished', 'Poured', 'grip force', 'Lemonade', 'Effort limits in force', 'Lemon']) {
@@ -41,10 +26,8 @@ export async function reportIsOneFile(plain, recorded, picture) {
   const kinds = await page.locator('.happened tr').evaluateAll((rows) => rows.map((row) => row.dataset.kind));
   for (const kind of ['stop', 'emergency_stop', 'fault', 'controls_lost', 'missing']) expect(kinds.includes(kind), `${kind} has a line, whether or not it happened`);
   await until('charts are drawn', async () => (await page.locator('.chart canvas').count()) >= 9);
-  const faults = await accessibilityFaults(page);
-  expect(faults.length === 0, faults.join('; '));
-  const sheets = (await page.pdf({ preferCSSPageSize: true })).toString('latin1').match(/\/Type\s*\/Page\b/g) ?? [];
-  expect(sheets.length === 2, `${sheets.length} sheets of paper`);
+  await expectAccessible(page);
+  expect(await sheetsOf(page) === 2, 'not two sheets of paper');
   await nothingIsCutOnPaper(page);
   const compared = await words(page, '[data-testid=before]');
   expect(/^Before: .*It differs in: Exercise\. No figure can be compared\.$/.test(compared), compared);
@@ -54,12 +37,10 @@ export async function reportIsOneFile(plain, recorded, picture) {
     await until(`it speaks ${language}`, async () => (await words(page, '.happened h2')) === title);
     const said = await words(page, '[data-testid=before]');
     expect(said.includes(differs), said);
-    if (picture) await picture(page, `report-${language}`);
+    await t.picture(page, `report-${language}`);
   }
   await viewerShows(page);
   expect(asked.length === 1, `it asked for nothing but itself: ${asked.join(' ')}`);
-  expect(page.faults.length === 0, page.faults.join('; '));
-  await page.context().close();
 }
 
 /** All of a sheet fits on its paper, beside its other sheet. */
@@ -79,7 +60,7 @@ async function viewerShows(page) {
   const now = (what, look) => until(what, async () => {
     const replay = await page.evaluate(() => window.wholehandReplay);
     return replay && replay.exact && look(replay) ? replay : undefined;
-  }, { within_ms: PATIENT_MS });
+  });
   const { rows: [first] } = await now('the first state', () => true);
   await page.evaluate(() => { location.hash = 'replay=3'; });
   // The states of 12 s are no further apart than 1500 of them would be, with room for what is larger.
@@ -92,19 +73,17 @@ async function viewerShows(page) {
 }
 
 /** With 3D the strongest moment is a picture, which paper can have. */
-export async function reportHasItsPicture(drawing, recorded, picture) {
-  const { page } = await open(drawing, await report(recorded));
-  await until('the picture is drawn', async () => (await page.locator('[data-testid=picture] img').count()) === 1, { within_ms: PATIENT_MS });
+export async function reportHasItsPicture(t) {
+  const { page } = await openFile(t.drawing, await report(t));
+  await page.waitForSelector('[data-testid=picture] img');
   const caption = await words(page, '[data-testid=picture] figcaption');
   expect(/Strongest contact: [\d.]+ N at 0:\d\d/.test(caption), caption);
-  if (picture) await picture(page, 'report');
-  expect(page.faults.length === 0, page.faults.join('; '));
-  await page.context().close();
+  await t.picture(page, 'report');
 }
 
 /** A template, a file that was cut, data of another version: said, and nothing stuck. */
-export async function badReportsAreSaid(plain, recorded) {
-  const whole = readFileSync(await report(recorded), 'utf8');
+export async function badReportsAreSaid(t) {
+  const whole = readFileSync(await report(t), 'utf8');
   const at = whole.indexOf('id="page-data">');
   const end = whole.indexOf('</script>', at);
   const cases = [
@@ -114,12 +93,12 @@ export async function badReportsAreSaid(plain, recorded) {
     ['spoiled', whole.replace(/("series":")[\w+/]{400}/, `$1${'A'.repeat(400)}`), 'damaged'],
   ];
   for (const [name, text, says] of cases) {
-    const path = join(recorded.folder, `report-${name}.html`);
+    const path = join(t.folder, `report-${name}.html`);
     writeFileSync(path, text);
-    const { page } = await open(plain, path, 'problem');
+    const { page } = await openFile(t.plain, path, { state: 'problem' });
     const said = await words(page, '[data-testid=problem]');
     expect(said.includes(says), `${name}: ${said}`);
-    expect(page.faults.length === 0, `${name}: ${page.faults.join('; ')}`);
+    expectNoFaults(page);
     await page.context().close();
   }
 }

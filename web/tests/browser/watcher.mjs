@@ -1,6 +1,9 @@
 // What the program says, read through the console's page: the same messages that a therapist sees.
 import { openPage, pageUrl, until } from './browser.mjs';
 
+export const RENDERING = 1;
+export const STOPPED = 3;
+
 /** A state in one line, for an error. */
 function inWords(now) {
   if (!now) return 'none';
@@ -13,6 +16,7 @@ export async function openWatcher(browser, programUrl, query = {}) {
   const page = await openPage(browser, pageUrl(programUrl, '/console', { lang: 'en', theme: 'light', ...query }));
   const watcher = {
     page,
+    url: programUrl,
     /** The latest state in plain numbers; figures of the exercise by their names. */
     async now() {
       return page.evaluate(() => {
@@ -28,7 +32,7 @@ export async function openWatcher(browser, programUrl, query = {}) {
           values, bodies, dispensers: (bar.dispensers ?? []).map((d) => d.body), exerciseJson: scene.exerciseJson, rightHand: scene.rightHand,
           axes: scene.axes.map((axis) => axis.name),
           q: state.qM, sent: state.sent, runState: state.runState, steering: state.steering, faults: state.faults, session: state.session, level: scene.level,
-          tick: Number(state.tick), shown: document.body.dataset.state,
+          tick: Number(state.tick), endings: state.endings, shown: document.body.dataset.state,
         };
       });
     },
@@ -43,6 +47,19 @@ export async function openWatcher(browser, programUrl, query = {}) {
       } catch (error) {
         throw new Error(`${error.message}; the last state: ${inWords(last)}`, { cause: error });
       }
+    },
+    rendering: () => watcher.until('rendering', (now) => now.runState === RENDERING),
+    /** Stopped, with every effort at neutral. */
+    neutral: () => watcher.until('neutral', (now) => now.runState === STOPPED && now.sent.every((effort) => Math.abs(effort) < 1e-6)),
+    steered: () => watcher.until('the person steering', (now) => now.steering === 1 && now.runState === RENDERING),
+    /** Nobody holds the controls. A page that has closed holds them until the program notices. */
+    free: () => page.waitForSelector('[data-testid=holder]:has-text("free")'),
+    /** Starts as a therapist does. */
+    arm: () => page.click('[data-testid=arm]:enabled'),
+    /** This much of the program's own time. */
+    async pass(ticks) {
+      const { tick } = await watcher.now();
+      await watcher.until(`${ticks} ticks more`, (now) => now.tick >= tick + ticks);
     },
   };
   await watcher.until('the first state', () => true);
