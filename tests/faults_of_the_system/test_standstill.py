@@ -15,7 +15,7 @@ from app import ALWAYS, HANG_S, INTERRUPTED, PacedTest, main, read_recording
 
 SLEW_PER_MS = 0.25  # of the effort limit: docs/safety.md, kEffortSlew
 ROUNDING = 1e-9
-STALLS_IN_CONTACT = 5
+STALLS_IN_CONTACT = 3
 
 
 class Standstill(PacedTest):
