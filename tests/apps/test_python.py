@@ -22,7 +22,7 @@ from wholehand.client import HUNG_AFTER_S, Client
 from wholehand.connection import NEXT, PERSON, Lost, Refused, connect
 from wholehand.kinematics import Hand, matrices
 
-MUTATIONS = 100_000 if FULL else 3_000
+MUTATIONS = 100_000 if FULL else 300
 RENDERING, STOPPED = 1, 3
 
 
