@@ -230,9 +230,7 @@ TEST(ShippedExercises, FreeGrasping_ArmsWithEveryDeviceAndHand) {
     for (const std::string& hand : shippedHands(seed(), cases(1) > 1)) {
       if (leftOutUnderASanitizer(index++)) continue;
       SCOPED_TRACE(hand + " on " + device);
-      ModelFiles files = shippedFiles(device, "empty", hand);
-      files.exercise = config("exercises/free-grasping.toml");
-      expectBegins(load(files), 1);
+      expectBegins(load(exerciseFiles("free-grasping", 1, hand, device)), 1);
     }
   }
 }
@@ -241,9 +239,7 @@ TEST(ShippedExercises, FreeGrasping_ArmsWithEveryDeviceAndHand) {
 /// it: the bottle's axis 0.049, 0.041, 0.004 m from the palm's base (docs/exercises.md's
 /// dispensers).
 TEST(ShippedExercises, FreeGrasping_EveryBodyIsWithinReachOfAGrasp) {
-  ModelFiles files = shippedFiles();
-  files.exercise = config("exercises/free-grasping.toml");
-  const Models models = load(files);
+  const Models models = load(exerciseFiles("free-grasping"));
   ASSERT_FALSE(models.scene.bodies.empty());
   const Eigen::Vector3d held_m(0.049, 0.041, 0.004);
   for (const SceneBody& body : models.scene.bodies) {

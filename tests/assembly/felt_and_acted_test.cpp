@@ -151,19 +151,7 @@ std::vector<SceneBody> ballsAbout(const HandModel& hand, const AxisPosition& q, 
 AxisEffort workOfTheHandItself(const Rig& rig, const AxisPosition& q_s) {
   SelfForces own;
   rig.world->selfForces(own);
-  TickRecord both;  // as contacts with a body, of either side
-  for (int i = 0; i < own.count; ++i) {
-    const SelfForce& touch = own.touches[i];
-    for (const int side : {1, -1}) {
-      Contact& c = both.contacts[both.contact_count++];
-      const int capsule = side > 0 ? touch.capsule_a : touch.capsule_b;
-      c.link = rig.models.hand.capsules[capsule].link;
-      c.point_m = touch.point_m;
-      c.force_n = touch.force_n;
-      c.force_n.x *= side, c.force_n.y *= side, c.force_n.z *= side;
-    }
-  }
-  AxisEffort work = virtualWork(rig.models.hand, q_s, both);
+  AxisEffort work = virtualWork(rig.models.hand, q_s, own);
   for (int a = 0; a < own.joint_ends.size(); ++a) work[a] += own.joint_ends[a];
   return work;
 }

@@ -20,9 +20,7 @@ RehearsalOptions strict() {
 }
 
 Models bar() {
-  ModelFiles files = shippedFiles();
-  files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
-  return load(files);
+  return load(exerciseFiles("cocktail-bar"));
 }
 
 AxisPosition origin(const Models& models) {

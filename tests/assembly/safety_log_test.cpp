@@ -115,9 +115,7 @@ TEST(SafetyLog, ArmedAfterAFault_GoesFromFaultedToArmed) {
 // Whoever shows the bar goes silent while the virtual patient squeezes: the record says so from
 // that tick on, and the exercise has let go within the time that its description states.
 TEST(SafetyLog, OwnerSilent_IsRecordedAndTheExerciseFadesInItsTime) {
-  ModelFiles files = shippedFiles();
-  files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
-  const Models models = load(files);
+  const Models models = load(exerciseFiles("cocktail-bar"));
   std::unique_ptr<Player> player = models.exercise->makePlayer(1);
   Player& hand = *player;
   const auto rig = orThrow(buildRig(models, std::move(player), {}));

@@ -69,9 +69,7 @@ TEST(BandSteps, AtHalfTheLevel_HalfTheForceDoes) {
 TEST(SqueezeToLevel, PlayedByItsVirtualPatient_IsDoneWithin25s) {
   for (const std::string& hand : aTenth<std::string>({"adult-median-right", "adult-median-left"})) {
     SCOPED_TRACE(hand);
-    ModelFiles files = shippedFiles("lambda-pride", "empty", hand);
-    files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/squeeze-to-level.toml";
-    Models models = load(files);
+    Models models = load(exerciseFiles("squeeze-to-level", 1, hand));
     std::unique_ptr<Player> player = models.exercise->makePlayer(7);
     ASSERT_NE(player, nullptr);
     const auto rig = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));

@@ -27,11 +27,7 @@ std::string nameOf(const Play& p) {
 
 CocktailPlan planOf(const Play& p) {
   CocktailPlan plan;
-  plan.files = shippedFiles("lambda-pride", "empty", p.hand);
-  plan.files.scene.clear();
-  plan.files.exercise =
-      std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/" + p.exercise + ".toml";
-  plan.files.level = p.level;
+  plan.files = exerciseFiles(p.exercise, p.level, p.hand);
   plan.seed = p.seed;
   return plan;
 }
@@ -97,11 +93,7 @@ TEST(BarWithShortReach, DrinkOfEitherHand_IsMixedWithinIt) {
   for (const int side : allOrOne(0, 1)) {
     const char* name = side == 0 ? "adult-median-right" : "woman-p50-left";
     SCOPED_TRACE(name);
-    ModelFiles files = shippedFiles("lambda-pride", "empty", name);
-    files.scene.clear();
-    files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
-    files.level = 2;
-    Models models = load(files);
+    Models models = load(exerciseFiles("cocktail-bar", 2, name));
     const BarFigures figures(models.exercise->description());
     const int lemon = models.scene.bodyIndex("dispenser_lemon");
     std::unique_ptr<Player> made = models.exercise->makePlayer(1);

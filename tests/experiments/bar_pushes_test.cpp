@@ -74,12 +74,7 @@ Intention motionOf(const Push& push, const Eigen::Vector3d& at_m, double side,
 }
 
 Felt feel(const Push& push) {
-  ModelFiles files = shippedFiles("lambda-pride", "empty", push.hand);
-  files.scene.clear();
-  files.exercise =
-      std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/" + push.exercise + ".toml";
-  files.level = push.level;
-  Models models = load(files);
+  Models models = load(exerciseFiles(push.exercise, push.level, push.hand));
   const int body = models.scene.bodyIndex("dispenser_lemon");
   const Eigen::Vector3d at_m = models.scene.bodies[body].pose.translation_m;
   const double side = models.hand.side == Side::kLeft ? -1.0 : 1.0;

@@ -13,11 +13,7 @@ namespace wholehand::test {
 namespace {
 
 ModelFiles barFiles(int level = 1) {
-  ModelFiles files = shippedFiles();
-  files.scene.clear();
-  files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
-  files.level = level;
-  return files;
+  return exerciseFiles("cocktail-bar", level);
 }
 
 CocktailResult play(int level, std::uint64_t seed) {
@@ -76,9 +72,7 @@ TEST(CocktailBar, PlayerBesideTheTick_AllocatesNothing) {
 TEST(CocktailBar, FreeDispenser_IsCarriedOverTheGlassAndPutBack) {
   auto random = seededRandom(73);
   CocktailPlan plan;
-  plan.files = barFiles();
-  plan.files.exercise =
-      std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar-free.toml";
+  plan.files = exerciseFiles("cocktail-bar-free");
   int completed = 0;
   for (int i = 0; i < cases(3); ++i) {
     plan.seed = 1 + random() % 1'000'000;
@@ -155,10 +149,7 @@ AxisPosition aimFrom(const AxisPosition& at, const DeviceModel& device, std::mt1
 /// a wild aim stopped the device: whoever arms it begins anew. Negative: not within this time.
 constexpr double kWithin_s = 240.0;
 double finishAfter(const Visit& visit) {
-  ModelFiles files = barFiles(visit.level);
-  files.exercise =
-      std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/" + visit.exercise + ".toml";
-  Models models = load(files);
+  Models models = load(exerciseFiles(visit.exercise, visit.level));
   const DeviceModel device = models.device;
   auto steered = std::make_unique<SteeredPlayer>(models.exercise->makePlayer(visit.seed), device);
   SteeredPlayer& player = *steered;
@@ -224,8 +215,7 @@ TEST(CocktailBar, HandGivenBackAnywhere_NearlyAlwaysFinishesTheLevel) {
 
 TEST(CocktailBar, WithoutAnExerciseToWin_IsRefused) {
   CocktailPlan plan;
-  plan.files = barFiles();
-  plan.files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/free-grasping.toml";
+  plan.files = exerciseFiles("free-grasping");
   EXPECT_FALSE(runCocktail(plan).ok());
 }
 

@@ -13,17 +13,10 @@ namespace {
 
 namespace at = exercise_times;
 
-ModelFiles firstLevelFiles() {
-  ModelFiles files = shippedFiles();
-  files.scene.clear();
-  files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
-  return files;
-}
-
 const ExerciseResult& playedByScript() {
   static const ExerciseResult result = [] {
     ExercisePlan plan;
-    plan.files = firstLevelFiles();
+    plan.files = exerciseFiles("cocktail-bar");
     return orThrow(runExercise(plan));
   }();
   return result;
@@ -112,7 +105,7 @@ TEST(Exercise, SeedsDrawn_AreCompletedToo) {
   auto random = seededRandom(71);
   for (int i = 0; i < cases(2); ++i) {
     ExercisePlan plan;
-    plan.files = firstLevelFiles();
+    plan.files = exerciseFiles("cocktail-bar");
     plan.seed = random() % 1'000'000;
     const ExerciseResult r = orThrow(runExercise(plan));
     EXPECT_TRUE(r.completed) << "seed " << plan.seed << ", poured " << r.poured_l;
@@ -121,8 +114,7 @@ TEST(Exercise, SeedsDrawn_AreCompletedToo) {
 
 TEST(Exercise, WithoutDispensersOrFingers_IsRefused) {
   ExercisePlan plan;
-  plan.files = firstLevelFiles();
-  plan.files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/free-grasping.toml";
+  plan.files = exerciseFiles("free-grasping");
   const auto none = runExercise(plan);
   EXPECT_TRUE(refusedWith(none, "no dispenser"));
 }

@@ -25,9 +25,7 @@ struct Liquid {
 };
 
 std::vector<Liquid> shippedLiquids() {
-  ModelFiles files = shippedFiles();
-  files.exercise = kConfig + "exercises/cocktail-bar.toml";
-  const Models models = load(files);
+  const Models models = load(exerciseFiles("cocktail-bar"));
   std::vector<Liquid> out;
   const auto json = nlohmann::json::parse(models.exercise->description().json);
   for (const auto& l : json["liquids"]) {

@@ -68,9 +68,7 @@ struct Without {
 class Squeezing {
  public:
   explicit Squeezing(Without without) {
-    ModelFiles files = shippedFiles();
-    files.scene.clear();
-    files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
+    ModelFiles files = exerciseFiles("cocktail-bar");
     Models m = load(files);
     const GripTarget target = firstDispenser(m);
     if (without.self_contacts) m.hand.self_contacts.clear();

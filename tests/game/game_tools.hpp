@@ -16,10 +16,7 @@ namespace wholehand::test {
 
 inline Models gameModels(const std::string& device = "lambda-pride",
                          const std::string& hand = "adult-median-right") {
-  ModelFiles files = shippedFiles(device, "empty", hand);
-  files.scene.clear();
-  files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/game-scene.toml";
-  return load(files);
+  return load(exerciseFiles("game-scene", 1, hand, device));
 }
 
 inline const Eigen::Vector3d kAside_m(0.5, 0.3, 0.2);  ///< of the hand

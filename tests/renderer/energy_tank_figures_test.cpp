@@ -66,8 +66,7 @@ void playTheBar(int rate_hz, int divisor) {
   const bool full = fullCounts();
   const int drawn = 1 + static_cast<int>(random() % 4U);
   for (int level = full ? 1 : drawn; level <= (full ? 4 : drawn); ++level) {
-    ModelFiles files = shippedFiles();
-    files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
+    ModelFiles files = exerciseFiles("cocktail-bar");
     files.level = level;
     Models m = load(files);
     m.rendering.physics_divisor = divisor;

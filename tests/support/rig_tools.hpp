@@ -39,6 +39,17 @@ inline ModelFiles shippedFiles(const std::string& device = "lambda-pride",
   return files;
 }
 
+/// A shipped exercise in its own scene.
+inline ModelFiles exerciseFiles(const std::string& exercise, int level = 1,
+                                const std::string& hand = "adult-median-right",
+                                const std::string& device = "lambda-pride") {
+  ModelFiles files = shippedFiles(device, "empty", hand);
+  files.scene.clear();
+  files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/" + exercise + ".toml";
+  files.level = level;
+  return files;
+}
+
 inline Models load(const ModelFiles& files) {
   return orThrow(loadModels(files));
 }
@@ -184,6 +195,22 @@ inline AxisEffort virtualWork(const HandModel& hand, const AxisPosition& q_s,
     }
   }
   return work;
+}
+
+/// The same of what parts of the hand do to each other.
+inline AxisEffort virtualWork(const HandModel& hand, const AxisPosition& q_s,
+                              const SelfForces& own) {
+  TickRecord both;  // as contacts with a body, of either side
+  for (int i = 0; i < own.count; ++i) {
+    const SelfForce& touch = own.touches[i];
+    for (const int side : {1, -1}) {
+      Contact& c = both.contacts[both.contact_count++];
+      c.link = hand.capsules[side > 0 ? touch.capsule_a : touch.capsule_b].link;
+      c.point_m = touch.point_m;
+      c.force_n = Vec3::from(side * touch.force_n.eigen());
+    }
+  }
+  return virtualWork(hand, q_s, both);
 }
 
 }  // namespace wholehand::test
