@@ -69,7 +69,7 @@ class Same(AppTest):
                 self.assertEqual(a["ticks/" + name][:].tobytes(), b["ticks/" + name][:].tobytes(), name)
 
     def test_real_time_with_skipped_ticks(self):
-        run = self.start_app(*FREE_RUN, "--duration", "5", "--record", "run.h5", "--json", "run.json")
+        run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "5", "--record", "run.h5", "--json", "run.json")
         self.wait_until_it_renders(run)
         for _ in range(3):  # the machine stalls
             run.send_signal(signal.SIGSTOP)
@@ -104,7 +104,7 @@ class BlackBox(AppTest):
 
     def crash(self, *arguments, after=1.0, written=None):
         """`written`: a recording in whose file there are ticks by then."""
-        run = self.start_app(*FREE_RUN, "--duration", "60", *arguments)
+        run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "60", *arguments)
         time.sleep(after)
         self.wait_until_it_renders(run)
         if written is not None:

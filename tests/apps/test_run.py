@@ -126,7 +126,7 @@ class WhatItWrites(AppTest):
 
 class HowItEnds(AppTest):
     def interrupted(self, how):
-        run = self.start_app(*FREE_RUN, "--duration", "600", "--record", "run.h5", "--json", "run.json",
+        run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "600", "--record", "run.h5", "--json", "run.json",
                              "--report", "report")
         self.wait_until_it_renders(run)
         time.sleep(2.0)
@@ -159,14 +159,14 @@ class HowItEnds(AppTest):
         self.interrupted(signal.SIGHUP)
 
     def test_hang_up_under_nohup_is_ignored(self):
-        run = self.start_app(*FREE_RUN, "--duration", "2.5", "--json", "run.json",
+        run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "2.5", "--json", "run.json",
                              preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
         self.wait_until_it_renders(run)
         self.expect_ended_by(run, signal.SIGHUP, DONE)
         self.assertFalse(json.loads((self.folder / "run.json").read_text())["interrupted"])
 
     def test_ctrl_z_stops_instead_of_freezing_the_loop(self):
-        run = self.start_app(*FREE_RUN, "--duration", "600", "--json", "run.json")
+        run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "600", "--json", "run.json")
         self.wait_until_it_renders(run)
         self.expect_ended_by(run, signal.SIGTSTP)
 
@@ -229,7 +229,7 @@ class HowItEnds(AppTest):
 
     def test_status_line_of_a_terminal(self):
         ours, theirs = pty.openpty()
-        run = subprocess.Popen([BINARY, *FREE_RUN, "--duration", "1.5", "--json", "run.json"],
+        run = subprocess.Popen([BINARY, *FREE_RUN, "--no-rehearsal", "--duration", "1.5", "--json", "run.json"],
                                cwd=self.folder, stdin=subprocess.DEVNULL, stdout=theirs,
                                stderr=theirs)
         self.addCleanup(run.kill)
@@ -263,7 +263,7 @@ class HowItEnds(AppTest):
 class WhatSurvives(PacedTest):
     def lost_in_a_kill(self, path, after_s):
         """Ticks of a run that its recording lacks after kill -9."""
-        run = self.start_app(*FREE_RUN, "--duration", "60", "--record", path)
+        run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "60", "--record", path)
         while not path.exists():
             time.sleep(0.01)
             self.assertIsNone(run.poll())
