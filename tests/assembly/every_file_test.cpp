@@ -162,9 +162,7 @@ Models glove() {
     axis.mass = 1e-4;
     models.device.axes.push_back(axis);
   }
-  auto hand = assembleHand(*file, models.device);
-  EXPECT_TRUE(hand.ok()) << (hand.ok() ? "" : format(hand.errors()));
-  models.hand = std::move(*hand);
+  models.hand = orThrow(assembleHand(*file, models.device));
   return models;
 }
 

@@ -6,9 +6,8 @@
 #include "control/passivity.hpp"
 #include "control/z_width.hpp"
 #include "dynamics/articulated_body.hpp"
-#include "model/hand/hand_file.hpp"
+#include "model/shipped_models.hpp"
 #include "reference_tables.hpp"
-#include "support/figure.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
@@ -270,12 +269,10 @@ struct Shipped {
 class ShippedGains : public testing::TestWithParam<Shipped> {
  protected:
   void SetUp() override {
-    const std::string root = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-    device_ = orThrow(loadDeviceFile(root + "devices/" + GetParam().name + ".toml"));
-    rendering_ =
-        orThrow(loadRenderingFile(root + "rendering/" + GetParam().name + ".toml", device_));
-    hand_ =
-        orThrow(assembleHand(orThrow(loadHandFile(root + "hands/" + GetParam().hand)), device_));
+    const std::string name = GetParam().name;
+    device_ = deviceNamed(name);
+    rendering_ = orThrow(loadRenderingFile(kConfig + "rendering/" + name + ".toml", device_));
+    hand_ = handNamed(GetParam().hand, name);
   }
 
   AxisMatrix inertiaAt(const AxisPosition& q_s) const {
@@ -312,20 +309,19 @@ TEST_P(ShippedGains, AtOneToFourKilohertz_PassTheirOwnCertificate) {
 }
 
 TEST_P(ShippedGains, Translations_CarryNoArmature) {
-  const auto gains = resolveGains(rendering_, inertiaAt(hand_.reference), 1e-3);
-  ASSERT_TRUE(gains.ok()) << format(gains.errors());
+  const auto gains = orThrow(resolveGains(rendering_, inertiaAt(hand_.reference), 1e-3));
   for (int a = 0; a < device_.axisCount(); ++a) {
     if (device_.axes[a].kind != AxisKind::kTranslation) continue;
-    EXPECT_EQ(gains->armature[a], 0.0) << device_.axes[a].name;
+    EXPECT_EQ(gains.armature[a], 0.0) << device_.axes[a].name;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Config, ShippedGains,
-                         testing::Values(Shipped{"lambda-pride", "adult-median-right.toml"},
-                                         Shipped{"lambda-pride", "woman-p05-right.toml"},
-                                         Shipped{"lambda-pride", "man-p95-right.toml"},
-                                         Shipped{"desktop-3axis", "adult-median-left.toml"},
-                                         Shipped{"wrist-9axis", "adult-median-right.toml"}));
+                         testing::Values(Shipped{"lambda-pride", "adult-median-right"},
+                                         Shipped{"lambda-pride", "woman-p05-right"},
+                                         Shipped{"lambda-pride", "man-p95-right"},
+                                         Shipped{"desktop-3axis", "adult-median-left"},
+                                         Shipped{"wrist-9axis", "adult-median-right"}));
 
 }  // namespace
 }  // namespace wholehand::test

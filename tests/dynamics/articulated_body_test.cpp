@@ -1,7 +1,7 @@
 #include "dynamics/articulated_body.hpp"
 
 #include "bullet_twin.hpp"
-#include "model/hand/hand_file.hpp"
+#include "model/shipped_models.hpp"
 #include "random_tree.hpp"
 
 #include <Eigen/Cholesky>
@@ -163,15 +163,6 @@ struct DeviceAndHand {
 
 class ShippedHand : public testing::TestWithParam<DeviceAndHand> {
  protected:
-  static Expected<HandModel> load(const DeviceAndHand& files) {
-    const std::string root = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-    const auto device = loadDeviceFile(root + "devices/" + files.device);
-    if (!device) return device.errors();
-    const auto hand = loadHandFile(root + "hands/" + files.hand);
-    if (!hand) return hand.errors();
-    return assembleHand(*hand, *device);
-  }
-
   /// A posture and rates of the kind a tick sees: on the synergy, within some centimetres.
   static JointState posture(Rng& rng, const HandModel& hand) {
     JointState s{hand.theta0, JointVelocity(hand.joint_count), JointEffort(hand.joint_count)};
@@ -184,22 +175,21 @@ class ShippedHand : public testing::TestWithParam<DeviceAndHand> {
 };
 
 TEST_P(ShippedHand, ForwardDynamics_EqualBulletsTo1em9) {
-  const Expected<HandModel> hand = load(GetParam());
-  ASSERT_TRUE(hand.ok()) << format(hand.errors());
-  ArticulatedBody body(*hand);
-  BulletTwin bullet(*hand);
+  const HandModel hand = handNamed(GetParam().hand, GetParam().device);
+  ArticulatedBody body(hand);
+  BulletTwin bullet(hand);
   auto rng = seededRandom<Rng>(41);
   double worst = 0.0, worst_bias = 0.0;
   for (int k = 0; k < cases(50); ++k) {
-    JointState s = posture(rng, *hand);
-    for (int j = 0; j < hand->joint_count; ++j) s.torque[j] = uniform(rng, -0.5, 0.5);
+    JointState s = posture(rng, hand);
+    for (int j = 0; j < hand.joint_count; ++j) s.torque[j] = uniform(rng, -0.5, 0.5);
     const Eigen::Vector3d gravity(0.0, 0.0, -9.81);
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, gravity));
     bullet.setState(s.theta, s.theta_dot);
     const Eigen::VectorXd theirs = bullet.acceleration(s.torque, gravity);
     const double whole = residual(body, theirs, s.torque);
     // Under τ = h Bullet must find no acceleration; measured against the one without torque.
-    const Eigen::VectorXd unheld = bullet.acceleration(JointEffort(hand->joint_count), gravity);
+    const Eigen::VectorXd unheld = bullet.acceleration(JointEffort(hand.joint_count), gravity);
     const double bias = bullet.acceleration(body.bias(), gravity).cwiseAbs().maxCoeff() /
                         unheld.cwiseAbs().maxCoeff();
     EXPECT_LE(whole, tolerance(1e-9));
@@ -213,17 +203,16 @@ TEST_P(ShippedHand, ForwardDynamics_EqualBulletsTo1em9) {
 }
 
 TEST_P(ShippedHand, CoupledAcceleration_StaysOnTheSynergy) {
-  const Expected<HandModel> hand = load(GetParam());
-  ASSERT_TRUE(hand.ok()) << format(hand.errors());
-  ArticulatedBody body(*hand);
-  BulletTwin bullet(*hand);
+  const HandModel hand = handNamed(GetParam().hand, GetParam().device);
+  ArticulatedBody body(hand);
+  BulletTwin bullet(hand);
   auto rng = seededRandom<Rng>(42);
-  const Eigen::MatrixXd g = hand->synergy;
+  const Eigen::MatrixXd g = hand.synergy;
   for (int k = 0; k < cases(50); ++k) {
-    const JointState s = posture(rng, *hand);
+    const JointState s = posture(rng, hand);
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, {0.0, 0.0, -9.81}));
-    AxisEffort f_s(hand->axis_count);
-    for (int a = 0; a < hand->axis_count; ++a) {
+    AxisEffort f_s(hand.axis_count);
+    for (int a = 0; a < hand.axis_count; ++a) {
       f_s[a] = body.reducedInertia()(a, a) * uniform(rng, -50.0, 50.0);
     }
     JointEffort torque;
@@ -238,12 +227,11 @@ TEST_P(ShippedHand, CoupledAcceleration_StaysOnTheSynergy) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Config, ShippedHand,
-    testing::Values(DeviceAndHand{"lambda-pride.toml", "adult-median-right.toml"},
-                    DeviceAndHand{"lambda-pride.toml", "adult-median-left.toml"},
-                    DeviceAndHand{"wrist-9axis.toml", "adult-median-right.toml"},
-                    DeviceAndHand{"desktop-3axis.toml", "woman-p05-right.toml"}));
+INSTANTIATE_TEST_SUITE_P(Config, ShippedHand,
+                         testing::Values(DeviceAndHand{"lambda-pride", "adult-median-right"},
+                                         DeviceAndHand{"lambda-pride", "adult-median-left"},
+                                         DeviceAndHand{"wrist-9axis", "adult-median-right"},
+                                         DeviceAndHand{"desktop-3axis", "woman-p05-right"}));
 
 }  // namespace
 }  // namespace wholehand::test

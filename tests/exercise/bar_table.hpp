@@ -3,7 +3,7 @@
 #include "core/tick_record.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "exercise/load_exercise.hpp"
-#include "model/hand/hand_file.hpp"
+#include "model/shipped_models.hpp"
 
 #include <gtest/gtest.h>
 
@@ -28,14 +28,12 @@ inline constexpr double kReach = 0, kSqueeze = 1, kPouring = 2, kLetGo = 3, kDri
 inline const std::string kFree = config("exercises/cocktail-bar-free.toml");
 
 inline const DeviceModel& shippedDevice() {
-  static const DeviceModel device = loadDeviceFile(config("devices/lambda-pride.toml")).value();
+  static const DeviceModel device = deviceNamed();
   return device;
 }
 
 inline const HandModel& shippedHand() {
-  static const HandModel hand =
-      assembleHand(loadHandFile(config("hands/adult-median-right.toml")).value(), shippedDevice())
-          .value();
+  static const HandModel hand = handNamed();
   return hand;
 }
 

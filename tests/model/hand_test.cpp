@@ -20,12 +20,7 @@ using Eigen::Vector3d;
 constexpr double kMm = 1e-3;
 
 HandModel hand(const std::string& name, const DeviceModel& on) {
-  auto assembled = assembleHand(handFile(name), on);
-  if (!assembled) ADD_FAILURE() << format(assembled.errors());
-  return std::move(assembled).value();
-}
-HandModel medianHand() {
-  return hand("adult-median-right", deviceNamed("lambda-pride"));
+  return orThrow(assembleHand(handFile(name), on));
 }
 
 /// Forward kinematics straight from the definition of HandLink.
@@ -139,7 +134,7 @@ TEST(UnionMass, OverlapCountsOnceAndSkinNotAtAll) {
 // ---------------------------------------------------------------- kinematics
 
 TEST(Hand, LambdaPride_Drives19JointsAndCarries41Capsules) {
-  const HandModel model = medianHand();
+  const HandModel model = handNamed();
   EXPECT_EQ(model.joint_count, 19);  // 3 translations, 4 x 3 fingers, 1 + 3 thumb
   EXPECT_EQ(model.capsules.size(), 41U);
   EXPECT_EQ(model.links[model.palm_link].name, "z");
@@ -151,7 +146,7 @@ TEST(Hand, LambdaPride_Drives19JointsAndCarries41Capsules) {
 }
 
 TEST(Hand, StraightMiddleFinger_ReachesAsFarAsItsBones) {
-  const HandModel model = medianHand();
+  const HandModel model = handNamed();
   const auto poses = linkPoses(model, posture(model, 0, 0, 0));
   const Capsule& tip = capsule(model, "middle_distal");
   const Vector3d end = inPalm(model, poses, tip.link) * tip.b_m;
@@ -162,7 +157,7 @@ TEST(Hand, StraightMiddleFinger_ReachesAsFarAsItsBones) {
 }
 
 TEST(Hand, FingerFlexion_IsTheAngleOfEveryFingertipAgainstItsMetacarpal) {
-  const HandModel model = medianHand();
+  const HandModel model = handNamed();
   const auto open = linkPoses(model, posture(model, 0, 0, 0));
   for (const double theta : {0.3, 1.0, 2.0, kPi}) {
     const auto bent = linkPoses(model, posture(model, theta, 0, 0));
@@ -176,7 +171,7 @@ TEST(Hand, FingerFlexion_IsTheAngleOfEveryFingertipAgainstItsMetacarpal) {
 }
 
 TEST(Hand, PositiveCoordinates_CloseTheHand) {
-  const HandModel model = medianHand();
+  const HandModel model = handNamed();
   const auto tipAt = [&](const std::string& name, const AxisPosition& q) -> Vector3d {
     const Capsule& tip = capsule(model, name);
     return inPalm(model, linkPoses(model, q), tip.link) * tip.b_m;
@@ -194,7 +189,7 @@ TEST(Hand, PositiveCoordinates_CloseTheHand) {
 }
 
 TEST(Hand, Handshake_HasTheThumbUpAndTheBackToTheRight) {
-  const HandModel model = medianHand();
+  const HandModel model = handNamed();
   const auto poses = linkPoses(model, posture(model, 0, 0, 0));
   const Matrix3d palm = poses[model.palm_link].rotation;
   EXPECT_TRUE((palm * Vector3d::UnitX()).isApprox(Vector3d::UnitX(), 1e-12));   // away
@@ -332,7 +327,7 @@ TEST(Hand, EveryHandOnEveryDevice_WeighsWhatItsFileSays) {
 }
 
 TEST(Hand, Phalanges_ShareTheMassByTheirVolumes) {
-  const HandModel model = medianHand();
+  const HandModel model = handNamed();
   const auto mass = [&](const char* link) { return model.links[linkIndex(model, link)].mass_kg; };
   // Volumes of the capsules: r² (l + 4r/3).
   const double proximal = 81.0 * (42.6 + 12.0);

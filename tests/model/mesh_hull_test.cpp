@@ -1,5 +1,6 @@
 #include "model/mesh/convex_hull.hpp"
 #include "model/mesh/convex_mesh.hpp"
+#include "model/solid_samples.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
@@ -64,9 +65,7 @@ MeshSurface dividedCube(int cells) {
 
 /// The collider of a mesh that must have one.
 MeshCollider colliderOf(const MeshSurface& mesh) {
-  const Expected<MeshCollider> collider = meshCollider(mesh.points, mesh.triangles);
-  EXPECT_TRUE(collider.ok()) << (collider.ok() ? "" : format(collider.errors()));
-  return collider.ok() ? *collider : MeshCollider{};
+  return orThrow(meshCollider(mesh.points, mesh.triangles));
 }
 
 std::string noticeOf(const MeshCollider& collider) {

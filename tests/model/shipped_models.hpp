@@ -3,6 +3,7 @@
 #include "model/hand/hand_file.hpp"
 #include "model/patient/patient_config.hpp"
 #include "support/constants.hpp"
+#include "support/figure.hpp"
 
 #include <string>
 #include <vector>
@@ -10,14 +11,18 @@
 /// The shipped models, one by one.
 namespace wholehand::test {
 
-inline const std::vector<std::string> kHandSizes = {"adult-median", "woman-p05", "woman-p50",
-                                                    "woman-p95", "man-p05", "man-p50", "man-p95"};
+inline const std::vector<std::string> kHandSizes = {
+    "adult-median", "woman-p05", "woman-p50", "woman-p95", "man-p05", "man-p50", "man-p95"};
 
 inline DeviceModel deviceNamed(const std::string& name = "lambda-pride") {
   return loadDeviceFile(kConfig + "devices/" + name + ".toml").value();
 }
 inline HandFile handFile(const std::string& name) {
   return loadHandFile(kConfig + "hands/" + name + ".toml").value();
+}
+inline HandModel handNamed(const std::string& hand = "adult-median-right",
+                           const std::string& on = "lambda-pride") {
+  return orThrow(assembleHand(handFile(hand), deviceNamed(on)));
 }
 inline std::string patientPath(const std::string& name) {
   return kConfig + "patients/" + name + ".toml";

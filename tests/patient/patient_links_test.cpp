@@ -28,9 +28,7 @@ Expected<PatientConfig> load(const std::string& text, const DeviceModel& model) 
 
 /// A relaxed adult with one table of links.
 PatientConfig linkedBy(const std::string& table, const std::string& on = "lambda-pride") {
-  auto loaded = load(textOf("relaxed-adult") + "\n[[links]]\n" + table, deviceNamed(on));
-  EXPECT_TRUE(loaded.ok()) << format(loaded.errors());
-  return loaded.ok() ? loaded.value() : PatientConfig{};
+  return orThrow(load(textOf("relaxed-adult") + "\n[[links]]\n" + table, deviceNamed(on)));
 }
 
 /// Links and what the axes have of their own.

@@ -1,9 +1,8 @@
 #include "control/bilateral_coupling.hpp"
 #include "control/critical_damping.hpp"
-#include "model/hand/hand_file.hpp"
+#include "model/shipped_models.hpp"
 #include "physics/analytic/analytic_world.hpp"
 #include "realtime/allocation_counter.hpp"
-#include "support/constants.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -176,20 +175,10 @@ TEST(AnalyticWorld, NonFiniteTorque_IsAFault) {
 
 class AnalyticHand : public testing::Test {
  protected:
-  static Expected<HandModel> load() {
-    const std::string root = WHOLEHAND_SOURCE_DIR;
-    const auto device = loadDeviceFile(root + "/config/devices/lambda-pride.toml");
-    if (!device) return device.errors();
-    const auto file = loadHandFile(root + "/config/hands/adult-median-right.toml");
-    if (!file) return file.errors();
-    return assembleHand(*file, *device);
-  }
-  void SetUp() override { ASSERT_TRUE(hand_.ok()) << format(hand_.errors()); }
-
   /// Eq. (2) towards `target` through the renderer's own distribution of torques.
   void drive(AnalyticWorld& world, const AxisPosition& target, int ticks) {
-    ArticulatedBody body(*hand_);
-    gains_.axes = hand_->axis_count;
+    ArticulatedBody body(hand_);
+    gains_.axes = hand_.axis_count;
     gains_.k_pm = AxisStiffness(gains_.axes);
     for (int k = 0; k < ticks; ++k) {
       ASSERT_EQ(world.observe(state_), Fault::kNone);
@@ -205,16 +194,16 @@ class AnalyticHand : public testing::Test {
     }
   }
 
-  Expected<HandModel> hand_ = load();
+  HandModel hand_ = handNamed();
   CouplingGains gains_;
   WorldState state_;
   AxisEffort f_s_;
 };
 
 TEST_F(AnalyticHand, FreeUnderGravity_SettlesExactlyAtItsTarget) {
-  AnalyticWorld world(*hand_, {});
-  ASSERT_TRUE(world.placeHand(hand_->reference).ok());
-  AxisPosition target = hand_->reference;
+  AnalyticWorld world(hand_, {});
+  ASSERT_TRUE(world.placeHand(hand_.reference).ok());
+  AxisPosition target = hand_.reference;
   for (int a = 0; a < target.size(); ++a) target[a] += 0.02 * (a + 1);
   drive(world, target, 2000);
   // The coupling carries no load: gravity is compensated by h, so nothing sags.
@@ -223,18 +212,18 @@ TEST_F(AnalyticHand, FreeUnderGravity_SettlesExactlyAtItsTarget) {
 
 TEST_F(AnalyticHand, StopsOnTwoAxes_TakeExactlyTheCouplingEffortAtRest) {
   AnalyticScene scene;
-  scene.axes.resize(hand_->axis_count);
-  const int x = 0, last = hand_->axis_count - 1;
-  scene.axes[x].upper_stop = hand_->reference[x] + 0.005;
-  scene.axes[last].upper_stop = hand_->reference[last] + 0.05;
-  AnalyticWorld world(*hand_, scene);
-  ASSERT_TRUE(world.placeHand(hand_->reference).ok());
-  AxisPosition target = hand_->reference;
+  scene.axes.resize(hand_.axis_count);
+  const int x = 0, last = hand_.axis_count - 1;
+  scene.axes[x].upper_stop = hand_.reference[x] + 0.005;
+  scene.axes[last].upper_stop = hand_.reference[last] + 0.05;
+  AnalyticWorld world(hand_, scene);
+  ASSERT_TRUE(world.placeHand(hand_.reference).ok());
+  AxisPosition target = hand_.reference;
   target[x] += 0.01;
   target[last] += 0.2;
   drive(world, target, 3000);
-  for (int a = 0; a < hand_->axis_count; ++a) {
-    EXPECT_NEAR(world.stopEffort()[a], -f_s_[a], tolerance(1e-9)) << hand_->axis_names[a];
+  for (int a = 0; a < hand_.axis_count; ++a) {
+    EXPECT_NEAR(world.stopEffort()[a], -f_s_[a], tolerance(1e-9)) << hand_.axis_names[a];
   }
   EXPECT_GT(f_s_[x], 1.0);  // about 0.25 kg · 3900 s⁻² · 5 mm
   EXPECT_GT(f_s_[last], 1e-3);
@@ -245,22 +234,22 @@ TEST_F(AnalyticHand, StopsOnTwoAxes_TakeExactlyTheCouplingEffortAtRest) {
 
 TEST_F(AnalyticHand, StopsOnEveryAxis_AreNotPassedInOneStepAlthoughInertiaCouplesThem) {
   AnalyticScene scene;
-  scene.axes.resize(hand_->axis_count);
-  for (int a = 0; a < hand_->axis_count; ++a) scene.axes[a].upper_stop = hand_->reference[a];
-  AnalyticWorld world(*hand_, scene);
-  ASSERT_TRUE(world.placeHand(hand_->reference).ok());
-  HandDrive push{{}, JointEffort(hand_->joint_count, 0.2), {}, {}, nullptr};
+  scene.axes.resize(hand_.axis_count);
+  for (int a = 0; a < hand_.axis_count; ++a) scene.axes[a].upper_stop = hand_.reference[a];
+  AnalyticWorld world(hand_, scene);
+  ASSERT_TRUE(world.placeHand(hand_.reference).ok());
+  HandDrive push{{}, JointEffort(hand_.joint_count, 0.2), {}, {}, nullptr};
   for (int j = 0; j < 3; ++j) push.torque[j] = 20.0;
   ASSERT_EQ(world.step(push, kPeriod_s), Fault::kNone);
   ASSERT_EQ(world.observe(state_), Fault::kNone);
-  for (int a = 0; a < hand_->axis_count; ++a) {
-    EXPECT_LE(state_.q_s[a] - hand_->reference[a], tolerance(1e-12)) << hand_->axis_names[a];
+  for (int a = 0; a < hand_.axis_count; ++a) {
+    EXPECT_LE(state_.q_s[a] - hand_.reference[a], tolerance(1e-12)) << hand_.axis_names[a];
   }
 }
 
 TEST_F(AnalyticHand, Tick_DoesNotAllocate) {
-  AnalyticWorld world(*hand_, {});
-  const HandDrive none{{}, JointEffort(hand_->joint_count), {}, {}, nullptr};
+  AnalyticWorld world(hand_, {});
+  const HandDrive none{{}, JointEffort(hand_.joint_count), {}, {}, nullptr};
   ContactList contacts;
   const AllocationScope scope;
   Fault fault = world.observe(state_);

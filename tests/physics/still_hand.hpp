@@ -3,8 +3,8 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "model/device_model.hpp"
-#include "model/hand/hand_file.hpp"
 #include "model/scene/separation.hpp"
+#include "model/shipped_models.hpp"
 #include "physics/axis_closure.hpp"
 #include "support/ball_shape.hpp"
 #include "support/capsule_shape.hpp"
@@ -19,14 +19,8 @@
 /// The shipped hand and one body, for questions about where they first touch.
 namespace wholehand::test {
 
-inline HandModel shippedHand() {
-  const std::string config = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-  const auto device = loadDeviceFile(config + "devices/lambda-pride.toml");
-  const auto file = loadHandFile(config + "hands/adult-median-right.toml");
-  return assembleHand(file.value(), device.value()).value();
-}
 inline const HandModel& hand() {
-  static const HandModel hand = shippedHand();
+  static const HandModel hand = handNamed();
   return hand;
 }
 inline constexpr int kFingers = 3, kCircumduction = 4, kThumb = 5;
