@@ -46,7 +46,8 @@ export async function startProgram({ file, port = 0, args = [], folder, command 
     const timer = setTimeout(() => reject(new Error('the program printed no address')), HANGS_MS);
     lines.once('line', (line) => {
       clearTimeout(timer);
-      if (/^https?:\/\//.test(line)) resolve(line.trim());
+      const [address] = /https?:\/\/[^\s;]+/.exec(line) ?? [];
+      if (address) resolve(address);
       else reject(new Error(`the first line is no address: ${line}`));
     });
     void ended.then(({ code }) => reject(new Error(`the program ended at once (${code}): ${said.join('')}`)));

@@ -56,10 +56,11 @@ export async function openWatcher(browser, programUrl, query = {}) {
     free: () => page.waitForSelector('[data-testid=holder]:has-text("free")'),
     /** Starts as a therapist does. */
     arm: () => page.click('[data-testid=arm]:enabled'),
-    /** This much of the program's own time. */
+    /** This much of the program's own time; one that does not render has none, and is given as many milliseconds. */
     async pass(ticks) {
-      const { tick } = await watcher.now();
-      await watcher.until(`${ticks} ticks more`, (now) => now.tick >= tick + ticks);
+      const { tick, runState } = await watcher.now();
+      if (runState === RENDERING) await watcher.until(`${ticks} ticks more`, (now) => now.tick >= tick + ticks || now.runState !== RENDERING);
+      else await new Promise((resolve) => setTimeout(resolve, ticks));
     },
   };
   await watcher.until('the first state', () => true);
