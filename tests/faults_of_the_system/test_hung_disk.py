@@ -148,7 +148,7 @@ class Stops(PacedTest):
     def first(self, since, bits):
         """Delay of the first tick with one of these bits; None where there is none yet."""
         states = list(self.game.states)
-        origin = min(came - tick * 1e-3 for came, tick, _, _ in states)
+        origin = min(came - tick * 1e-3 for came, tick, _, _ in states if tick > 0)  # 0 is said before the loop runs, too
         ticks = [tick for _, tick, faults, _ in states if faults & bits]
         return origin + ticks[0] * 1e-3 - since if ticks else None
 
