@@ -58,7 +58,8 @@ function faultOf(message, { with3d, cutOff }) {
 /** Ten frames a second, or five with 3D: what a page shows is wanted, not its smoothness, which takes two processors. */
 const drawsSeldom = (every_ms) => {
   const frame = window.requestAnimationFrame.bind(window);
-  window.requestAnimationFrame = (run) => { setTimeout(() => frame(run), every_ms); return 0; };
+  window.requestAnimationFrame = (run) => setTimeout(() => frame(run), every_ms);
+  window.cancelAnimationFrame = clearTimeout;
 };
 
 /** A page that remembers its own errors, and what it was refused. `smooth`: it draws as often as it can. `init`: runs in it before everything else, one or several. */
