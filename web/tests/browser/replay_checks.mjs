@@ -113,7 +113,7 @@ async function zoomed(page, last_s) {
 
 /** The hand is there in 3D, at a moment of a grasp. */
 async function pictureIsDrawn(t, url) {
-  const page = await openPage(t.drawing, withQuery(url, { lang: 'en', quality: 'low' }));
+  const page = await openPage(t.drawing, withQuery(url, { lang: 'en', quality: 'low' }), { width: 640, height: 400 });
   await until('the whole picture', async () => (await replayed(page))?.quality === 'low');
   await page.keyboard.press('PageDown');
   await still(page, 'a mark');
