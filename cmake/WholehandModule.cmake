@@ -115,14 +115,34 @@ function(wholehand_test_program name)
   endforeach()
 endfunction()
 
+# wholehand_link_first(<target> <module>): of an inline function that a test (at -O0) and an optimised
+# module have, the linker takes the one that it meets first. Sixty times as fast (docs/adr/0072).
+function(wholehand_link_first target module)
+  if(NOT WHOLEHAND_SANITIZED OR target STREQUAL test_third_exercise) # it has a function of its own in place of ours
+    return()
+  endif()
+  if(module STREQUAL assembly)
+    set(module core model dynamics control patient exercise safety physics ${engine_modules} device/simulated renderer
+        registry telemetry)
+  endif()
+  foreach(first IN LISTS module)
+    if(first IN_LIST computing_modules)
+      string(REPLACE "/" "_" first ${first})
+      target_link_options(${target} PRIVATE
+        "SHELL:-Wl,--whole-archive $<TARGET_FILE:wholehand_${first}> -Wl,--no-whole-archive")
+    endif()
+  endforeach()
+endfunction()
+
 # wholehand_tests(<program> SOURCES a.cpp ... [USES core ...] [VENDOR lib ...]): sources of this folder, and
 # the modules that they use.
 function(wholehand_tests program)
   cmake_parse_arguments(arg "" "" "SOURCES;USES;VENDOR" ${ARGN})
   target_sources(test_${program} PRIVATE ${arg_SOURCES})
   foreach(used IN LISTS arg_USES)
-    string(REPLACE "/" "_" used ${used})
-    target_link_libraries(test_${program} PRIVATE wholehand::${used})
+    string(REPLACE "/" "_" target ${used})
+    target_link_libraries(test_${program} PRIVATE wholehand::${target})
+    wholehand_link_first(test_${program} ${used})
   endforeach()
   target_link_libraries(test_${program} PRIVATE ${arg_VENDOR})
 endfunction()
