@@ -73,7 +73,8 @@ std::vector<Case> everyCase() {
 }
 
 /// All, or a part by the seed in which every device, hand, exercise and patient is at least once
-/// (in a case that is not refused), and every refused pair of device and exercise.
+/// (in a case that is not refused), and every refused pair of device and exercise; of those, under
+/// a sanitizer, a few.
 std::vector<Case> sampled(std::vector<Case> all, std::size_t most) {
   if (cases(1) > 1) return all;
   Random random = seededRandom(41);
@@ -89,7 +90,7 @@ std::vector<Case> sampled(std::vector<Case> all, std::size_t most) {
   };
   const auto rest = std::stable_partition(all.begin(), all.end(), covers);
   const auto needed = static_cast<std::size_t>(rest - all.begin());
-  all.resize(std::min(all.size(), std::max(needed, most)));
+  all.resize(std::min(all.size(), kFew ? most : std::max(needed, most)));
   return all;
 }
 
@@ -135,7 +136,7 @@ void print(const Tally& tally) {
 TEST(EveryPatient, OnEveryDeviceHandAndExercise_IsPushedWithinLimitsAndLetDownGently) {
   constexpr int kTicks = 3000;
   const std::vector<Case> all = everyCase();
-  const std::vector<Case> tried = sampled(all, kFew ? 0 : 60);
+  const std::vector<Case> tried = sampled(all, kFew ? 8 : 60);
   Arena arena;
   Tally tally;
   const std::clock_t began = std::clock();

@@ -130,7 +130,7 @@ Seen playRound(std::mt19937_64& random, const std::string& path) {
   return seen;
 }
 
-TEST(ThousandBodies, AroundAMovingHand_CostLittleAllocateNothingAndReplay) {
+TEST(ThousandBodies, AroundAMovingHand_CostLittleAllocateNothingAndReplay_slow) {
   auto random = seededRandom(5403);
   const Folder folder;
   const Seen seen = playRound(random, folder.file("run.h5"));

@@ -137,5 +137,7 @@ int main(int count, char** arguments) {
   // Never destroyed: its thread goes on until the program ends.
   auto* judge = new wholehand::test::Judge;
   testing::UnitTest::GetInstance()->listeners().Append(judge);
-  return judge->exitCode(RUN_ALL_TESTS());
+  const int of_gtest = RUN_ALL_TESTS();
+  testing::UnitTest::GetInstance()->listeners().Release(judge);  // which would delete it at exit
+  return judge->exitCode(of_gtest);
 }
