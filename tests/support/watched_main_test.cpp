@@ -64,6 +64,7 @@ Ran ranItself(const std::string& filter) {
                               "/exe' --gtest_also_run_disabled_tests --gtest_filter='" + filter +
                               "' 2>&1";
   ::unsetenv("GTEST_TOTAL_SHARDS");
+  ::unsetenv("GTEST_SHARD_INDEX");
   Ran ran;
   std::FILE* out = ::popen(command.c_str(), "r");
   if (out == nullptr) return ran;
