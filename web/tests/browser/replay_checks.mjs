@@ -185,11 +185,14 @@ export async function recordingIsListedWhileItRuns(t) {
   const { page, arm } = await openWatcher(t.plain, url);
   await page.selectOption('[data-testid=language]', 'de');
   await arm();
-  const row = page.locator('[data-testid=recordings] li').first();
-  await row.getByText('wird noch aufgezeichnet').waitFor();
+  // Others' recordings stand in the list, too.
+  const rows = page.locator('[data-testid=recordings] li');
+  const replay = rows.filter({ hasText: 'wird noch aufgezeichnet' }).locator('[data-testid=replay]').first();
+  const address = await replay.getAttribute('href');
+  const row = rows.filter({ has: page.locator(`[href="${address}"]`) });
   const links = await row.locator('.links a').allInnerTexts();
   expect(links.join() === 'Wiedergabe', `offered while it is written: ${links}`);
-  const replayPage = await openPage(t.plain, new URL(await row.locator('[data-testid=replay]').getAttribute('href'), url).href);
+  const replayPage = await openPage(t.plain, new URL(address, url).href);
   const { window: { to_s } } = await still(replayPage, 'what is written so far');
   await replayPage.click('[data-testid=read-on]');
   await still(replayPage, 'what was written since', ({ window }) => window.to_s > to_s);
