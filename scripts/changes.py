@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What has changed since the last commit at which everything was found clean (scripts/clean_commit).
+"""What has changed since the last commit at which a part of ./check found everything clean (scripts/clean_commit).
 
-usage: changes.py                names the files, one a line; exit code 3: that commit is not known here
-       changes.py threads        of these, the ones that lie where threads are; exit code 3 as above
-       changes.py keep           says that this commit is clean; refused where something is not committed
+usage: changes.py tidy           names the files, one a line; exit code 3: that commit is not known here
+       changes.py threads        those that lie where threads are; exit code 3 as above
+       changes.py keep PART      says that this commit is clean by that part; refused where something is not committed
 
-`./check --full` looks at everything and keeps the commit. `./check` looks at what has changed since.
+`./check --full` looks at everything. `./check` looks at what has changed since the commit that was kept.
 """
 import re
 import subprocess
@@ -24,11 +24,15 @@ def git(*arguments):
     return done.stdout.splitlines() if done.returncode == 0 else None
 
 
-def changed_files():
+def clean_commits():
+    """{part: commit}"""
+    return dict(line.split() for line in CLEAN.read_text().splitlines()) if CLEAN.exists() else {}
+
+
+def changed_files(part):
     """Paths from the root, what is not committed counted in. None where the clean commit is not known."""
-    try:
-        commit = CLEAN.read_text().strip()
-    except OSError:
+    commit = clean_commits().get(part)
+    if commit is None:
         return None
     changed, new = git("diff", "--name-only", "--no-renames", commit), git("ls-files", "-o", "--exclude-standard")
     return None if changed is None or new is None else set(changed) | set(new)
@@ -45,21 +49,22 @@ def is_for_threads(name, folders):
         name.endswith((".cpp", ".hpp", ".h", "CMakeLists.txt")) and ROOT.joinpath(name).parent in folders)
 
 
-def keep():
+def keep(part):
     if git("status", "--porcelain") != []:
         sys.exit("not everything is committed: no commit was found clean")
-    CLEAN.write_text(git("rev-parse", "HEAD")[0] + "\n")
+    commits = clean_commits() | {part: git("rev-parse", "HEAD")[0]}
+    CLEAN.write_text("".join(f"{name} {commit}\n" for name, commit in sorted(commits.items())))
 
 
 def main():
-    if sys.argv[1:] == ["keep"]:
-        return keep()
-    if sys.argv[1:] not in ([], ["threads"]):
+    if sys.argv[1:2] == ["keep"] and sys.argv[2:] in (["tidy"], ["threads"]):
+        return keep(sys.argv[2])
+    if sys.argv[1:] not in (["tidy"], ["threads"]):
         sys.exit(__doc__)
-    changed = changed_files()
+    changed = changed_files(sys.argv[1])
     if changed is None:
         sys.exit(3)
-    if sys.argv[1:]:
+    if sys.argv[1] == "threads":
         folders = where_threads_are()
         changed = {name for name in changed if is_for_threads(name, folders)}
     print("\n".join(sorted(changed)), end="\n" if changed else "")

@@ -237,7 +237,7 @@ def look_at(build, jobs, commands, clean, includes):
 
 def sources_changed(every, includes):
     """Of these sources, those that are not as they were when everything was clean."""
-    names = changes.changed_files()
+    names = changes.changed_files("tidy")
     if names is None:
         return set(every)
     changed = {ROOT / name for name in names}
