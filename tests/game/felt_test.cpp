@@ -200,5 +200,48 @@ TEST(DrivenBodies, AgainstTheHand_PushWithABoundedForceAndEnergy) {
   }
 }
 
+// However many there are, and however they push one another: docs/protocol.md, BodyTargets.
+TEST(DrivenBodies, ManyAgainstTheHand_PushTogetherWithTheForceOfOne) {
+  auto random = seededRandom(4303);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  double largest_n = 0.0;
+  for (int n = 0; n < cases(10); ++n) {
+    SCOPED_TRACE(n);
+    Game game(gameModels(), atRest());
+    game.prepare(0, {ballShape(0.025)});
+    game.run(200);
+    const Eigen::Vector3d from =
+        Eigen::Vector3d(unit(random), unit(random), unit(random)).normalized();
+    const Eigen::Vector3d aside = from.unitOrthogonal(), up = from.cross(aside);
+    const Eigen::Vector3d palm = game.palm();
+    const int count = std::min(game.rig->models.scene.game.slots, 24);
+    const auto place = [&](int slot, double away_m) -> Eigen::Vector3d {
+      return palm + (away_m + 0.055 * (slot / 4)) * from + 0.03 * (slot % 2 == 0 ? 1 : -1) * aside +
+             0.03 * (slot % 4 < 2 ? 1 : -1) * up;
+    };
+    for (int slot = 0; slot < count; ++slot) {
+      SpawnOrder order = spawnOf(slot, 0, BodyOwner::kGame, poseAt(place(slot, 0.2)));
+      order.mass_kg = 0.3;
+      game.order(spawnCommand(order));
+    }
+    for (int k = 0; k < 4000; ++k) {
+      if (k % 32 == 0) {
+        for (int slot = 0; slot < count; ++slot) {
+          game.order(
+              bodyTargetCommand(slot, 1, poseAt(place(slot, 0.2 - 1e-4 * std::min(k, 3500)))));
+        }
+      }
+      game.tick();
+      Eigen::Vector3d force = Eigen::Vector3d::Zero();
+      for (int slot = 0; slot < count; ++slot) force += game.forceOf(slot);
+      if (k > 3000)
+        largest_n = std::max(largest_n, force.norm());  // they press, and strike no more
+    }
+  }
+  figure("24 driven bodies together", largest_n, "N");
+  EXPECT_LE(largest_n, 1.1 * kDrivenForce_n);
+  EXPECT_GT(largest_n, 0.5 * kDrivenForce_n) << "they pressed";
+}
+
 }  // namespace
 }  // namespace wholehand::test

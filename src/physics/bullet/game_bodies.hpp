@@ -77,6 +77,11 @@ class GameBodies final : public BodyPool {
     double solid_s = 0.0;     ///< time since then, up to the end of the bound
   };
 
+  struct Pull {
+    btVector3 force_n{0.0, 0.0, 0.0}, torque_nm{0.0, 0.0, 0.0};
+    double size_n = 0.0;  ///< of the force, with the turn at the body's outermost point
+  };
+
   void spawn(const SpawnOrder& order) noexcept;
   void orderBody(const Command& command) noexcept;
   void letGo(int index, Then then) noexcept;
@@ -89,7 +94,9 @@ class GameBodies final : public BodyPool {
   [[nodiscard]] BodyPose poseNow(int slot) const noexcept;
   void findOverlaps() noexcept;
   void noteOverlap(const ColliderTag& of, const ColliderTag& with) noexcept;
-  void pull(int index, double step_s) noexcept;
+  [[nodiscard]] bool isDriven(int slot) const noexcept;
+  /// The force on a driven body by itself; moves a ghost.
+  [[nodiscard]] Pull pullOf(int index, double step_s) noexcept;
   void holdWithin(int index) noexcept;
   void fade(int index, double step_s) noexcept;
   void firm(int index, double step_s) noexcept;
@@ -107,6 +114,7 @@ class GameBodies final : public BodyPool {
   ShapeSets sets_;
   std::vector<Slot> slots_;
   std::array<bool, kMaxSlots> overlaps_{};
+  std::array<Pull, kMaxSlots> pulls_{};  ///< valid while drive() runs
   int ghosts_ = 0, used_ = 0;
   bool alive_ = true;
   double step_s_ = 1e-3;  ///< of the last step

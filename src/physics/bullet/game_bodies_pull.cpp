@@ -15,7 +15,7 @@ namespace {
 constexpr double kDriveRate_per_s = 20.0;
 constexpr double kMostDrive_m_s = 0.5;
 constexpr double kMostMomentum_ns = 0.05;  // a heavy body moves more slowly
-constexpr double kMostForce_n = 5.0;       // of pull and turn together
+constexpr double kMostForce_n = 5.0;       // of pull and turn; of all bodies while the hand touches
 constexpr double kTurnShare = 0.1;         // of kMostForce_n, at the body's outermost point
 
 /// Rotation vector from one orientation to another, the short way.
@@ -29,16 +29,32 @@ btVector3 turnBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& 
 
 }  // namespace
 
+// Bodies that push one another push the hand together.
 void GameBodies::drive(double step_s) noexcept {
   if (used_ == 0) return;
+  double together_n = 0.0;
   for (int slot = 0; slot < count(); ++slot) {
-    const Slot& s = slots_[slot];
-    if (s.state == SlotState::kParked || s.owner != BodyOwner::kGame) continue;
-    if (resting_.awake(first_ + slot)) pull(slot, step_s);
+    if (!isDriven(slot)) continue;
+    pulls_[slot] = pullOf(slot, step_s);
+    together_n += pulls_[slot].size_n;
+  }
+  const double most_n = kMostForce_n * force_share_;
+  const bool shared = solver_.contactCount() > 0 && together_n > most_n;
+  const double share = shared ? most_n / together_n : 1.0;
+  for (int slot = 0; slot < count(); ++slot) {
+    if (!isDriven(slot) || slots_[slot].state == SlotState::kGhost) continue;
+    bodyOf(slot).rigid().applyCentralForce(share * pulls_[slot].force_n);
+    bodyOf(slot).rigid().applyTorque(share * pulls_[slot].torque_nm);
   }
 }
 
-void GameBodies::pull(int index, double step_s) noexcept {
+bool GameBodies::isDriven(int slot) const noexcept {
+  const Slot& s = slots_[slot];
+  return s.state != SlotState::kParked && s.owner == BodyOwner::kGame &&
+         resting_.awake(first_ + slot);
+}
+
+GameBodies::Pull GameBodies::pullOf(int index, double step_s) noexcept {
   const Slot& slot = slots_[index];
   btRigidBody& rigid = bodyOf(index).rigid();
   const BodyPose now = poseNow(index);
@@ -56,15 +72,18 @@ void GameBodies::pull(int index, double step_s) noexcept {
     rigid.setAngularVelocity(spin);
     rigid.predictIntegratedTransform(step_s, moved);
     rigid.proceedToTransform(moved);
-    return;
+    return {};
   }
   const double most_n = kMostForce_n * force_share_;
   const double damper = 2.0 * rate;
-  rigid.applyCentralForce(atMost(slot.mass_kg * damper * (velocity - rigid.getLinearVelocity()),
-                                 (1.0 - kTurnShare) * most_n));
+  Pull pull;
+  pull.force_n = atMost(slot.mass_kg * damper * (velocity - rigid.getLinearVelocity()),
+                        (1.0 - kTurnShare) * most_n);
   const btMatrix3x3 inertia = rigid.getInvInertiaTensorWorld().inverse();
-  rigid.applyTorque(atMost(inertia * (damper * (spin - rigid.getAngularVelocity())),
-                           kTurnShare * most_n * slot.radius_m));
+  pull.torque_nm = atMost(inertia * (damper * (spin - rigid.getAngularVelocity())),
+                          kTurnShare * most_n * slot.radius_m);
+  pull.size_n = pull.force_n.length() + pull.torque_nm.length() / slot.radius_m;
+  return pull;
 }
 
 }  // namespace wholehand::bullet
