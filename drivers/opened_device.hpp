@@ -44,8 +44,9 @@ struct OpenedDevice {
 template <class Opened, typename Opened::Open open>
 struct PluginFunctions {
   [[nodiscard]] static constexpr wh_plugin table(std::uint32_t flags, const char* name) {
-    return {sizeof(wh_plugin), WH_MAJOR, WH_MINOR,    flags,         name,         &openDevice,
-            &describe,         &control, &readSample, &writeCommand, &closeDevice, &identify};
+    return {sizeof(wh_plugin), WH_MAJOR,  WH_MINOR, flags,       name,
+            &openDevice,       &describe, &control, &readSample, &writeCommand,
+            &closeDevice,      &identify, nullptr};
   }
   static int openDevice(const wh_host* host, const char* locator, const char* settings,
                         Opened** out) {

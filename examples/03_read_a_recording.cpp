@@ -25,7 +25,6 @@ Expected<RunOutcome> recordHalfASecond(const std::string& path) {
   end[models->device.axisIndex("x")] = 0.05;
   auto rig = buildRig(*models, Intention::throughWaypoints({{0.0, begin}, {0.4, end}}), {});
   if (!rig) return rig.errors();
-  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
   const InterruptScope signals;  // Ctrl-C ends the run gently
   RunPlan plan;
   plan.interrupts = &InterruptScope::shared();

@@ -58,9 +58,9 @@ int main(int argc, char** argv) {
   if (!rig) return fail(rig.errors());
   auto rehearsal = rehearse(*models, AxisPosition(3), RigOptions{});
   if (!rehearsal) return fail(rehearsal.errors());
-  if (auto armed = (*rig)->renderer->arm(rehearsal->passed); !armed) return fail(armed.errors());
 
   RunPlan plan;
+  plan.rehearsed = rehearsal->passed;
   plan.title = "Rails";
   plan.record = argv[1];
   plan.black_box = plan.record + ".black-box";

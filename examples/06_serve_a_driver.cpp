@@ -28,7 +28,9 @@ StationConfig configOf(const std::string& config, const std::shared_ptr<PluginDr
   out.config_folder = config;
   out.make_player = makeMotionPlayer;
   out.make_device = [driver](const DeviceModel& model) {
-    return PluginDevice::make(driver, model, kPeriod_s);
+    // rails.so computes its device. A real one is shown to be commissioned and checked today:
+    // clearToArm(driver->identity(), model, 1.0 / kPeriod_s, today()).
+    return PluginDevice::make(driver, model, kPeriod_s, Clearance::withoutPassport());
   };
   out.log = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
   return out;

@@ -71,7 +71,6 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   }
   auto rig = buildRig(std::move(*models), std::move(player), plan.rig);
   if (!rig) return rig.errors();
-  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
   CocktailResult result;
   result.level = plan.files.level;
@@ -95,7 +94,7 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   if (!prepared) return prepared.errors();
   running = prepared->get();
   const std::int64_t began_ns = monotonicNow_ns();
-  running->simulate();
+  if (auto ran = running->simulate(); !ran) return ran.errors();
   result.wall_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
   running->finish();
   result.faulted = running->outcome().faulted;

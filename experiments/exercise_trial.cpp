@@ -139,7 +139,6 @@ Expected<ExerciseResult> runExercise(const ExercisePlan& plan) {
   Intention intention = exerciseIntention(models->device, dispenser.grip_m, plan.seed);
   auto rig = buildRig(std::move(*models), std::move(intention), plan.rig);
   if (!rig) return rig.errors();
-  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
   ExerciseResult result;
   ExerciseObserver observe(**rig, figures, dispenser.body, result);

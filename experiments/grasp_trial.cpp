@@ -90,7 +90,6 @@ Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
   Intention intention = graspIntention(trial, *models);
   auto rig = buildRig(std::move(*models), std::move(intention), setup.rig);
   if (!rig) return rig.errors();
-  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
   GraspObserver observer(trial, **rig, plan.hold_s);
   TickRecord last;

@@ -90,7 +90,6 @@ Expected<TimingResult> runTiming(const TimingPlan& plan) {
                                              static_cast<double>(plan.ticks) * options.period_s);
   auto rig = buildRig(std::move(*models), std::move(intention), options);
   if (!rig) return rig.errors();
-  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
   TimingObserver observer(result, target.body, (*rig)->models.hand.joint_count);
   RunPlan run;

@@ -42,24 +42,26 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
   }
   const auto model = loadDeviceFile(options.files.device);
   if (!model) return model.errors();
-  const auto passport = clearToArm(driver.identity(), *model, today());
-  if (!passport) return passport.errors();
-  config.rig.measured = worstCorners(*model, *passport, config.rig.period_s);
-  config.rig.passport = passport->sha256;
-  auto text = readWhole(passport->path);
+  const auto cleared = clearToArm(driver.identity(), *model, 1.0 / config.rig.period_s, today());
+  if (!cleared) return cleared.errors();
+  const Passport& passport = cleared->passport;
+  config.rig.measured = worstCorners(*model, passport, config.rig.period_s);
+  config.rig.passport = passport.sha256;
+  config.real_time_required = true;
+  auto text = readWhole(passport.path);
   if (!text) return text.errors();
   config.rig.passport_text = std::move(*text);
   return Done{};
 }
 
-Expected<Done> stillCleared(const DeviceDriver& driver, const DeviceModel& model,
-                            const std::string& armed_with) {
-  if (armed_with == kWithout) return Done{};
-  const auto passport = clearToArm(driver.identity(), model, today());
-  if (!passport) return passport.errors();
-  if (passport->sha256 == armed_with) return Done{};
+Expected<Clearance> stillCleared(const DeviceDriver& driver, const DeviceModel& model,
+                                 const std::string& armed_with, double period_s) {
+  if (armed_with == kWithout) return Clearance::withoutPassport();
+  const auto cleared = clearToArm(driver.identity(), model, 1.0 / period_s, today());
+  if (!cleared) return cleared.errors();
+  if (cleared->clearance.passport() == armed_with) return cleared->clearance;
   return Diagnostic{
-      passport->path,           0, "", "", "the passport was replaced while this program runs",
+      cleared->passport.path,   0, "", "", "the passport was replaced while this program runs",
       "start the program again"};
 }
 
@@ -107,15 +109,14 @@ Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options, StationCo
   config.make_device = [observed, plugged = *plugged, passport = config.rig.passport,
                         period_s = config.rig.period_s](
                            const DeviceModel& model) -> Expected<std::unique_ptr<HapticDevice>> {
+    // Checked on the connection that arms: a host may have been started again with another device.
+    if (auto found = observed->reconnect(); !found) return found.errors();
     if (plugged.host) {
       if (Diagnostics other = plugged.host->differences(model); !other.empty()) return other;
     }
-    auto device = PluginDevice::make(observed, model, period_s);
-    if (!device) return device;
-    if (auto cleared = stillCleared(*plugged.driver, model, passport); !cleared) {
-      return cleared.errors();
-    }
-    return device;
+    auto clearance = stillCleared(*plugged.driver, model, passport, period_s);
+    if (!clearance) return clearance.errors();
+    return PluginDevice::make(observed, model, period_s, std::move(*clearance));
   };
   return plugged->driver;
 }

@@ -12,6 +12,7 @@
 #include "run_options.hpp"
 #include "run_text.hpp"
 #include "runtime/interrupt_scope.hpp"
+#include "safety/supervisor.hpp"
 #include "server/async_log.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
@@ -183,7 +184,6 @@ int runCommand(RunOptions options) {
   }
   auto rig = buildRig(*models, std::move(mover.player), rig_options);
   if (!rig) return refuse(rig.errors());
-  if (auto armed = (*rig)->renderer->arm(); !armed) return refuse(armed.errors());
   if (auto made = outputs.make(); !made) return refuse(made.errors());
   for (const Diagnostic& d : (*rig)->refused) {
     std::printf("  UNCERTIFIED %s\n", format(d).c_str());
@@ -204,7 +204,9 @@ int runCommand(RunOptions options) {
   plan.status = [&](const TickSummary& now, double rate_hz) { terminal.update(now, rate_hz); };
   AsyncLog async_log([&terminal](const std::string& line) { terminal.say(line); });
   plan.notice = [&async_log](const std::string& sentence) { async_log.write(sentence); };
-  SafetyLog log(models->device, rig_options.period_s,
+  DeviceModel watched = models->device;
+  watched.watch = watchLimits(watched, true);
+  SafetyLog log(watched, rig_options.period_s,
                 [&async_log](const SafetyTransition& t) { async_log.write(describe(t)); });
   plan.sinks.emplace_back([&log](const TickRecord& record) { log.add(record); });
   Expected<RunOutcome> outcome = runAndRecord(**rig, plan);

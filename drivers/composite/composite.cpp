@@ -1,5 +1,7 @@
 #include "drivers/composite/composite.hpp"
 
+#include "core/sha256.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -43,29 +45,46 @@ Expected<std::unique_ptr<Composite>> Composite::make(const CompositeConfig& conf
 DriverIdentity Composite::identity() const {
   const DriverIdentity &first = parts_[0]->identity(), &second = parts_[1]->identity();
   const bool known = !first.serial.empty() && !second.serial.empty();
-  return {known ? first.serial + " + " + second.serial : "",
-          first.firmware + " + " + second.firmware, first.sdk + " + " + second.sdk};
+  DriverIdentity both{known ? first.serial + " + " + second.serial : "",
+                      first.firmware + " + " + second.firmware, first.sdk + " + " + second.sdk, ""};
+  // A passport is of both drivers' files, too.
+  const std::string drivers = first.driver_sha256 + second.driver_sha256;
+  if (!drivers.empty()) both.sdk += " " + sha256(drivers).substr(0, 12);
+  return both;
 }
 
 Expected<Done> Composite::control(std::uint32_t verb, double argument) {
   if (verb == WH_DROP_WATCHDOG) return dropWatchdogs();
-  Diagnostics refused;
-  if (verb == WH_ENABLE) lost_ = begun_ = {};
-  if (verb == WH_ENABLE || verb == WH_DISABLE) {
+  if (verb == WH_ENABLE) return enable(wh_command{});
+  if (verb == WH_DISABLE) {
     dropped_ = false;
     starved_ = {};
   }
+  Diagnostics refused;
   for (const auto& part : parts_) {
     if (auto done = part->control(verb, argument); !done) {
       refused.insert(refused.end(), done.errors().begin(), done.errors().end());
     }
-    if (verb == WH_ENABLE && !refused.empty()) break;
   }
   if (refused.empty()) return Done{};
-  if (verb == WH_ENABLE) {
-    for (const auto& part : parts_) (void)part->control(WH_DISABLE, 0.0);
-  }
   return refused;
+}
+
+bool Composite::enablesAtNeutral() const noexcept {
+  return parts_[0]->enablesAtNeutral() && parts_[1]->enablesAtNeutral();
+}
+
+Expected<Done> Composite::enable(const wh_command& neutral) {
+  lost_ = begun_ = starved_ = {};
+  dropped_ = false;
+  const std::array<wh_command, 2> commands = divide(neutral);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    Expected<Done> enabled = parts_[p]->enable(commands[p]);
+    if (enabled) continue;
+    for (const auto& part : parts_) (void)part->control(WH_DISABLE, 0.0);
+    return enabled;
+  }
+  return Done{};
 }
 
 Expected<Done> Composite::dropWatchdogs() {
@@ -140,8 +159,7 @@ int Composite::read(wh_sample& sample) noexcept {
   return fresh ? WH_OK : WH_NOTHING_NEW;
 }
 
-int Composite::write(const wh_command& command) noexcept {
-  if (command.axes != places_.size()) return WH_FAILED;
+std::array<wh_command, 2> Composite::divide(const wh_command& command) const noexcept {
   std::array<wh_command, 2> commands{};
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     commands[p].size = sizeof(wh_command);
@@ -151,6 +169,12 @@ int Composite::write(const wh_command& command) noexcept {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     commands[places_[i].part].effort[places_[i].axis] = command.effort[i];
   }
+  return commands;
+}
+
+int Composite::write(const wh_command& command) noexcept {
+  if (command.axes != places_.size()) return WH_FAILED;
+  const std::array<wh_command, 2> commands = divide(command);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     if (starved_[p]) continue;
     // A drive that its watchdog has let go may refuse: that is what was tried.

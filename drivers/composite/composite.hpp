@@ -34,6 +34,9 @@ class Composite {
   /// WH_DROP_WATCHDOG starves a part that does not know it, and the whole is silenced once both
   /// have let go: one watchdog must not hide that the other is missing.
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument);
+  /// As WH_ENABLE, with these efforts from the first moment where both parts can.
+  [[nodiscard]] Expected<Done> enable(const wh_command& neutral);
+  [[nodiscard]] bool enablesAtNeutral() const noexcept;
   /// Enabled and homed where both are; a fault of one is one of the whole. The time is that of the
   /// older sample. Where the samples are farther apart than the file allows, the axes of the older
   /// one are not valid. WH_FAILED: both are lost. Real-time safe where both parts are.
@@ -51,6 +54,7 @@ class Composite {
   Composite(Parts parts, double longest_skew_s)
       : parts_(std::move(parts)),
         longest_skew_ns_(static_cast<std::int64_t>(longest_skew_s * 1e9)) {}
+  [[nodiscard]] std::array<wh_command, 2> divide(const wh_command& command) const noexcept;
   [[nodiscard]] Expected<Done> dropWatchdogs();
   [[nodiscard]] std::uint32_t statusOfBoth() const noexcept;
   [[nodiscard]] bool readPart(std::size_t part) noexcept;

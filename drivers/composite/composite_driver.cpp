@@ -21,8 +21,9 @@ struct wh_device {
 
 namespace {
 
-// Its flags are those of the parts, known once they are open.
+// Its flags, and whether it has enable(), are those of the parts, known once they are open.
 wh_plugin& plugin();
+int enable(wh_device* device, const wh_command* neutral);
 
 void say(const wh_host& host, const wholehand::Diagnostics& errors) {
   host.say(host.context, wholehand::format(errors).c_str());
@@ -46,6 +47,7 @@ wholehand::Expected<std::unique_ptr<wh_device>> openParts(const wh_host& host,
   auto whole = wholehand::Composite::make(*config, parts);
   if (!whole) return whole.errors();
   plugin().flags = never_waits ? WH_NEVER_WAITS : 0;
+  plugin().enable = (*whole)->enablesAtNeutral() ? &enable : nullptr;
   return std::unique_ptr<wh_device>(
       new wh_device{host, config->longest_skew_s, std::move(whole).value()});
 }
@@ -88,6 +90,12 @@ int control(wh_device* device, std::uint32_t verb, double argument) {
   return done ? WH_OK : WH_FAILED;
 }
 
+int enable(wh_device* device, const wh_command* neutral) {
+  const auto done = device->whole->enable(*neutral);
+  if (!done) say(device->host, done.errors());
+  return done ? WH_OK : WH_FAILED;
+}
+
 int readSample(wh_device* device, wh_sample* sample) {
   return wholehand::readSized(*sample,
                               [device](wh_sample& newest) { return device->whole->read(newest); });
@@ -116,9 +124,9 @@ int identify(wh_device* device, wh_identity* identity) {
 }
 
 wh_plugin& plugin() {
-  static wh_plugin made = {sizeof(wh_plugin), WH_MAJOR,     WH_MINOR,    WH_NEVER_WAITS,
-                           "composite",       openDevice,   describe,    control,
-                           readSample,        writeCommand, closeDevice, identify};
+  static wh_plugin made = {sizeof(wh_plugin), WH_MAJOR, WH_MINOR, WH_NEVER_WAITS, "composite",
+                           openDevice,        describe, control,  readSample,     writeCommand,
+                           closeDevice,       identify, enable};
   return made;
 }
 
@@ -126,5 +134,6 @@ wh_plugin& plugin() {
 
 const wh_plugin* wh_plugin_v1() {
   plugin().flags = WH_NEVER_WAITS;  // until open() knows the parts
+  plugin().enable = nullptr;
   return &plugin();
 }

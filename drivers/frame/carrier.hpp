@@ -15,6 +15,8 @@ class Carrier {
   virtual ~Carrier() = default;
   /// A whole frame. What has no room is lost, as on a line. False: the other side is gone for good.
   [[nodiscard]] virtual bool send(const std::uint8_t* bytes, std::size_t count) noexcept = 0;
+  /// Bytes that were accepted and have not gone out yet. What is sent now comes after them.
+  [[nodiscard]] virtual std::size_t waiting() const noexcept { return 0; }
   /// What has come, at most `capacity` bytes; 0: nothing; -1: the other side is gone for good.
   [[nodiscard]] virtual int receive(std::uint8_t* bytes, std::size_t capacity) noexcept = 0;
   /// To poll for input; -1: there is none.

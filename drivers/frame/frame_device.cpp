@@ -1,5 +1,6 @@
 #include "drivers/frame/frame_device.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
@@ -165,13 +166,15 @@ void FrameDevice::sendFrame(const wf_frame& frame) noexcept {
   if (count > 0 && !carrier_->send(wire.data(), count)) gone_.store(true);
 }
 
-void FrameDevice::sendCommand() noexcept {
+void FrameDevice::sendCommand(std::int64_t now_ns) noexcept {
   Posted post{};
-  if (muted_ || !enabled_.load() || !posts_.take(post) || post.number == sent_number_) return;
+  if (muted_ || !enabled_.load() || carrier_->waiting() > 0) return;
+  if (!posts_.take(post) || post.number == sent_number_) return;
   sent_number_ = post.number;
   wf_frame frame = questionOf(WF_COMMAND, static_cast<std::uint8_t>(axes_.size()), 0);
   frame.session = session_;
   frame.sequence = ++commands_;
+  sent_ns_[commands_ % sent_ns_.size()] = now_ns;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     frame.effort[i] = static_cast<float>(post.command.effort[i]);
   }
@@ -205,7 +208,7 @@ void FrameDevice::pump(std::int64_t now_ns) noexcept {
       }
     }
   }
-  if (!gone_.load()) sendCommand();
+  if (!gone_.load()) sendCommand(now_ns);
 }
 
 void FrameDevice::take(const wf_frame& frame, std::int64_t now_ns) noexcept {
@@ -227,6 +230,12 @@ void FrameDevice::take(const wf_frame& frame, std::int64_t now_ns) noexcept {
   }
 }
 
+std::int64_t FrameDevice::heardUntil_ns(std::uint32_t heard, std::int64_t now_ns) const noexcept {
+  if (!wf_newer(commands_, heard)) return now_ns;  // all of them, or of an earlier session
+  const std::uint32_t unheard = std::min<std::uint32_t>(commands_ - heard, sent_ns_.size());
+  return sent_ns_[(commands_ - unheard + 1) % sent_ns_.size()];
+}
+
 void FrameDevice::takeSample(const wf_frame& frame, std::int64_t now_ns) noexcept {
   if (!wf_newer(frame.sequence, last_sample_)) {
     stale_.fetch_add(1);
@@ -236,7 +245,7 @@ void FrameDevice::takeSample(const wf_frame& frame, std::int64_t now_ns) noexcep
   sample_.size = sizeof(sample_);
   sample_.status = frame.status;
   sample_.sequence += frame.sequence - last_sample_;
-  sample_.monotonic_ns = now_ns;
+  sample_.monotonic_ns = std::max(sample_.monotonic_ns, heardUntil_ns(frame.heard, now_ns));
   sample_.valid = frame.valid;
   sample_.vendor_code = frame.vendor_code;
   for (std::size_t i = 0; i < axes_.size(); ++i) {

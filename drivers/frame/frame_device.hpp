@@ -7,6 +7,7 @@
 #include "drivers/frame/firmware/frame.h"
 #include "wholehand/device.h"
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -47,7 +48,9 @@ class FrameDevice {
 
   /// A verb of device.h. Asks until it is answered, for 1 s, or 60 s to home and to test itself.
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument, const Wait& wait);
-  /// Takes all that has come and sends the loop's newest command, once.
+  /// Takes all that has come and sends the loop's newest command, once; on a line that is still
+  /// busy with an earlier one, later. The time of a sample is that of the oldest command that the
+  /// device had not heard by then: a loop finds a delay on either way by the samples' age.
   void pump(std::int64_t now_ns) noexcept;
 
   /// As wh_plugin.read and wh_plugin.write. WH_FAILED: the carrier is gone; write: not enabled, or
@@ -71,7 +74,8 @@ class FrameDevice {
                          const Wait& wait);
   [[nodiscard]] Diagnostic silent(const std::string& what) const;
   void sendFrame(const wf_frame& frame) noexcept;
-  void sendCommand() noexcept;
+  void sendCommand(std::int64_t now_ns) noexcept;
+  [[nodiscard]] std::int64_t heardUntil_ns(std::uint32_t heard, std::int64_t now_ns) const noexcept;
   void take(const wf_frame& frame, std::int64_t now_ns) noexcept;
   void takeSample(const wf_frame& frame, std::int64_t now_ns) noexcept;
 
@@ -89,8 +93,9 @@ class FrameDevice {
   int other_version_ = 0;
   std::uint32_t last_sample_ = 0;
   wh_sample sample_{};
-  bool muted_ = false;          ///< WH_DROP_WATCHDOG
-  std::uint32_t commands_ = 0;  ///< sent since WH_ENABLE
+  bool muted_ = false;                       ///< WH_DROP_WATCHDOG
+  std::uint32_t commands_ = 0;               ///< sent since WH_ENABLE
+  std::array<std::int64_t, 256> sent_ns_{};  ///< when; by number
   std::uint64_t sent_number_ = 0;
   std::atomic<std::uint32_t> broken_{0}, crc_errors_{0}, foreign_{0}, stale_{0};
 

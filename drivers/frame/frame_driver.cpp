@@ -129,6 +129,12 @@ int control(wh_device* device, std::uint32_t verb, double argument) {
   return done.errors().front().value == std::to_string(WH_UNSUPPORTED) ? WH_UNSUPPORTED : WH_FAILED;
 }
 
+// The firmware begins at the neutral effort of its own board; then these hold.
+int enable(wh_device* device, const wh_command* neutral) {
+  const int enabled = control(device, WH_ENABLE, 0.0);
+  return enabled < 0 ? enabled : device->device->write(*neutral);
+}
+
 int readSample(wh_device* device, wh_sample* sample) {
   return wholehand::readSized(*sample,
                               [device](wh_sample& newest) { return device->device->read(newest); });
@@ -152,8 +158,8 @@ int identify(wh_device* device, wh_identity* identity) {
 }  // namespace
 
 const wh_plugin* wh_plugin_v1() {
-  static const wh_plugin kPlugin = {sizeof(wh_plugin), WH_MAJOR,     WH_MINOR,    WH_NEVER_WAITS,
-                                    "frame",           openDevice,   describe,    control,
-                                    readSample,        writeCommand, closeDevice, identify};
+  static const wh_plugin kPlugin = {
+      sizeof(wh_plugin), WH_MAJOR,   WH_MINOR,     WH_NEVER_WAITS, "frame",  openDevice, describe,
+      control,           readSample, writeCommand, closeDevice,    identify, enable};
   return &kPlugin;
 }

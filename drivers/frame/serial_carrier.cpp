@@ -38,6 +38,10 @@ class SerialCarrier final : public Carrier {
   [[nodiscard]] bool send(const std::uint8_t* bytes, std::size_t count) noexcept override {
     return ::write(fd_, bytes, count) >= 0 || isPassing(errno);
   }
+  [[nodiscard]] std::size_t waiting() const noexcept override {
+    int bytes = 0;
+    return ::ioctl(fd_, TIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+  }
   [[nodiscard]] int receive(std::uint8_t* bytes, std::size_t capacity) noexcept override {
     const ssize_t count = ::read(fd_, bytes, capacity);
     if (count > 0) return static_cast<int>(count);

@@ -70,6 +70,7 @@ static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_
     axes[i].resolution = 2e-5;
     axes[i].delay_s = 0.001;
     axes[i].silence_s = device->watchdog_ms * 1e-3;
+    axes[i].disabled = WH_BALANCED; /* rails that lie flat */
   }
   return WH_OK;
 }
@@ -144,6 +145,14 @@ static int write_command(wh_device* device, const wh_command* command) {
   return WH_OK;
 }
 
+/* As WH_ENABLE, with these efforts from the first moment: they carry what the rails weigh. */
+static int enable(wh_device* device, const wh_command* neutral) {
+  int i;
+  control(device, WH_ENABLE, 0.0);
+  for (i = 0; i < AXES; ++i) device->effort[i] = neutral->effort[i];
+  return WH_OK;
+}
+
 static void close_device(wh_device* device) { free(device); }
 
 /* Which device it is: its passport goes by these. */
@@ -158,6 +167,6 @@ static int identify(wh_device* device, wh_identity* identity) {
 const wh_plugin* wh_plugin_v1(void) {
   static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR, WH_MINOR, WH_NEVER_WAITS,
                                    "rails (an example)", open_device, describe, control,
-                                   read_sample, write_command, close_device, identify};
+                                   read_sample, write_command, close_device, identify, enable};
   return &plugin;
 }

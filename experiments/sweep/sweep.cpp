@@ -1,7 +1,7 @@
 #include "experiments/sweep/sweep.hpp"
 
 #include "commissioning/sealed_file.hpp"
-#include "commissioning/sha256.hpp"
+#include "core/sha256.hpp"
 #include "experiments/sweep/journal.hpp"
 #include "experiments/worker_pool.hpp"
 #include "runtime/interrupt_scope.hpp"

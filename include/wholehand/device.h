@@ -1,4 +1,4 @@
-/* The boundary between Wholehand and the driver of a device: C99, one symbol, six functions and one that may be left out.
+/* The boundary between Wholehand and the driver of a device: C99, one symbol, six functions and two that may be left out.
  *
  * A driver is a shared object that exports `wh_plugin_v1`. Wholehand loads it, asks which axes the
  * device has, holds them against the device file, and then reads a sample and writes a command in
@@ -19,7 +19,7 @@ extern "C" {
 #endif
 
 #define WH_MAJOR 1
-#define WH_MINOR 1
+#define WH_MINOR 2
 #define WH_MAX_AXES 16
 
 /* What a function returns: 0 and more is success. A driver says why it fails by wh_host.say. */
@@ -33,6 +33,10 @@ enum {
 /* Kinds of axes, and what an effort is to one. */
 enum { WH_TRANSLATION = 0, WH_ROTATION = 1 };
 enum { WH_EFFORT = 0, WH_POSITION_LIMIT = 1, WH_BRAKE = 2, WH_VIBRATION = 3 };
+
+/* What an axis does while the device is not enabled. One that weighs something and is not said to
+ * lock falls: only a host may hold it, which carries it from opening to closing. */
+enum { WH_NOT_SAID = 0, WH_LOCKS = 1, WH_BALANCED = 2, WH_FALLS = 3 };
 
 /* Bits of wh_sample.status. Rendering stops without WH_ENABLED and WH_HOMED, and by the faults. */
 enum {
@@ -71,6 +75,7 @@ typedef struct {
   double resolution;       /* smallest change of position it can tell [m or rad] */
   double delay_s;          /* from a write to its effect */
   double silence_s;        /* without a write for so long it goes to neutral by itself; 0: never */
+  uint32_t disabled;       /* since 1.2: WH_LOCKS, WH_BALANCED, WH_FALLS */
 } wh_axis;
 
 typedef struct {
@@ -130,6 +135,9 @@ typedef struct {
   void (*close)(wh_device* device);
   /* Since 1.1; NULL: not known. Of an open device; identity->size is set. */
   int (*identify)(wh_device* device, wh_identity* identity);
+  /* Since 1.2; NULL: none, and no axis may have a neutral effort. As WH_ENABLE, but with these
+   * efforts from the first moment: they carry the device's weight. They last like a command. */
+  int (*enable)(wh_device* device, const wh_command* neutral);
 } wh_plugin;
 
 /* What a driver exports. */

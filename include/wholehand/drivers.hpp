@@ -3,13 +3,16 @@
 /// Real devices behind drivers (wholehand/device.h), in this process or in a host of their own.
 ///
 ///   auto driver = wholehand::PluginDriver::load({"./rails.so", "", ""});
-///   auto device = wholehand::PluginDevice::make(*driver, models->device, 1e-3);
-///   auto rig = wholehand::buildRig(*models, std::move(*device), options);
+///   auto cleared = wholehand::clearToArm((*driver)->identity(), models->device, 1000.0,
+///                                        wholehand::today());
+///   auto device = wholehand::PluginDevice::make(*driver, models->device, 1e-3,
+///   cleared->clearance); auto rig = wholehand::buildRig(*models, std::move(*device), options);
 ///
 /// A host outlives the loop and takes the effort to neutral when the loop dies. Nothing here is for
 /// the tick but read() and write().
 
 // IWYU pragma: begin_exports
+#include "commissioning/daily_check.hpp"      // clearToArm(): passport and today's check
 #include "device/host/device_host.hpp"        // DeviceHost: holds a device for another process
 #include "device/host/host_list.hpp"          // listHosts(): which hosts there are
 #include "device/host/host_segment.hpp"       // HostLock, HostSegment: what host and loop share

@@ -44,12 +44,18 @@ double storableEnergy(const Models& models, const CouplingGains& gains) {
   return held_j;
 }
 
-// The device with its proven damping: the least of the file and every measured corner.
+// The device at the worst of its file and every measured corner: what every part goes by.
 DeviceModel provenDevice(DeviceModel device, const std::vector<DeviceModel>& measured) {
   for (const DeviceModel& corner : measured) {
     for (std::size_t i = 0; i < device.axes.size(); ++i) {
-      device.axes[i].damping = std::min(device.axes[i].damping, corner.axes[i].damping);
+      DeviceAxis& axis = device.axes[i];
+      const DeviceAxis& measured_axis = corner.axes[i];
+      axis.damping = std::min(axis.damping, measured_axis.damping);
+      axis.coulomb = std::min(axis.coulomb, measured_axis.coulomb);
+      axis.mass = std::min(axis.mass, measured_axis.mass);
+      axis.encoder_step = std::max(axis.encoder_step, measured_axis.encoder_step);
     }
+    device.output_delay_ticks = std::max(device.output_delay_ticks, corner.output_delay_ticks);
   }
   return device;
 }
@@ -57,20 +63,21 @@ DeviceModel provenDevice(DeviceModel device, const std::vector<DeviceModel>& mea
 RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
                               const RigOptions& options, bool simulated) {
   const double period_s = options.period_s;
+  const DeviceModel device = provenDevice(models.device, options.measured);
   RendererConfig config;
   config.period_s = period_s;
   config.gains = gains;
-  config.damping = makeAdaptiveDamping(models.device, models.rendering);
+  config.damping = makeAdaptiveDamping(device, models.rendering);
   config.safety.neutral = models.device.neutral();
   config.safety.effort_limit = AxisEffort(models.device.axisCount());
   for (int a = 0; a < models.device.axisCount(); ++a) {
     config.safety.effort_limit[a] = models.device.axes[a].effort_limit;
   }
   config.gravity_m_s2 = models.scene.gravity_m_s2;
-  config.safety.tank = makeEnergyTank(provenDevice(models.device, options.measured), period_s,
-                                      storableEnergy(models, gains));
-  config.safety.supervisor = makeSupervisor(models.device, period_s, simulated);
-  config.live = LiveSettings(models.device, config.damping);
+  if (models.exercise) config.safety.ramp.fade_out_s = models.exercise->description().fade_out_s;
+  config.safety.tank = makeEnergyTank(device, period_s, storableEnergy(models, gains));
+  config.safety.supervisor = makeSupervisor(device, period_s, simulated);
+  config.live = LiveSettings(device, config.damping);
   return config;
 }
 

@@ -3,6 +3,7 @@
 #include "assembly/kept_black_box.hpp"
 #include "assembly/recording_description.hpp"
 #include "realtime/monotonic_clock.hpp"
+#include "realtime/thread_setup.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <fmt/core.h>
@@ -25,6 +26,22 @@ double rateOf(const TickSummary& summary, std::int64_t began_ns) {
   return elapsed_s > 0.0 ? static_cast<double>(summary.records) / elapsed_s : 0.0;
 }
 
+// Asked for on a thread that ends at once, before the device is enabled.
+Diagnostics refuseWithoutRealTime() {
+  SetupReport report;
+  std::thread([&report] {
+    report = {requestFifoPriority(ThreadSetupConfig{}.fifo_priority), requestLockedMemory()};
+  }).join();
+  Diagnostics refused;
+  for (const SetupLine& line : report) {
+    if (line.granted) continue;
+    refused.push_back({"", 0, line.what, "",
+                       "a loop that moves a person needs it: " + line.sentence,
+                       "run wholehand doctor"});
+  }
+  return refused;
+}
+
 }  // namespace
 
 TickSummary corrected(TickSummary summary, const SessionCounters& counted, double period_s) {
@@ -38,6 +55,10 @@ TickSummary corrected(TickSummary summary, const SessionCounters& counted, doubl
 
 Expected<std::unique_ptr<Run>> Run::prepare(std::shared_ptr<Rig> rig, RunPlan plan) {
   std::unique_ptr<Run> run(new Run(std::move(rig), std::move(plan)));
+  if (auto ready = run->rig_->renderer->prepare(run->plan_.rehearsed); !ready) {
+    run->finished_ = true;  // nothing was begun
+    return ready.errors();
+  }
   if (Expected<Done> kept = run->keepTrack(); !kept) {
     run->rig_->renderer->disarm();  // leaves no state for the next arming
     run->finish();
@@ -74,8 +95,6 @@ void Run::startSession() {
   config.queue_ticks = plan_.queue_ticks;
   config.count_allocations = plan_.count_allocations;
   if (plan_.duration_ticks > 0) config.duration_ticks = plan_.duration_ticks;
-  const Exercise* exercise = rig_->models.exercise.get();
-  if (exercise != nullptr) config.fade_out_s = exercise->description().fade_out_s;
   session_ = std::make_unique<Session>(*rig_->renderer, config);
   hub_ = std::make_unique<TelemetryHub>(
       [this](TickRecord& record) { return session_->tryPop(record); });
@@ -86,6 +105,10 @@ void Run::startSession() {
 
 Expected<Done> Run::begin() {
   hub_->start();
+  if (plan_.real_time_required) {
+    if (Diagnostics refused = refuseWithoutRealTime(); !refused.empty()) return refused;
+  }
+  if (auto armed = rig_->renderer->arm(); !armed) return armed;
   PeriodicThreadConfig thread;
   thread.period_ns = std::llround(rig_->options.period_s * 1e9);
   Expected<SetupReport> setup = session_->start(thread);
@@ -94,12 +117,14 @@ Expected<Done> Run::begin() {
   return Done{};
 }
 
-void Run::simulate() {
+Expected<Done> Run::simulate() {
+  if (auto armed = rig_->renderer->arm(); !armed) return armed;
   session_->runSimulated([this](const TickRecord& record) {
     statistics_.add(record);
     if (writer_) writer_->append(record);
     for (const auto& sink : plan_.sinks) sink(record);
   });
+  return Done{};
 }
 
 Run::~Run() {
@@ -185,7 +210,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan) {
   if (!run) return run.errors();
   running = run->get();
   if (simulated_clock) {
-    running->simulate();
+    if (auto ran = running->simulate(); !ran) return ran.errors();
   } else {
     if (auto begun = running->begin(); !begun) return begun.errors();
     while (running->running()) {

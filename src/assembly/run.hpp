@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ struct RunPlan {
   std::string record;                ///< HDF5 file; empty: none
   std::string black_box;  ///< file written on a fault (blackBoxPath()); empty: no black box
   bool simulated_clock = false;
+  /// Refuses to begin where the machine grants no real-time priority or locked memory: for what
+  /// moves a person.
+  bool real_time_required = false;
+  std::optional<RehearsalPassed> rehearsed;               ///< for HapticRenderer::prepare()
   std::size_t queue_ticks = SessionConfig{}.queue_ticks;  ///< queue capacity; more are dropped
   /// Receive every record, off the real-time thread; on the simulated clock in the calling thread.
   std::vector<std::function<void(const TickRecord&)>> sinks;
@@ -58,16 +63,17 @@ struct RunOutcome {
   bool faulted = false;
 };
 
-/// One run of an armed rig, from its first tick to closed files: session, statistics, recording and
-/// black box. Every run of the program is a Run, with any device and clock.
+/// One run of a rig, from arming to closed files: session, statistics, recording and black box.
+/// Every run of the program is a Run, with any device and clock.
 ///
-/// Closing order: ramp to the neutral effort, close the device, write the black box, close the
-/// recording. The device is closed before anything waits for a disk.
+/// Opening order: open the device, create black box and recording, enable the device. Whatever
+/// waits for a disk is done before the device gives any effort. Closing order: ramp to the neutral
+/// effort, close the device, write the black box, close the recording. The device is closed before
+/// anything waits for a disk.
 class Run {
  public:
-  /// Creates recording and black box. Nothing ticks yet, but a stop requested from here on takes
-  /// effect. On an error the rig is disarmed and its device closed.
-  /// @pre the rig's renderer is armed
+  /// Prepares the renderer, and creates recording and black box. Nothing is enabled yet, but a stop
+  /// requested from here on takes effect. On an error the device is closed.
   [[nodiscard]] static Expected<std::unique_ptr<Run>> prepare(std::shared_ptr<Rig> rig,
                                                               RunPlan plan);
   /// Ramps to neutral first if it still runs.
@@ -75,10 +81,10 @@ class Run {
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  /// Starts the loop in real time on its own thread. Call once.
+  /// Arms the rig and starts the loop in real time on its own thread. Call once.
   [[nodiscard]] Expected<Done> begin();
-  /// Ticks in the calling thread as fast as possible until the end. Call once.
-  void simulate();
+  /// Arms the rig and ticks in the calling thread as fast as possible until the end. Call once.
+  [[nodiscard]] Expected<Done> simulate();
 
   // Any thread, one at a time.
   [[nodiscard]] bool tryCommand(const Command& command) { return session_->tryCommand(command); }
@@ -135,7 +141,6 @@ class Run {
 
 /// Runs the rig until its duration is over, a fault or a signal, and closes everything in any case.
 /// Without a run there is no recording.
-/// @pre the rig's renderer is armed
 [[nodiscard]] Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan);
 
 }  // namespace wholehand

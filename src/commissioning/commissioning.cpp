@@ -3,7 +3,7 @@
 #include "commissioning/moves.hpp"
 #include "commissioning/passport_chart.hpp"
 #include "commissioning/sealed_file.hpp"
-#include "commissioning/sha256.hpp"
+#include "core/sha256.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,11 @@
 #include "commissioning/daily_check.hpp"
 
 #include "commissioning/sealed_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 
 namespace wholehand {
@@ -40,7 +42,8 @@ Expected<DailyCheck> readDailyCheck(const std::string& path) {
   return check;
 }
 
-Expected<Passport> clearToArm(const DriverIdentity& identity, const DeviceModel& model, Day day) {
+Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
+                             double rate_hz, Day day) {
   if (identity.serial.empty()) {
     return Diagnostic{model.path,
                       0,
@@ -55,8 +58,17 @@ Expected<Passport> clearToArm(const DriverIdentity& identity, const DeviceModel&
                       kCommission};
   }
   Expected<Passport> passport = readPassport(path);
-  if (!passport) return passport;
+  if (!passport) return passport.errors();
   if (auto fits = checkPassport(*passport, identity, model, day); !fits) return fits.errors();
+  if (std::abs(passport->rate_hz - rate_hz) > 1e-6 * rate_hz) {
+    return Diagnostic{
+        path,
+        0,
+        "rate_hz",
+        fmt::format("{:.6g}", passport->rate_hz),
+        fmt::format("the device was measured at another rate than {:.6g} Hz", rate_hz),
+        "run at the passport's rate, or measure at this one"};
+  }
 
   const std::string check_path = dailyCheckPath(model.path, identity.serial);
   if (!std::filesystem::exists(check_path)) {
@@ -77,7 +89,7 @@ Expected<Passport> clearToArm(const DriverIdentity& identity, const DeviceModel&
         check_path, 0, "passport_sha256", "", "today's check was done with another passport",
         kCheck};
   }
-  return passport;
+  return Cleared(std::move(*passport));
 }
 
 }  // namespace wholehand

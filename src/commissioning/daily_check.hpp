@@ -1,8 +1,10 @@
 #pragma once
 
 #include "commissioning/passport.hpp"
+#include "device/plugin/clearance.hpp"
 
 #include <string>
+#include <utility>
 
 namespace wholehand {
 
@@ -24,11 +26,18 @@ struct DailyCheck {
 /// kind.
 [[nodiscard]] Expected<DailyCheck> readDailyCheck(const std::string& path);
 
+/// A passport that is valid for a device today, and the proof of it.
+struct Cleared {
+  explicit Cleared(Passport valid) : passport(std::move(valid)), clearance(passport.sha256) {}
+  Passport passport;
+  Clearance clearance;
+};
+
 /// Verifies that a real device may be armed. It needs a passport valid for this device, this file
-/// and this day, and a check of this day done with that passport. Refused, each with its remedy: no
-/// serial number, no passport, a passport that readPassport() or checkPassport() refuses, no check,
-/// a check of another day or passport.
-[[nodiscard]] Expected<Passport> clearToArm(const DriverIdentity& identity,
-                                            const DeviceModel& model, Day day);
+/// this rate and this day, and a check of this day done with that passport. Refused, each with its
+/// remedy: no serial number, no passport, a passport that readPassport() or checkPassport()
+/// refuses, no check, a check of another day or passport.
+[[nodiscard]] Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
+                                           double rate_hz, Day day);
 
 }  // namespace wholehand

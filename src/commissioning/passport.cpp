@@ -1,8 +1,8 @@
 #include "commissioning/passport.hpp"
 
 #include "commissioning/sealed_file.hpp"
-#include "commissioning/sha256.hpp"
 #include "core/printable.hpp"
+#include "core/sha256.hpp"
 #include "model/toml/toml_file.hpp"
 
 #include <fmt/format.h>
@@ -81,8 +81,9 @@ std::string passportText(const Passport& p) {
       "kind = \"passport\"\nversion = 1\nmeasured_on = \"{}\"\noperator = {}\n"
       "device = {}\ndevice_sha256 = \"{}\"\nrate_hz = {:.9g}\n",
       format(p.measured_on), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz);
-  const std::array<std::pair<const char*, std::string>, 4> known = {
+  const std::array<std::pair<const char*, std::string>, 5> known = {
       {{"driver", p.driver},
+       {"driver_sha256", p.identity.driver_sha256},
        {"serial", p.identity.serial},
        {"firmware", p.identity.firmware},
        {"sdk", p.identity.sdk}}};
@@ -105,7 +106,8 @@ Expected<Passport> readPassport(const std::string& path) {
   p.measured_on = readDay(root, "measured_on");
   p.operator_name = root.text("operator");
   p.driver = root.text("driver", "");
-  p.identity = {root.text("serial"), root.text("firmware", ""), root.text("sdk", "")};
+  p.identity = {root.text("serial"), root.text("firmware", ""), root.text("sdk", ""),
+                root.text("driver_sha256", "")};
   p.device = root.text("device");
   p.device_sha256 = root.text("device_sha256");
   p.rate_hz = root.number("rate_hz", above(0.0, 1e5, "Hz"));
@@ -131,6 +133,10 @@ Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
        {"sdk", p.identity.sdk, identity.sdk}}};
   for (const auto& [key, stated, has] : parts) {
     if (stated != has) out.push_back(foreign(p, key.c_str(), stated, has));
+  }
+  if (p.identity.driver_sha256 != identity.driver_sha256) {
+    out.push_back({p.path, 0, "driver_sha256", "",
+                   "the driver, its settings or a file that they name is another one", kRemedy});
   }
   const Expected<std::string> file = readWhole(model.path);
   if (!file) return file.errors();

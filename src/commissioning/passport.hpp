@@ -56,8 +56,8 @@ struct Passport {
 [[nodiscard]] bool sameAxes(const Passport& passport, const DeviceModel& model);
 
 /// Verifies that the passport is valid for this device and file today. Refused, each by name:
-/// another serial, firmware or SDK, a device file changed since, differing axes, a passport older
-/// than kPassportLasts or from the future.
+/// another serial, firmware, SDK, driver or setting of it, a device file changed since, differing
+/// axes, a passport older than kPassportLasts or from the future.
 [[nodiscard]] Expected<Done> checkPassport(const Passport& passport, const DriverIdentity& identity,
                                            const DeviceModel& model, Day day);
 

@@ -1,6 +1,7 @@
 #include "commissioning/sealed_file.hpp"
 
-#include "commissioning/sha256.hpp"
+#include "core/sha256.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <fmt/format.h>
 

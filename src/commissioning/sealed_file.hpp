@@ -1,11 +1,14 @@
 #pragma once
 
 #include "core/expected.hpp"
-#include "model/toml/toml_file.hpp"
 
 #include <chrono>
 #include <string>
 #include <string_view>
+
+namespace wholehand {
+class TomlTable;
+}
 
 /// Files that commissioning writes beside a device file. Not real-time safe.
 namespace wholehand {

@@ -34,10 +34,13 @@ enum class Fault : std::uint32_t {
   kBodiesExploded =
       1U << 21,           ///< the velocity of a body or of the hand changed implausibly in one step
   kTankEmpty = 1U << 22,  ///< information: an empty energy tank added damping
-  kDriveFault = 1U << 23,   ///< a drive of the device reports a fault
-  kEnableLost = 1U << 24,   ///< efforts no longer reach the motors: emergency stop or watchdog
-  kStaleSample = 1U << 25,  ///< the device's samples stand still or go back in time
-  kDriveHot = 1U << 26,     ///< information: a drive is near its temperature limit
+  kDriveFault = 1U << 23,  ///< a drive of the device reports a fault
+  kEnableLost = 1U << 24,  ///< efforts no longer reach the motors: emergency stop or watchdog
+  kStaleSample =
+      1U << 25,            ///< a sample of the device is too old, stands still or goes back in time
+  kDriveHot = 1U << 26,    ///< information: a drive is near its temperature limit
+  kGentleStop = 1U << 27,  ///< information: the stop that was asked for is a gentle one
+  kSampleDelay = 1U << 28,  ///< the device's samples come later than the certificate assumes
 };
 
 [[nodiscard]] constexpr Fault operator|(Fault a, Fault b) noexcept {
@@ -54,7 +57,7 @@ constexpr Fault& operator|=(Fault& a, Fault b) noexcept {
 }
 
 /// Number of the bits above.
-inline constexpr int kFaultBits = 27;
+inline constexpr int kFaultBits = 29;
 
 /// Effect of a fault on the run.
 enum class FaultReaction {
@@ -99,6 +102,8 @@ inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
     {Fault::kEnableLost, "enable lost", FaultReaction::kStops},
     {Fault::kStaleSample, "stale sample", FaultReaction::kStops},
     {Fault::kDriveHot, "drive hot", FaultReaction::kCounted},
+    {Fault::kGentleStop, "gentle stop", FaultReaction::kRecorded},
+    {Fault::kSampleDelay, "samples delayed", FaultReaction::kStops},
 }};
 
 /// All bits with one reaction.
@@ -109,6 +114,10 @@ inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
   }
   return bits;
 }
+
+/// The faults that a device's reading may have.
+inline constexpr Fault kOfReading = Fault::kDeviceRead | Fault::kDriveFault | Fault::kEnableLost |
+                                    Fault::kStaleSample | Fault::kDriveHot | Fault::kSampleDelay;
 
 /// The faults that stop rendering; the others are counted and shown.
 inline constexpr Fault kStopping = faultsWith(FaultReaction::kStops);

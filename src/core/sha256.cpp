@@ -1,4 +1,4 @@
-#include "commissioning/sha256.hpp"
+#include "core/sha256.hpp"
 
 #include <array>
 #include <cstddef>

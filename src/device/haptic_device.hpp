@@ -20,12 +20,21 @@ class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
 
-  /// Prepares the device. It then holds its neutral effort. Not real-time safe.
+  /// Prepares the device: it can be read, and gives no effort yet. Idempotent. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> open() = 0;
 
-  /// Whether the device may be armed, after open(): calibrated and at rest. Returns the reason
+  /// Whether the device may be enabled, after open(): calibrated and at rest. Returns the reason
   /// otherwise. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> ready() = 0;
+
+  /// Whether it was shown that this device may move a person; the reason otherwise. The default is
+  /// for devices that are not commissioned. Not real-time safe.
+  [[nodiscard]] virtual Expected<Done> cleared() const { return Done{}; }
+
+  /// Lets efforts through, the neutral one first: the last step of arming. A failure leaves the
+  /// device as it was. The default is for devices that need no enabling. Idempotent. Not real-time
+  /// safe.
+  [[nodiscard]] virtual Expected<Done> enable() { return Done{}; }
 
   /// True where no person is moved and timing does not matter. Late ticks and stuck encoders are
   /// then only counted.

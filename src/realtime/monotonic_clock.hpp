@@ -13,6 +13,13 @@ namespace wholehand {
   return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
 }
 
+/// As monotonicNow_ns(), but goes on while the machine is suspended. Real-time safe.
+[[nodiscard]] inline std::int64_t bootNow_ns() noexcept {
+  timespec t{};
+  clock_gettime(CLOCK_BOOTTIME, &t);
+  return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
+}
+
 /// CPU time used by the calling thread [ns]. Real-time safe; always a system call, about 360 ns.
 [[nodiscard]] inline std::int64_t threadCpuNow_ns() noexcept {
   timespec t{};

@@ -15,7 +15,7 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 void sleepUntil(std::int64_t instant_ns) noexcept {
   const timespec instant{instant_ns / kSecond_ns, instant_ns % kSecond_ns};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &instant, nullptr) == EINTR) {
+  while (clock_nanosleep(CLOCK_BOOTTIME, TIMER_ABSTIME, &instant, nullptr) == EINTR) {
   }
 }
 
@@ -95,11 +95,11 @@ void* PeriodicThread::threadMain(void* self) noexcept {
 
 void PeriodicThread::loop() noexcept {
   const std::int64_t period_ns = config_.period_ns;
-  std::int64_t last_ns = monotonicNow_ns();
+  std::int64_t last_ns = bootNow_ns();
   while (!stop_.load(std::memory_order_acquire)) {
     const std::int64_t due_ns = last_ns + period_ns;
     sleepUntil(due_ns);
-    const std::int64_t now_ns = monotonicNow_ns();
+    const std::int64_t now_ns = bootNow_ns();
     const Slot slot = slotAt(now_ns, last_ns, period_ns);
     last_ns = slot.start_ns;
     if (!tick_(slot.elapsed_periods, now_ns - due_ns)) {

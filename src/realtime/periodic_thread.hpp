@@ -39,8 +39,9 @@ struct PeriodicThreadConfig {
   ThreadSetupConfig setup;
 };
 
-/// Calls a function at absolute instants of the monotonic clock, on its own thread, which gets
-/// real-time settings as far as the machine grants them.
+/// Calls a function at absolute instants on its own thread, which gets real-time settings as far as
+/// the machine grants them. The clock goes on while the machine is suspended: the tick after that
+/// is a late one.
 class PeriodicThread {
  public:
   /// One tick; false ends the loop. It must not throw: an exception here terminates the program.

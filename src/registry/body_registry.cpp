@@ -161,7 +161,7 @@ bool BodyRegistry::parked(int slot, const TickRecord& record) const {
 void BodyRegistry::see(const TickRecord& record) {
   if (reach_ == nullptr) return;
   time_s_ = record.time_s;
-  const bool silent = any(record.faults & Fault::kOwnerSilent);
+  const bool silent = any(record.faults & (Fault::kOwnerSilent | Fault::kStopRequested));
   if (!silent) silent_since_s_ = -1.0;
   if (silent && silent_since_s_ < 0.0) silent_since_s_ = time_s_;
   if (silent && time_s_ - silent_since_s_ > kLeaves_s) clear();

@@ -25,6 +25,7 @@ Expected<Done> HapticRenderer::mayArm(const std::optional<RehearsalPassed>& rehe
     return armingProblem("the device is armed already", "stop it first");
   }
   if (config_.moves_nobody) return Done{};
+  if (Expected<Done> cleared = device_.cleared(); !cleared) return cleared;
   if (!rehearsed) {
     return armingProblem("the device may move a person, and nothing was rehearsed",
                          "call rehearse() and arm with what it says has passed");
@@ -52,33 +53,49 @@ Expected<Done> HapticRenderer::withinWorkspace() const {
                     "move it back by hand, or calibrate the device"};
 }
 
-Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehearsed) {
+// Nobody will tick it. A device that was open before keeps carrying its weight.
+Expected<Done> HapticRenderer::refuseArming(Diagnostics why) {
+  prepared_ = false;
+  if (!was_open_) device_.close();
+  device_open_ = was_open_;
+  return why;
+}
+
+Expected<Done> HapticRenderer::prepare(const std::optional<RehearsalPassed>& rehearsed) {
   // A person requested this stop: it must not be lost.
   if (safety_.stops().consumeUnseen()) {
     return armingProblem("a stop was asked for", "arm again if it is over");
   }
   if (Expected<Done> may = mayArm(rehearsed); !may) return may;
   if (Expected<Done> opened = device_.open(); !opened) return opened;
-  const bool was_open = std::exchange(device_open_, true);
-  const auto refused = [this, was_open](Diagnostics why) {
-    // Nobody will tick it. A device that was open before keeps carrying its weight.
-    if (!was_open) device_.close();
-    device_open_ = was_open;
-    return Expected<Done>(std::move(why));
-  };
-  if (Expected<Done> ready = device_.ready(); !ready) return refused(ready.errors());
+  was_open_ = std::exchange(device_open_, true);
+  if (Expected<Done> ready = device_.ready(); !ready) return refuseArming(ready.errors());
   if (any(device_.read(reading_, 1)) || !allFinite(reading_.q_m) ||
       reading_.q_m.size() != config_.gains.axes) {
-    return refused({armingProblem("the device gives no position", "check that it is connected")});
+    return refuseArming(
+        {armingProblem("the device gives no position", "check that it is connected")});
   }
-  if (Expected<Done> within = withinWorkspace(); !within) return refused(within.errors());
+  if (Expected<Done> within = withinWorkspace(); !within) return refuseArming(within.errors());
   if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
-    return refused(placed.errors());
-  }
-  if (!safety_.stops().arm()) {
-    return refused({armingProblem("a stop was asked for while the device was being armed", "")});
+    return refuseArming(placed.errors());
   }
   armed_position_ = reading_.q_m;
+  prepared_ = true;
+  return Done{};
+}
+
+Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehearsed) {
+  if (!prepared_) {
+    if (Expected<Done> prepared = prepare(rehearsed); !prepared) return prepared;
+  }
+  const auto stopped = [this] {
+    return refuseArming(
+        {armingProblem("a stop was asked for while the device was being armed", "")});
+  };
+  if (safety_.stops().consumeUnseen()) return stopped();
+  if (Expected<Done> enabled = device_.enable(); !enabled) return refuseArming(enabled.errors());
+  if (!safety_.stops().arm()) return stopped();
+  prepared_ = false;
   ticks_to_step_ = 0;
   hand_moved_ = true;
   const int axes = config_.gains.axes;
@@ -95,6 +112,11 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   }
   safety_.arm(armed_position_);
   return Done{};
+}
+
+void HapticRenderer::disarm() noexcept {
+  prepared_ = false;
+  safety_.disarm();
 }
 
 }  // namespace wholehand

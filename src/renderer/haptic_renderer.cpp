@@ -84,6 +84,7 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
   record.faults = record.elapsed_periods > 1 ? Fault::kLateTick : Fault::kNone;
   record.fault_axis = -1;
 
+  safety_.takeStops(record);
   takeCommands(record);
   readDevice(record);
   lap(Stage::kDeviceRead);
@@ -109,6 +110,11 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
   readContacts(record);
   safety_.conclude(record);
   lap(Stage::kContacts);
+}
+
+// Whoever shows the exercise is alive, and nobody has asked for a stop.
+bool HapticRenderer::mayPush(const TickRecord& record) const noexcept {
+  return owner_alive_ && !any(record.faults & Fault::kStopRequested);
 }
 
 void HapticRenderer::takeCommands(TickRecord& record) noexcept {
@@ -206,7 +212,7 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   input.hand = &dynamics_;
   input.parameters = parameters_.values() + config_.live.parameters().size();
   input.pool = pool_ != nullptr ? &pool_report_ : nullptr;
-  input.may_push = owner_alive_ && safety_.rendering();
+  input.may_push = mayPush(record) && safety_.rendering();
   exercise_->tick(input, record.exercise, record.placements);
   roundValues(value_steps_, record.exercise);
   query_ = exercise_->query();
@@ -232,7 +238,7 @@ void HapticRenderer::writeDevice(TickRecord& record) noexcept {
 
 void HapticRenderer::orderBodies(const TickRecord& record) noexcept {
   if (pool_ == nullptr) return;
-  pool_->setGameAlive(owner_alive_);
+  pool_->setGameAlive(mayPush(record));
   for (int i = 0; i < record.command_count; ++i) pool_->obey(record.commands[i]);
 }
 

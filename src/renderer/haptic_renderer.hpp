@@ -60,13 +60,20 @@ class HapticRenderer {
   HapticRenderer(const HapticRenderer&) = delete;
   HapticRenderer& operator=(const HapticRenderer&) = delete;
 
-  /// Opens the device, reads it and places the simulated hand there. Refused when the device is not
-  /// ready (uncalibrated or moving), is outside its workspace, still ramps to neutral or is armed
-  /// already (unless simulated); when the hand would be inside a body; and when a stop is requested
-  /// meanwhile. A refusal closes the device again and changes nothing else. Clears latched faults:
-  /// call it only on a person's request. Not real-time safe.
+  /// First step of arming: opens the device, reads it and places the simulated hand there. The
+  /// device gives no effort yet, so whatever waits for a disk or for memory comes between this and
+  /// arm(). Refused when the device is not ready (uncalibrated or moving), is outside its
+  /// workspace, still ramps to neutral or is armed already (unless simulated); when the hand would
+  /// be inside a body; and when a stop is requested meanwhile. A refusal closes the device again
+  /// and changes nothing else. Not real-time safe.
   /// @param rehearsed Rehearsal::passed of this very rig; without it a device that moves a person
   /// (neither simulated() nor moves_nobody) is refused
+  [[nodiscard]] Expected<Done> prepare(
+      const std::optional<RehearsalPassed>& rehearsed = std::nullopt);
+  /// Last step: enables the device, directly before its first tick, which judges the position
+  /// again. Calls prepare() where that was not done. Refused as there, when the device is not
+  /// enabled, and when a stop was requested since. Clears latched faults: call it only on a
+  /// person's request. Not real-time safe.
   [[nodiscard]] Expected<Done> arm(const std::optional<RehearsalPassed>& rehearsed = std::nullopt);
 
   /// One tick; fills the record except the fields that the session writes, and obeys the record's
@@ -77,11 +84,14 @@ class HapticRenderer {
                          StageListener* stages = nullptr) noexcept;
 
   /// Takes back an arming before its first tick. The device stays open. Not real-time safe.
-  void disarm() noexcept { safety_.disarm(); }
+  void disarm() noexcept;
 
   /// Makes the next tick begin the ramp to neutral. Before arming, makes the next arm() refuse,
   /// once. Any thread, also a signal handler; real-time safe.
   void requestStop() noexcept { safety_.stops().request(); }
+  /// As requestStop(), but lets go in the exercise's fade-out time and the ramp's
+  /// (NeutralRampConfig::fade_out_s).
+  void requestGentleStop() noexcept { safety_.stops().requestGentle(); }
   /// As requestStop(); the records mark it as an emergency stop.
   void requestEmergencyStop() noexcept { safety_.stops().requestEmergency(); }
 
@@ -106,10 +116,11 @@ class HapticRenderer {
   void startParametersAt(const std::vector<double>& values) noexcept;
   /// Values of the live parameters at the next arming.
   [[nodiscard]] std::vector<double> parametersAtStart() const;
-  /// Device position at which arm() placed the hand.
+  /// Device position at which prepare() placed the hand.
   [[nodiscard]] const AxisPosition& armedPosition() const noexcept { return armed_position_; }
 
  private:
+  [[nodiscard]] bool mayPush(const TickRecord& record) const noexcept;
   void takeCommands(TickRecord& record) noexcept;
   void readDevice(TickRecord& record) noexcept;
   void observeWorld(TickRecord& record) noexcept;
@@ -126,6 +137,7 @@ class HapticRenderer {
   void showContacts(TickRecord& record) const noexcept;
   [[nodiscard]] Expected<Done> mayArm(const std::optional<RehearsalPassed>& rehearsed) const;
   [[nodiscard]] Expected<Done> withinWorkspace() const;
+  [[nodiscard]] Expected<Done> refuseArming(Diagnostics why);
 
   HapticDevice& device_;
   PhysicsWorld& world_;
@@ -153,7 +165,8 @@ class HapticRenderer {
   bool hand_moved_ = true;      ///< by a step or an arming, since the dynamics were updated
   bool definite_ = true;        ///< the inertia at that update
   AdaptiveDampingState damping_;
-  bool device_open_ = false;
+  bool device_open_ = false, was_open_ = false;  ///< now, and before prepare()
+  bool prepared_ = false;
 };
 
 }  // namespace wholehand

@@ -96,7 +96,7 @@ class FedDevice final : public HapticDevice {
   [[nodiscard]] bool simulated() const noexcept override { return simulated_; }
   [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
     reading.q_m = q_m_;
-    return faults_ & Fault::kDeviceRead;
+    return faults_ & kOfReading;
   }
   [[nodiscard]] Fault write(const AxisEffort&) noexcept override {
     return faults_ & Fault::kDeviceWrite;
@@ -129,7 +129,11 @@ Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::st
 
 void runTick(Rig& rig, const TickInput& input, TickRecord& record) {
   static_cast<FedDevice&>(*rig.device).feed(input);
-  if (any(input.faults & Fault::kStopRequested)) rig.renderer->requestStop();
+  if (any(input.faults & Fault::kGentleStop)) {
+    rig.renderer->requestGentleStop();
+  } else if (any(input.faults & Fault::kStopRequested)) {
+    rig.renderer->requestStop();
+  }
   if (any(input.faults & Fault::kEmergencyStop)) rig.renderer->requestEmergencyStop();
   record.command_count = input.command_count;
   record.commands = input.commands;

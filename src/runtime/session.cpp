@@ -11,8 +11,6 @@ namespace wholehand {
 Session::Session(HapticRenderer& renderer, const SessionConfig& config)
     : renderer_(renderer),
       config_(config),
-      fade_ticks_(static_cast<std::uint64_t>(
-          std::ceil(config.fade_out_s / renderer.config().period_s - 1e-9))),
       queue_(config.queue_ticks),
       commands_(config.queue_commands) {}
 
@@ -76,7 +74,7 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
   record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
   record_.lateness_ns = lateness_ns;
-  followStops();
+  followInterrupts();
   takeCommands();
   if (config_.listener != nullptr) config_.listener->beforeTick(record_);
   if (config_.black_box != nullptr) config_.black_box->beforeTick(record_);
@@ -92,22 +90,15 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   return !renderer_.finished();
 }
 
-// From the request on, a stop needs nothing outside the loop.
-void Session::followStops() noexcept {
-  const bool asked = gentle_stop_.load() ||
-                     (config_.interrupts != nullptr && config_.interrupts->asked.load() > 0);
-  if (asked && !fading_) {
-    fading_ = true;
-    ramp_at_tick_ = record_.tick + fade_ticks_;
-  }
-  if (fading_ && record_.tick >= ramp_at_tick_ && !std::exchange(ramp_asked_, true)) {
-    renderer_.requestStop();
-  }
+// A stop by a signal needs nothing outside the loop.
+void Session::followInterrupts() noexcept {
+  const bool asked = config_.interrupts != nullptr && config_.interrupts->asked.load() > 0;
+  if (asked && !std::exchange(interrupted_, true)) renderer_.requestGentleStop();
 }
 
 void Session::takeCommands() noexcept {
   record_.command_count = 0;
-  const bool alive = owner_alive_.load() && !fading_;
+  const bool alive = owner_alive_.load();
   if (alive != owner_told_alive_) {
     Command& owner = record_.commands[0];
     owner = Command{};
@@ -119,8 +110,6 @@ void Session::takeCommands() noexcept {
   while (record_.command_count < kMaxCommands) {
     Command& command = record_.commands[record_.command_count];
     if (!commands_.try_pop(command)) break;
-    // A stop that fades the exercise out cannot be reversed.
-    if (fading_ && command.type == CommandType::kOwner) command.value = 0.0;
     ++record_.command_count;
   }
 }

@@ -25,8 +25,6 @@ struct SessionConfig {
   TickListener* listener = nullptr;   ///< outlives the session; may be null
   TickListener* black_box = nullptr;  ///< called last in every tick, when its times are known; may
                                       ///< be null
-  double fade_out_s = 0.0;  ///< duration of the exercise's fade-out at a gentle stop, before the
-                            ///< ramp
   /// Checked in every tick: the loop stops gently after a signal. Outlives the session; may be
   /// null.
   Interrupts* interrupts = nullptr;
@@ -81,9 +79,9 @@ class Session {
   /// Begins the ramp to neutral; the session ends when that is done. Any thread, also a signal
   /// handler.
   void requestStop() noexcept { renderer_.requestStop(); }
-  /// Fades the exercise's effort out first; after fade_out_s the loop itself begins the ramp. Any
-  /// thread, also a signal handler.
-  void requestGentleStop() noexcept { gentle_stop_.store(true); }
+  /// As requestStop(), but lets go in the exercise's fade-out time and the ramp's. Any thread, also
+  /// a signal handler.
+  void requestGentleStop() noexcept { renderer_.requestGentleStop(); }
   /// Says whether the program or game that shows the exercise is alive. While it is not, the
   /// exercise's effort fades out. Only the latest value counts, and a full command queue cannot
   /// lose it. Any thread.
@@ -98,22 +96,20 @@ class Session {
  private:
   [[nodiscard]] std::uint64_t allocationsSoFar() const noexcept;
   [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
-  void followStops() noexcept;
+  void followInterrupts() noexcept;
   void takeCommands() noexcept;
   void count(std::uint64_t allocations) noexcept;
 
   HapticRenderer& renderer_;
   const SessionConfig config_;
-  const std::uint64_t fade_ticks_;
   SpscQueue<TickRecord> queue_;
   SpscQueue<Command> commands_;
   TickTimer timer_;
   TickRecord record_;  ///< the tick's own record, reused
   std::uint64_t next_tick_ = 0;
   bool time_is_over_ = false;
-  std::atomic<bool> gentle_stop_{false}, owner_alive_{true};
-  bool fading_ = false, ramp_asked_ = false, owner_told_alive_ = true;  ///< ticking thread only
-  std::uint64_t ramp_at_tick_ = 0;                                      ///< valid while fading_
+  std::atomic<bool> owner_alive_{true};
+  bool interrupted_ = false, owner_told_alive_ = true;  ///< ticking thread only
   SessionCounters counters_;
   std::unique_ptr<PeriodicThread> thread_;  ///< last member: joined before the data it writes is
                                             ///< destroyed

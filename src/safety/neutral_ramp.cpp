@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace wholehand {
 
@@ -21,10 +22,11 @@ AxisEffort blend(const AxisEffort& neutral, const AxisEffort& effort, double sha
   return out;
 }
 
-void engageAnew(NeutralRampState& s) noexcept {
+void engageAnew(NeutralRampState& s, double reengage_s) noexcept {
   s.held = s.sent;
   s.elapsed_s = 0.0;
   s.again = s.again || s.authority >= 1.0;
+  s.again_s = reengage_s;
 }
 
 void render(NeutralRampState& s, const AxisEffort& wanted, double period_s,
@@ -34,11 +36,29 @@ void render(NeutralRampState& s, const AxisEffort& wanted, double period_s,
   s.sent = blend(s.held, wanted, s.authority);
 }
 
+double rampTime_s(const NeutralRampConfig& config) noexcept {
+  return config.ramp_s > 0.0 ? std::min(config.ramp_s, kLongestRamp_s) : kLongestRamp_s;
+}
+
+// Each axis between neutral and the share that is left of its effort at the gentle stop.
+void letGo(NeutralRampState& s, const AxisEffort& neutral, double elapsed_s,
+           const NeutralRampConfig& config) noexcept {
+  s.since_gentle_stop_s += elapsed_s;
+  const double duration_s = std::max(config.fade_out_s, 0.0) + rampTime_s(config);
+  const double share = 1.0 - smoothstep(s.since_gentle_stop_s, duration_s);
+  const AxisEffort bound = blend(neutral, s.at_gentle_stop, share);
+  for (int i = 0; i < neutral.size(); ++i) {
+    s.sent[i] =
+        std::clamp(s.sent[i], std::min(neutral[i], bound[i]), std::max(neutral[i], bound[i]));
+  }
+  s.authority = std::min(s.authority, share);
+  if (share == 0.0) s.phase = RampPhase::kNeutral;
+}
+
 void ramp(NeutralRampState& s, const AxisEffort& neutral, double elapsed_s,
           double ramp_s) noexcept {
   s.elapsed_s += elapsed_s;
-  const double duration_s = ramp_s > 0.0 ? std::min(ramp_s, kLongestRamp_s) : kLongestRamp_s;
-  const double share = 1.0 - smoothstep(s.elapsed_s, duration_s);
+  const double share = 1.0 - smoothstep(s.elapsed_s, ramp_s);
   s.authority = share * s.authority_at_stop;
   s.sent = blend(neutral, s.held, share);
   if (share == 0.0) s.phase = RampPhase::kNeutral;
@@ -55,12 +75,12 @@ NeutralRampState engageFrom(const AxisEffort& neutral) noexcept {
 }
 
 NeutralRampState advanceRamp(const NeutralRampState& state, const AxisEffort& wanted,
-                             const AxisEffort& neutral, bool stop, int elapsed_periods,
+                             const AxisEffort& neutral, StopAsked stop, int elapsed_periods,
                              double period_s, const NeutralRampConfig& config) noexcept {
   NeutralRampState next = state;
   double elapsed_s = std::max(elapsed_periods, 1) * period_s;
   const bool usable = wanted.size() == neutral.size() && allFinite(wanted);
-  if (state.phase == RampPhase::kRendering && (stop || !usable)) {
+  if (state.phase == RampPhase::kRendering && (stop == StopAsked::kPlain || !usable)) {
     next.phase = RampPhase::kRamping;
     next.held = state.sent;
     next.authority_at_stop = state.authority;
@@ -69,17 +89,22 @@ NeutralRampState advanceRamp(const NeutralRampState& state, const AxisEffort& wa
   }
   switch (next.phase) {
     case RampPhase::kRendering:
-      if (elapsed_s > config.gap_s) engageAnew(next);
-      render(next, wanted, period_s, next.again ? config.reengage_s : config.engage_s);
+      if (elapsed_s > config.gap_s) engageAnew(next, config.reengage_s);
+      render(next, wanted, period_s, next.again ? next.again_s : config.engage_s);
+      if (stop == StopAsked::kGentle && !std::exchange(next.gentle, true)) {
+        next.at_gentle_stop = state.sent;
+        elapsed_s = period_s;
+      }
       break;
     case RampPhase::kRamping:
-      ramp(next, neutral, elapsed_s, config.ramp_s);
+      ramp(next, neutral, elapsed_s, rampTime_s(config));
       break;
     case RampPhase::kNeutral:
       next.authority = 0.0;
       next.sent = neutral;
       break;
   }
+  if (next.gentle && next.phase != RampPhase::kNeutral) letGo(next, neutral, elapsed_s, config);
   return next;
 }
 

@@ -14,6 +14,8 @@ namespace {
 
 // Time for which a device that accepts no effort is asked to take its neutral one.
 constexpr double kNeutralWithin_s = 1.0;
+constexpr double kBlendSpeed = 0.1;      // of the speed limit: pace of blending in after a gap
+constexpr double kLongestBlend_s = 0.5;  // of it
 
 AxisEffort noteLimit(const LimitedEffort& limited, TickRecord& record) noexcept {
   noteFault(limited.faults, limited.axis, record);
@@ -42,6 +44,12 @@ AxisEnergy wallStored(const TickRecord& record) noexcept {
     out[i] = 0.5 * std::abs(exercise.effort[i] * (record.q_m[i] - exercise.wall[i]));
   }
   return out;
+}
+
+StopAsked stopOf(Fault faults, Fault latched) noexcept {
+  if (any(latched)) return StopAsked::kPlain;
+  if (!any(faults & Fault::kStopRequested)) return StopAsked::kNone;
+  return any(faults & Fault::kGentleStop) ? StopAsked::kGentle : StopAsked::kPlain;
 }
 
 int elapsedOf(const TickRecord& record) noexcept {
@@ -79,6 +87,10 @@ void SafetyChain::disarm() noexcept {
   state_ = any(latched_) ? SafetyState::kFaulted : SafetyState::kDisarmed;
 }
 
+void SafetyChain::takeStops(TickRecord& record) noexcept {
+  record.faults |= stops_.pending();
+}
+
 void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
   record.faults |= read;
   if (record.q_m.size() != gains_.axes) {  // a missing axis would read as 0 and be pulled there
@@ -93,10 +105,22 @@ void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
   // During the ramp to neutral, motion is not judged: a released device is pushed by compressed
   // springs.
   if (any(record.faults & kStopping) || !rendering()) return;
+  reengage_s_ = blendTime_s(record);
   const Finding finding =
       watchDevice(device_watch_, record.q_m, ramp_.sent, elapsedOf(record), config_.supervisor);
   record.faults |= finding.faults;
   record.fault_axis = finding.axis;
+}
+
+// The way that the device has gone in this period, or in this gap, at a tenth of its speed limits.
+double SafetyChain::blendTime_s(const TickRecord& record) const noexcept {
+  double time_s = config_.ramp.reengage_s;
+  if (device_watch_.fresh) return time_s;
+  for (int i = 0; i < config_.supervisor.axes; ++i) {
+    const double way = std::abs(record.q_m[i] - device_watch_.q[i]);
+    time_s = std::max(time_s, way / (kBlendSpeed * config_.supervisor.speed_limit[i]));
+  }
+  return std::min(time_s, kLongestBlend_s);
 }
 
 void SafetyChain::judgeWorld(TickRecord& record) noexcept {
@@ -123,11 +147,11 @@ void SafetyChain::watchEnergy(TickRecord& record) noexcept {
 void SafetyChain::limitEffort(TickRecord& record) noexcept {
   const AxisEffort wanted = withinLimits(record);
   latched_ |= record.faults & kStopping;
-  const Fault asked = stops_.pending();
-  record.faults |= asked;
   slew_.note(ramp_.sent);
-  ramp_ = advanceRamp(ramp_, wanted, config_.neutral, any(latched_) || any(asked),
-                      elapsedOf(record), period_s_, config_.ramp);
+  NeutralRampConfig ramp = config_.ramp;
+  ramp.reengage_s = reengage_s_;
+  ramp_ = advanceRamp(ramp_, wanted, config_.neutral, stopOf(record.faults, latched_),
+                      elapsedOf(record), period_s_, ramp);
   const SupervisorConfig& supervisor = config_.supervisor;
   if (rendering()) {  // the ramp only falls, and its velocity may be invalid
     ramp_.sent = noteLimit(

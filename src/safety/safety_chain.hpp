@@ -44,6 +44,8 @@ class SafetyChain {
   // In the tick: each once, in this order; all are real-time safe. record.elapsed_periods and, from
   // the start, record.faults are the tick's.
 
+  /// First in the tick: notes the stops that were requested in record.faults.
+  WHOLEHAND_RT void takeStops(TickRecord& record) noexcept;
   /// 1. Checks record.q_m as it was read: finite, complete, and watchDevice().
   /// @param read the device's status of the read
   WHOLEHAND_RT void judgeReading(Fault read, TickRecord& record) noexcept;
@@ -53,7 +55,7 @@ class SafetyChain {
   WHOLEHAND_RT void watchEnergy(TickRecord& record) noexcept;
   /// 4. to 7. From record.rendered to record.sent: the therapist's limits (record.effort_limit) and
   /// the device's, authority, power, slew. A requested stop, and every stopping fault of the tick,
-  /// begins the ramp to neutral here.
+  /// lets go here (advanceRamp()).
   WHOLEHAND_RT void limitEffort(TickRecord& record) noexcept;
   /// 8. Checks the device's answer to record.sent. If it refused, record.sent becomes the effort
   /// that the device holds.
@@ -81,6 +83,7 @@ class SafetyChain {
   [[nodiscard]] SafetyState state() const noexcept { return state_; }
 
  private:
+  [[nodiscard]] double blendTime_s(const TickRecord& record) const noexcept;
   [[nodiscard]] AxisEffort withinLimits(TickRecord& record) const noexcept;
   void noteSentInTank(const TickRecord& record) noexcept;
 
@@ -96,6 +99,7 @@ class SafetyChain {
   SafetyState state_ = SafetyState::kDisarmed;
   Fault latched_ = Fault::kNone;  ///< stopping faults, kept until armed again
   AxisEffort acknowledged_;       ///< last effort that the device accepted
+  double reengage_s_ = 0.0;       ///< for a gap before this tick
   double unconfirmed_s_ = 0.0;    ///< time since it should have been neutral without confirming it
 };
 

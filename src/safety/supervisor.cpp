@@ -23,6 +23,7 @@ constexpr double kGap_s = 0.005;        // longer gaps blend the effort in again
 constexpr double kGapsWithin_s = 1.0;   // window for counting gaps
 constexpr std::uint32_t kStall_periods = 5;
 constexpr double kCatchUp_s = 0.2;
+constexpr double kLongestSimulatedGap_s = 0.5;
 
 void add(Finding& finding, Fault fault, int axis) noexcept {
   if (finding.axis < 0) finding.axis = axis;
@@ -115,12 +116,19 @@ void watchStuck(DeviceWatchState& state, const AxisPosition& q_m, const AxisEffo
 
 }  // namespace
 
+WatchLimits watchLimits(const DeviceModel& device, bool simulated) {
+  if (!simulated) return device.watch;
+  WatchLimits limits;
+  limits.longest_gap_s = kLongestSimulatedGap_s;
+  return limits;
+}
+
 SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s, bool simulated) {
   SupervisorConfig config;
   config.axes = device.axisCount();
   config.period_s = period_s;
   config.power_limit_w = device.power_limit_w;
-  if (!simulated) config.watch = device.watch;
+  config.watch = watchLimits(device, simulated);
   config.lower = config.upper = config.margin = config.encoder_step = AxisPosition(config.axes);
   config.carries = AxisFlag(config.axes);
   config.speed_limit = AxisVelocity(config.axes);
@@ -171,8 +179,7 @@ Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m, const Axis
 Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
                  const SupervisorConfig& config) noexcept {
   if (config.axes == 0) return Fault::kNone;
-  const bool stalled =
-      config.watch.longest_gap_s <= 0.0 && observed.elapsed_periods > kStall_periods;
+  const bool stalled = config.watch.late_in_a_row <= 0 && observed.elapsed_periods > kStall_periods;
   state.catch_up_left_s = stalled ? kCatchUp_s : state.catch_up_left_s - config.period_s;
   Fault fault = Fault::kNone;
   for (int i = 0; i < config.axes; ++i) {

@@ -28,7 +28,10 @@ struct SupervisorConfig {
   WatchLimits watch;  ///< 0: not watched
 };
 
-/// @param simulated late ticks and stuck encoders are not watched
+/// Limits of timing in force. A simulated device moves nobody: its late ticks and stuck encoders
+/// are not watched, and it goes on after gaps of up to half a second.
+[[nodiscard]] WatchLimits watchLimits(const DeviceModel& device, bool simulated);
+
 [[nodiscard]] SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s,
                                               bool simulated);
 

@@ -49,6 +49,9 @@ struct StationConfig {
   /// Makes each session's real device, which a person holds: no player, no steering from a screen,
   /// no arming at start. Null: a simulated device that a virtual patient moves.
   std::function<Expected<std::unique_ptr<HapticDevice>>(const DeviceModel&)> make_device;
+  /// Arming is refused where the machine grants no real-time priority or locked memory: for a
+  /// device that moves a person.
+  bool real_time_required = false;
   /// Status of the real device, for clients. Any thread; null: none.
   std::function<DeviceStatus()> device_status;
   /// Makes the player of a simulated device when the exercise has none of its own. Required.

@@ -93,7 +93,7 @@ Expected<std::unique_ptr<Rig>> Station::Core::makeRig(std::unique_ptr<Player> pl
   return buildRig(models_, std::move(*device), config_.rig);
 }
 
-// Armed, but not ticking yet.
+// All but enabled.
 Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player> player,
                                                          const std::vector<double>& parameters,
                                                          RunPlan plan) const {
@@ -106,8 +106,8 @@ Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player>
         roomNotice(plan.record, period_s, static_cast<double>(plan.duration_ticks) * period_s);
     if (!room.empty()) say(room);
   }
-  const auto passed = rehearsed_ ? rehearsed_->passed : std::nullopt;
-  if (auto armed = (*rig)->renderer->arm(passed); !armed) return armed.errors();
+  plan.real_time_required = config_.real_time_required;
+  if (rehearsed_) plan.rehearsed = rehearsed_->passed;
   return Run::prepare(std::move(*rig), std::move(plan));
 }
 
@@ -146,7 +146,8 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
     if (reply.accepted) {
       auto begun = live_->begin();
       if (begun) return sessionRuns(std::move(reply), record);
-      reply = refused(Refusal::kCannotStart, format(begun.errors()));
+      reply = stoppedSince(asked) ? stopCame()
+                                  : refused(Refusal::kCannotStart, format(begun.errors()));
     }
   } else {
     reply = refused(Refusal::kCannotStart, format(prepared.errors()));

@@ -1,6 +1,7 @@
 // Lifecycle of sessions: all on the station's main thread.
 #include "exercise/load_exercise.hpp"
 #include "runtime/interrupt_scope.hpp"
+#include "safety/supervisor.hpp"
 #include "station/scene_facts.hpp"
 #include "station/station_core.hpp"
 
@@ -44,8 +45,10 @@ Expected<Done> Station::Core::load() {
   if (!gains) return gains.errors();
   if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) return no;
   models_ = std::move(*models);
+  DeviceModel watched = models_.device;
+  watched.watch = watchLimits(watched, config_.make_device == nullptr);
   safety_ = std::make_unique<SafetyLog>(
-      models_.device, config_.rig.period_s,
+      std::move(watched), config_.rig.period_s,
       [this](const SafetyTransition& transition) { say(describe(transition)); });
   publishScene("");
   return Done{};

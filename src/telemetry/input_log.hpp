@@ -10,8 +10,8 @@
 namespace wholehand {
 
 /// Faults of a tick that come from outside; all others follow from the inputs.
-inline constexpr Fault kInputFaults =
-    Fault::kDeviceRead | Fault::kDeviceWrite | Fault::kStopRequested | Fault::kEmergencyStop;
+inline constexpr Fault kInputFaults = kOfReading | Fault::kDeviceWrite | Fault::kStopRequested |
+                                      Fault::kEmergencyStop | Fault::kGentleStop;
 
 /// All inputs of a tick: with them it can be run again.
 struct TickInput {

@@ -17,6 +17,7 @@ class ChangingDevice final : public HapticDevice {
 
   [[nodiscard]] Expected<Done> open() override { return now_->open(); }
   [[nodiscard]] Expected<Done> ready() override { return now_->ready(); }
+  [[nodiscard]] Expected<Done> enable() override { return now_->enable(); }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
     return now_->read(reading, elapsed_periods);

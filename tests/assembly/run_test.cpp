@@ -52,7 +52,6 @@ TEST(RunAndRecord, WithoutAThreadOrAFile_ClosesTheDeviceAndLeavesNoRecording) {
   too_fast.period_s = 5e-6;  // below the thread's 10 µs
   Story story;
   const auto rig = watched(story, std::numeric_limits<int>::max(), too_fast);
-  ASSERT_TRUE(rig->renderer->arm());
   const auto outcome = runAndRecord(*rig, plan);
   ASSERT_FALSE(outcome);
   EXPECT_EQ(outcome.errors().front().key, "period_ns");
@@ -61,7 +60,6 @@ TEST(RunAndRecord, WithoutAThreadOrAFile_ClosesTheDeviceAndLeavesNoRecording) {
 
   Story other;
   const auto second = watched(other);
-  ASSERT_TRUE(second->renderer->arm());
   plan.record = file.path() + "/no/such/folder.h5";
   EXPECT_FALSE(runAndRecord(*second, plan));
   EXPECT_FALSE(other.open);
@@ -69,12 +67,57 @@ TEST(RunAndRecord, WithoutAThreadOrAFile_ClosesTheDeviceAndLeavesNoRecording) {
   EXPECT_TRUE(second->renderer->arm());  // nothing is left of an arming without a run
 }
 
+// Whatever may wait for a disk comes first: docs/safety.md, "Arming".
+TEST(Run, DeviceIsEnabledLast_WhenEveryFileIsThere) {
+  const TemporaryFile file;
+  RunPlan plan;
+  plan.duration_ticks = 5;
+  plan.simulated_clock = true;
+  plan.record = file.path();
+  plan.black_box = blackBoxPath(file.path());
+  Story story;
+  bool recording_was_there = false;
+  story.at_enable = [&] { recording_was_there = fs::exists(file.path()); };
+  orThrow(runAndRecord(*watched(story), plan));
+  EXPECT_TRUE(recording_was_there);
+  EXPECT_EQ(story.enables, 1);
+  EXPECT_FALSE(story.enabled);
+
+  Story no_folder;
+  plan.record = file.path() + "/no/such/folder.h5";
+  EXPECT_FALSE(runAndRecord(*watched(no_folder), plan));
+  EXPECT_EQ(no_folder.enables, 0);
+}
+
+TEST(Run, StoppedBeforeItBegins_EnablesNothingOrIsDisabledAgain) {
+  enum class When { kBeforePreparing, kBetween, kWhileEnabling };
+  for (const When when : {When::kBeforePreparing, When::kBetween, When::kWhileEnabling}) {
+    for (const bool gentle : {false, true}) {
+      Story story;
+      const std::shared_ptr<Rig> rig = watched(story);
+      const auto stop = [&] {
+        gentle ? rig->renderer->requestGentleStop() : rig->renderer->requestEmergencyStop();
+      };
+      if (when == When::kBeforePreparing) stop();
+      auto run = Run::prepare(rig, RunPlan{});
+      EXPECT_EQ(run.ok(), when != When::kBeforePreparing);
+      if (when == When::kWhileEnabling) story.at_enable = stop;
+      if (run) {
+        if (when == When::kBetween) stop();
+        EXPECT_FALSE((*run)->begin());
+      }
+      EXPECT_EQ(story.enables, when == When::kWhileEnabling ? 1 : 0);
+      EXPECT_FALSE(story.enabled);
+      EXPECT_FALSE(story.open);
+    }
+  }
+}
+
 // What is written to a file that nobody can find any more is lost, and is said to be.
 TEST(RunAndRecord, RecordingThatIsRemovedMeanwhile_IsToldAndCountsAsDropped) {
   const TemporaryFile file;
   Story story;
   const auto rig = watched(story);
-  ASSERT_TRUE(rig->renderer->arm());
   RunPlan plan;
   plan.duration_ticks = 200;
   plan.simulated_clock = true;
@@ -112,8 +155,7 @@ TEST(BlackBoxPath, WithoutAWritableFolder_IsInTheTemporaryOne) {
 
 TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
   Story story;
-  const auto rig = watched(story, 41);  // arm() is the first read: tick 40
-  ASSERT_TRUE(rig->renderer->arm());
+  const auto rig = watched(story, 41);  // prepare() is the first read: tick 40
   RunPlan plan;
   plan.duration_ticks = 5000;
   plan.queue_ticks = 4;
@@ -139,7 +181,6 @@ TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
 TEST(RunAndRecord, SinkThatThrows_IsToldAndTheLoopRunsOn) {
   Story story;
   const auto rig = watched(story);
-  ASSERT_TRUE(rig->renderer->arm());
   RunPlan plan;
   plan.duration_ticks = 100;
   plan.sinks.emplace_back([](const TickRecord&) { throw std::runtime_error("no more paper"); });
@@ -154,7 +195,6 @@ TEST(RunAndRecord, SinkThatThrows_IsToldAndTheLoopRunsOn) {
 bool isStoppedBy(int signal) {
   Story story;
   const auto rig = watched(story);
-  EXPECT_TRUE(rig->renderer->arm());
   const InterruptScope signals;
   RunPlan plan;
   plan.interrupts = &InterruptScope::shared();

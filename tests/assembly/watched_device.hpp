@@ -3,6 +3,9 @@
 #include "assembly/rig.hpp"
 #include "support/rig_tools.hpp"
 
+#include <functional>
+#include <limits>
+
 /// A device that tells what it went through, and a rig around it.
 namespace wholehand::test {
 
@@ -10,8 +13,9 @@ inline constexpr const char* kWatchedDevice = "desktop-3axis";
 
 /// What a device went through, known after its end too.
 struct Story {
-  bool open = false;
-  int reads = 0;
+  bool open = false, enabled = false;
+  int reads = 0, enables = 0;
+  std::function<void()> at_enable = [] {};
 };
 
 /// Rests at the origin; from one read on it fails.
@@ -24,12 +28,18 @@ class WatchedDevice final : public HapticDevice {
     return Done{};
   }
   [[nodiscard]] Expected<Done> ready() override { return Done{}; }
+  [[nodiscard]] Expected<Done> enable() override {
+    story_.at_enable();
+    story_.enabled = true;
+    ++story_.enables;
+    return Done{};
+  }
   [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
     reading.q_m = AxisPosition(3);
     return story_.reads++ >= fails_at_ ? Fault::kDeviceRead : Fault::kNone;
   }
   [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
-  void close() noexcept override { story_.open = false; }
+  void close() noexcept override { story_.open = story_.enabled = false; }
 
  private:
   Story& story_;

@@ -26,8 +26,6 @@ FaultyRun runWith(const Folder& folder, const std::vector<InjectedFault>& faults
                                                 sweeping(models.device), 1e-3);
   run.rig =
       build(std::move(models), std::make_unique<FaultInjector>(*run.inner, faults, simulated));
-  const auto armed = run.rig->renderer->arm();
-  EXPECT_TRUE(armed.ok()) << (armed.ok() ? "" : format(armed.errors()));
   RunPlan plan;
   plan.title = "faulty";
   plan.duration_ticks = 8000;
@@ -92,7 +90,6 @@ TEST(FaultedRun, EmergencyStop_LeavesABoxThatSaysSoAndRunsAgain) {
   Models models = load(shippedFiles("lambda-pride", "four-shapes"));
   const Intention intention = sweeping(models.device);
   auto rig = orThrow(buildRig(std::move(models), intention, RigOptions{}));
-  ASSERT_TRUE(rig->renderer->arm().ok());
   RunPlan plan;
   plan.duration_ticks = 3000;
   plan.black_box = folder.file("deep/stop.wbb");

@@ -96,7 +96,6 @@ class KilledRun : public testing::Test {
     ::setrlimit(RLIMIT_CORE, &none);
     ::alarm(300);
     ::close(STDERR_FILENO);
-    if (!rig_->renderer->arm().ok()) ::_exit(98);
     RunPlan plan;
     plan.title = "killed";
     plan.duration_ticks = 60'000;

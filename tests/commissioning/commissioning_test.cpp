@@ -96,10 +96,11 @@ TEST(Commissioning, OfSixAxes_TakesFiveMinutesAnd25ActionsAndClearsTheDevice) {
   }
 
   const Day day = passport.measured_on;
-  EXPECT_FALSE(clearToArm(s.device.identity(), s.model, day).ok()) << "not checked today";
+  EXPECT_FALSE(clearToArm(s.device.identity(), s.model, passport.rate_hz, day).ok())
+      << "not checked today";
   const auto checked = s.commissioning->checkToday();
   ASSERT_TRUE(checked.ok()) << said(checked);
-  EXPECT_TRUE(clearToArm(s.device.identity(), s.model, day).ok());
+  EXPECT_TRUE(clearToArm(s.device.identity(), s.model, passport.rate_hz, day).ok());
 }
 
 TEST(Commissioning, WithoutBuiltPages_WritesThePassportAndSaysThatItIsNotDrawn) {

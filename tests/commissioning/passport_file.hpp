@@ -2,7 +2,7 @@
 
 #include "commissioning/daily_check.hpp"
 #include "commissioning/sealed_file.hpp"
-#include "commissioning/sha256.hpp"
+#include "core/sha256.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"
 
@@ -52,7 +52,8 @@ class PassportFolder {
 
   Folder folder;
   Day day = std::chrono::sys_days(std::chrono::year(2026) / 11 / 21);
-  DriverIdentity identity{"S-1", "1.0", "7"};
+  DriverIdentity identity{"S-1", "1.0", "7", "5ba1"};
+  double rate_hz = 1000.0;
   std::string device_file, path, check_path;
   DeviceModel model;
   Passport passport;

@@ -76,7 +76,7 @@ std::string armingAfter(Change change) {
   PassportFolder f;
   f.keep();
   change(f);
-  return refusal(clearToArm(f.identity, orThrow(loadDeviceFile(f.device_file)), f.day));
+  return refusal(clearToArm(f.identity, orThrow(loadDeviceFile(f.device_file)), f.rate_hz, f.day));
 }
 
 TEST(Arming, WithPassportAndTodaysCheck_IsCleared) {
@@ -107,6 +107,9 @@ TEST(Arming, WithAnythingMissingOrForeign_IsRefusedByName) {
        },
        "serial = S-1: the passport is foreign: this device says S-2"},
       {"new firmware", [](PassportFolder& f) { f.identity.firmware = "2.0"; }, "firmware = 1.0"},
+      {"another driver or setting", [](PassportFolder& f) { f.identity.driver_sha256 = "5ba2"; },
+       "the driver, its settings or a file that they name is another one"},
+      {"another rate", [](PassportFolder& f) { f.rate_hz = 4000.0; }, "rate_hz = 1000"},
       {"new SDK", [](PassportFolder& f) { f.identity.sdk = "8"; }, "sdk = 7"},
       {"device file changed",
        [](PassportFolder& f) {

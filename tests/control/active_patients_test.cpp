@@ -95,7 +95,8 @@ class OneAxisTick {
     const LimitedEffort limited = limitEffort(AxisEffort(1, wanted), limit);
     faults |= limited.faults;
     slew_.note(ramp_.sent);
-    ramp_ = advanceRamp(ramp_, limited.effort, neutral, stop, 1, kPeriod_s, {});
+    ramp_ = advanceRamp(ramp_, limited.effort, neutral, stop ? StopAsked::kPlain : StopAsked::kNone,
+                        1, kPeriod_s, {});
     ramp_.sent = limitSlew(ramp_.sent, slew_, most_change).effort;
     tank_ = recordSent(step.state, AxisEffort(1, ramp_.sent[0] - neutral[0]),
                        avatarEffort(q_m, velocity_.filtered, q_s, qd_s, dampingOf(loop_), gains_),

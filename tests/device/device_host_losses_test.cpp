@@ -9,6 +9,7 @@
 #include "device/plugin/plugin_driver.hpp"
 #include "host_tools.hpp"
 #include "plain_driver.hpp"
+#include "support/open_enabled.hpp"
 #include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
@@ -250,7 +251,7 @@ TEST_P(LostHost, IsAFaultWithinTheLongestGap) {
         driver = *connected;
         device = orThrow(PluginDevice::make(driver, model, 1e-3));
       }
-      open = device->open().ok();
+      open = (driver->reconnect() && openEnabled(*device));
     }
     ASSERT_TRUE(open) << "loss " << k;
     DeviceReading reading;
@@ -307,11 +308,11 @@ TEST(StoppedHost, KeepsNoRunFromEndingAndIsNotArmed) {
   DeviceModel model = orThrow(loadDeviceFile(desktopFile()));
   model.output_delay_ticks = 2;
   const auto device = orThrow(PluginDevice::make(driver, model, 1e-3));
-  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(openEnabled(*device));
   host.send(SIGSTOP);
   const std::int64_t begun_ns = monotonicNow_ns();
   device->close();
-  const auto opened = device->open();
+  const auto opened = openEnabled(*device);
   ASSERT_FALSE(opened);
   EXPECT_NE(format(opened.errors()).find("stands still"), std::string::npos)
       << format(opened.errors());

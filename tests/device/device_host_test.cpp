@@ -4,6 +4,7 @@
 #include "realtime/allocation_counter.hpp"
 #include "realtime/system_call_counter.hpp"
 #include "spoiled_places.hpp"
+#include "support/open_enabled.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,7 @@ namespace {
 void armAnewWhereLatched(HostThread& host, HapticDevice& device) {
   if (host.sample().phase != HostPhase::kLatched) return;
   device.close();
-  ASSERT_TRUE(device.open());
+  ASSERT_TRUE(openEnabled(device));
 }
 
 TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
@@ -27,6 +28,7 @@ TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   EXPECT_EQ(hosted->identity().sdk, "7");
   const auto device = deviceOf(hosted);
   ASSERT_NO_FATAL_FAILURE(expectPlacesOfSpoiled(*device));
+  ASSERT_TRUE(device->enable());
   // The driver measures what it was given.
   bool given = false;
   for (int i = 0; i < 2000 && !given; ++i) {
@@ -73,14 +75,14 @@ TEST(HostedDevice, DriverThatMayWait_IsTakenByTheHostOnly) {
   EXPECT_FALSE(PluginDriver::load({built("may_wait"), "", ""}));
   const std::string name = hostName("waits");
   HostThread host(name, spoiled("", "may_wait"), desktop());
-  EXPECT_TRUE(deviceOf(orThrow(HostedDriver::connect(name)))->open());
+  EXPECT_TRUE(openEnabled(*deviceOf(orThrow(HostedDriver::connect(name)))));
 }
 
 TEST(HostedDevice, ReadsAndWrites_AllocateNothingCallNothingAndTakeAMicrosecond) {
   const std::string name = hostName("cost");
   HostThread host(name, spoiled(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
-  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(openEnabled(*device));
   DeviceReading reading;
   const AxisEffort effort = efforts(1.0, 2.0, 3.0);
   ASSERT_EQ(device->read(reading, 1), Fault::kNone);
@@ -120,7 +122,7 @@ TEST(HostedDevice, LoopThatStopsAndGoesOn_FindsItsEnableLostUntilItArmsAnew) {
   const std::string name = hostName("latch");
   HostThread host(name, spoiled(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
-  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(openEnabled(*device));
   for (int i = 0; i < 50; ++i) {
     ASSERT_EQ(device->write(efforts(3.0, 0.0, 0.0)), Fault::kNone);
     sleepMs(1);
@@ -137,7 +139,7 @@ TEST(HostedDevice, LoopThatStopsAndGoesOn_FindsItsEnableLostUntilItArmsAnew) {
     sleepMs(1);
   }
   device->close();
-  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(openEnabled(*device));
   EXPECT_EQ(device->read(reading, 1), Fault::kNone);
   EXPECT_EQ(host.sample().phase, HostPhase::kWaiting);
   bool heard = false;
@@ -155,7 +157,7 @@ TEST(HostedDevice, HostThatIsToldToEnd_IsAtNeutralFirst) {
   const auto driver = spoiled("");
   HostThread host(name, driver, desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
-  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(openEnabled(*device));
   std::atomic<bool> over{false};
   std::thread loop([&] {
     const AsUrgentAsALoop urgent;
@@ -193,7 +195,7 @@ TEST(HostedDevice, ClosedWhileItPushes_IsAtNeutralBeforeItIsDisabled) {
   const std::string name = hostName("closes");
   HostThread host(name, spoiled(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
-  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(openEnabled(*device));
   const AsUrgentAsALoop urgent;
   ASSERT_NO_FATAL_FAILURE(pushUntilMeasured(host, *device, 4.0));
   ASSERT_EQ(host.sample().sample.effort[3], 4.0);
@@ -214,7 +216,7 @@ TEST(HostedDevice, ClosedRightAfterItsNeutralCommand_IsNotLetGoOf) {
   HostThread host(name, spoiled(""), desktop());
   for (int session = 0; session < 10; ++session) {
     const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
-    ASSERT_TRUE(device->open());
+    ASSERT_TRUE(openEnabled(*device));
     const AsUrgentAsALoop urgent;
     ASSERT_NO_FATAL_FAILURE(pushUntilMeasured(host, *device, 0.05));
     (void)host.events();
@@ -236,7 +238,7 @@ TEST_P(FailingHostedDevice, TellsTheLoop) {
   const std::string name = hostName("fails");
   HostThread host(name, spoiled(std::string(GetParam().name) + "@4000", "may_wait"), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
-  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(openEnabled(*device));
   DeviceReading reading;
   bool told = false, was_well = false;
   for (int i = 0; i < 5000 && !told; ++i) {

@@ -7,6 +7,7 @@
 #include "device/plain_driver.hpp"
 #include "drivers/composite/composite.hpp"
 #include "drivers/frame_bench.hpp"
+#include "realtime/monotonic_clock.hpp"
 #include "support/rig_tools.hpp"
 
 #include <atomic>
@@ -27,9 +28,12 @@ class Obedient final : public PlainDriver {
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
     const auto is = [this](const char* word) { return std::strcmp(kind.load(), word) == 0; };
     if (is("unplug")) return WH_FAILED;
-    if (!is("frozen")) ++samples_;
+    if (!is("frozen")) {
+      ++samples_;
+      taken_ns_ = clock != nullptr ? clock->now_ns() : monotonicNow_ns();
+    }
     sample.sequence = is("backwards") ? 1'000'000 - samples_ : 1'000'000 + samples_;
-    sample.monotonic_ns = is("clock") ? 1 : static_cast<std::int64_t>(samples_) * 1'000'000;
+    sample.monotonic_ns = is("clock") ? 1 : taken_ns_;
     sample.status = WH_HOMED | (enabled ? static_cast<std::uint32_t>(WH_ENABLED) : 0U);
     if (is("unhomed")) sample.status &= ~static_cast<std::uint32_t>(WH_HOMED);
     if (is("enable")) sample.status &= ~static_cast<std::uint32_t>(WH_ENABLED);
@@ -43,7 +47,8 @@ class Obedient final : public PlainDriver {
     return !enabled || std::strcmp(kind.load(), "refuse") == 0 ? WH_FAILED : WH_OK;
   }
 
-  std::atomic<const char*> kind{""};  ///< of the fault
+  std::atomic<const char*> kind{""};    ///< of the fault
+  const FaultAdapter* clock = nullptr;  ///< of its samples; null: real time
 
  private:
   static wh_axis axis() {
@@ -54,6 +59,7 @@ class Obedient final : public PlainDriver {
   }
 
   std::uint64_t samples_ = 0;
+  std::int64_t taken_ns_ = 0;
 };
 
 // Of the words that a table has; they live as long as the program.
@@ -67,7 +73,7 @@ const char* lasting(const std::string& kind) {
 
 class Direct final : public FaultAdapter {
  public:
-  Direct() : FaultAdapter(desktopModel()) {}
+  Direct() : FaultAdapter(desktopModel()) { driver_->clock = this; }
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override { return driver_; }
   void spoil(const std::string& kind) override { driver_->kind = lasting(kind); }
 
@@ -104,7 +110,7 @@ class Pair final : public DeviceDriver {
 
 class OfTwo final : public FaultAdapter {
  public:
-  OfTwo() : FaultAdapter(desktopModel()) {}
+  OfTwo() : FaultAdapter(desktopModel()) { base_->clock = hand_->clock = this; }
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override {
     return std::make_shared<Pair>(Composite::Parts{base_, hand_});
   }
@@ -144,6 +150,7 @@ class OverTheFrame final : public FaultAdapter {
       bench_.pass();
     }
   }
+  [[nodiscard]] std::int64_t now_ns() const override { return bench_.now_ns(); }
   void spoil(const std::string& kind) override {
     if (kind == "unplug") bench_.wires->gone = true;
     if (kind == "missing") bench_.state.valid &= ~1U;
@@ -179,6 +186,7 @@ class OnTheBus final : public FaultAdapter {
     time_.now_ns += 1'000'000;
     bus_.deliver(time_.now_ns);
   }
+  [[nodiscard]] std::int64_t now_ns() const override { return time_.now_ns; }
   void spoil(const std::string& kind) override {
     FakeDrive& drive = bus_.drives[1];
     if (kind == "unplug") bus_.unplugged = true;
@@ -198,6 +206,7 @@ class WithTheSdk final : public FaultAdapter {
  public:
   WithTheSdk() : FaultAdapter(desktopModel()), driver_(orThrow(at_.load("", kForceSettings))) {}
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override { return driver_; }
+  [[nodiscard]] std::int64_t now_ns() const override { return monotonicNow_ns(); }
   void spoil(const std::string& kind) override {
     if (kind == "unplug") at_.fake->connected = 0;
     if (kind == "drive") at_.fake->error = 1;
@@ -228,6 +237,7 @@ class Hosted final : public FaultAdapter {
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override { return driver_; }
   void pass() override { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
   void spoil(const std::string& kind) override { behind_->kind = lasting(kind); }
+  [[nodiscard]] std::int64_t now_ns() const override { return monotonicNow_ns(); }
   [[nodiscard]] bool inRealTime() const override { return true; }
 
  private:

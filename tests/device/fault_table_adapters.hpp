@@ -15,7 +15,9 @@ class FaultAdapter {
   [[nodiscard]] virtual std::shared_ptr<DeviceDriver> driver() = 0;
   [[nodiscard]] const DeviceModel& model() const { return model_; }
   /// A millisecond goes by.
-  virtual void pass() {}
+  virtual void pass() { now_ns_ += 1'000'000; }
+  /// The clock of the samples.
+  [[nodiscard]] virtual std::int64_t now_ns() const { return now_ns_; }
   /// From now on the device has this fault.
   virtual void spoil(const std::string& kind) = 0;
   [[nodiscard]] virtual bool inRealTime() const { return false; }
@@ -23,6 +25,9 @@ class FaultAdapter {
  protected:
   explicit FaultAdapter(DeviceModel model) : model_(std::move(model)) {}
   DeviceModel model_;
+
+ private:
+  std::int64_t now_ns_ = 1'000'000'000;
 };
 
 [[nodiscard]] std::unique_ptr<FaultAdapter> makeDirect();

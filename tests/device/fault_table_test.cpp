@@ -4,6 +4,7 @@
 // rig: FailingDevice.InATick_IsToldAndRampsToNeutral in plugin_device_test.cpp.
 #include "device/fault_table_adapters.hpp"
 #include "support/figure.hpp"
+#include "support/open_enabled.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -73,8 +74,11 @@ struct Course {
 Course runInto(FaultAdapter& adapter, const char* kind, int at) {
   Course course;
   const auto watched = std::make_shared<WatchedDriver>(adapter.driver());
-  const auto device = orThrow(PluginDevice::make(watched, adapter.model(), 1e-3));
-  EXPECT_TRUE(device->open());
+  static const FaultAdapter* clock = nullptr;
+  clock = &adapter;
+  const auto device = orThrow(PluginDevice::make(watched, adapter.model(), 1e-3, std::nullopt,
+                                                 []() noexcept { return clock->now_ns(); }));
+  EXPECT_TRUE(openEnabled(*device));
   DeviceReading reading;
   const AxisEffort neutral(adapter.model().axisCount());
   for (int tick = 0; tick < at + 1100 && course.began < 0; ++tick) {

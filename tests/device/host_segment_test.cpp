@@ -1,5 +1,6 @@
 // The memory and the names that a host and its loop share, and all that may be wrong with them.
 #include "hosted_tools.hpp"
+#include "support/open_enabled.hpp"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +35,7 @@ TEST(TwoLoops, ForOneHost_TheSecondIsRefusedByProcess) {
   const std::string name = hostName("twice");
   HostThread host(name, spoiled(""), desktop());
   auto first = orThrow(HostedDriver::connect(name));
-  ASSERT_TRUE(deviceOf(first)->open());
+  ASSERT_TRUE(openEnabled(*deviceOf(first)));
   const std::string said = whyNoHost(name);
   EXPECT_NE(said.find("is in use by another loop, process " + std::to_string(::getpid())),
             std::string::npos)
@@ -118,7 +119,7 @@ TEST_F(ForeignMemory, NotSetUp_IsRefused) {
 }
 TEST_F(ForeignMemory, OfAnotherLayout_IsRefusedWithBoth) {
   make()->layout = kFrameLayout + 1;
-  expectRefused("version 3, this is 2");
+  expectRefused("version 4, this is 3");
 }
 TEST_F(ForeignMemory, ThatStatesAnotherSize_IsRefused) {
   make()->size = 77;

@@ -1,6 +1,7 @@
 // Drivers that are loaded from shared objects built by a C compiler against the public header.
 #include "device/plugin/plugin_device.hpp"
 
+#include "device/plain_driver.hpp"
 #include "device/plugin/observed_driver.hpp"
 #include "device/plugin/plugin_driver.hpp"
 #include "realtime/allocation_counter.hpp"
@@ -8,6 +9,7 @@
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"
 #include "support/seed.hpp"
+#include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -87,6 +89,7 @@ TEST(PluginDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   const auto driver = orThrow(loadSpoiled(""));
   const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
   ASSERT_NO_FATAL_FAILURE(expectPlacesOfSpoiled(*device));
+  ASSERT_TRUE(device->enable());
   AxisEffort effort(3);
   effort[0] = 0.5, effort[1] = -0.25, effort[2] = 2.0;
   ASSERT_EQ(device->write(effort), Fault::kNone);
@@ -117,26 +120,44 @@ TEST(PluginDevice, ReadsAndWrites_AllocateNothing) {
   EXPECT_EQ(threadAllocations(), before);
 }
 
+TEST(PluginDevice, EnablingThatFails_IsUndone) {
+  for (const char* settings : {"locked", "enable"}) {
+    const auto driver = orThrow(loadSpoiled(settings));
+    const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
+    ASSERT_TRUE(device->open());
+    EXPECT_FALSE(device->enable());
+    EXPECT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kDeviceWrite);
+    wh_command command{};
+    command.size = sizeof(command);
+    command.axes = 4;
+    command.sequence = 1;
+    EXPECT_LT(driver->write(command), 0) << settings << ": it is disabled again";
+  }
+}
+
 TEST(PluginDevice, NotHomedOrLocked_IsNotArmed) {
   for (const char* settings : {"unhomed", "drive", "enable", "unplug", "locked"}) {
     const auto device = deviceThat(settings);
-    const bool may = device->open() && device->ready();
+    const bool may = device->open() && device->ready() && device->enable();
     EXPECT_FALSE(may) << settings;
   }
 }
 
 TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
-  const auto observed = std::make_shared<ObservedDriver>(orThrow(loadSpoiled("silenced@3")));
+  const auto observed = std::make_shared<ObservedDriver>(orThrow(loadSpoiled("silenced@4")));
   const auto device = orThrow(PluginDevice::make(observed, desktopInARig(), 1e-3));
   EXPECT_EQ(observed->facts().sampled_ns, 0) << "nothing was read yet";
   ASSERT_TRUE(device->open());
+  ASSERT_TRUE(device->enable());
   DeviceReading reading;
+  const std::int64_t before_ns = monotonicNow_ns();
   ASSERT_EQ(device->read(reading, 1), Fault::kNone);
   EXPECT_TRUE(observed->facts().enabled);
   EXPECT_TRUE(observed->facts().homed);
   EXPECT_FALSE(observed->facts().silenced);
   EXPECT_TRUE(std::isnan(observed->facts().temperature_c)) << "the driver does not say";
-  EXPECT_EQ(observed->facts().sampled_ns, 1'000'000) << "spoiled_driver.c: sample n is of n ms";
+  EXPECT_GE(observed->facts().sampled_ns, before_ns);
+  EXPECT_LE(observed->facts().sampled_ns, monotonicNow_ns());
   (void)device->read(reading, 1), (void)device->read(reading, 1);
   EXPECT_TRUE(observed->facts().silenced);
   device->close();
@@ -153,7 +174,7 @@ class FailingDevice : public testing::TestWithParam<FailingInATick> {};
 
 // A whole rig: the ramp begins in the tick whose sample says so, and ends at neutral.
 TEST_P(FailingDevice, InATick_IsToldAndRampsToNeutral) {
-  constexpr int kAt = 60;  // samples: one by ready(), one by arm(), then one a tick
+  constexpr int kAt = 60;  // samples: by ready(), prepare() and enable(), then one a tick
   Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
   auto device = deviceThat(std::string(GetParam().name) + "@" + std::to_string(kAt));
   auto rig = orThrow(buildRigWithoutPerson(std::move(models), std::move(device), {}));
@@ -171,7 +192,7 @@ TEST_P(FailingDevice, InATick_IsToldAndRampsToNeutral) {
     if (rig->renderer->finished()) neutral = tick;
   }
   ASSERT_GE(first, 0) << "never told";
-  EXPECT_EQ(first, kAt - 3 + GetParam().within);
+  EXPECT_EQ(first, kAt - 4 + GetParam().within);
   if (any(GetParam().told & kStopping)) {
     EXPECT_EQ(record.safety_state, SafetyState::kFaulted);
     if (GetParam().told != Fault::kDeviceWrite) {
@@ -191,6 +212,102 @@ const std::vector<FailingInATick> kFailing = {
     {"frozen", Fault::kStaleSample, 21}, {"refuse", Fault::kDeviceWrite}};
 INSTANTIATE_TEST_SUITE_P(Kinds, FailingDevice, testing::ValuesIn(aTenth(kFailing)),
                          [](const auto& tested) { return tested.param.name; });
+
+/// Samples whose age the test says, on a clock of the test; their numbers always rise.
+std::int64_t g_now_ns = 0;
+class AgedDriver final : public PlainDriver {
+ public:
+  AgedDriver() : PlainDriver({"x", "y", "z"}, plainAxis()) {}
+  [[nodiscard]] int read(wh_sample& sample) noexcept override {
+    sample.size = sizeof(sample);
+    sample.sequence = ++samples_;
+    taken_ns_ = std::max(taken_ns_, g_now_ns - age_ns);
+    sample.monotonic_ns = taken_ns_;
+    sample.status = WH_HOMED | (enabled ? static_cast<std::uint32_t>(WH_ENABLED) : 0U);
+    sample.valid = 7;
+    return WH_OK;
+  }
+  [[nodiscard]] int write(const wh_command&) noexcept override { return WH_OK; }
+  std::int64_t age_ns = 0;
+
+ private:
+  std::uint64_t samples_ = 0;
+  std::int64_t taken_ns_ = 0;
+};
+
+/// An enabled device of 1 kHz, with one tick of certified delay and 20 ms of longest_gap_s.
+struct AgedDevice {
+  AgedDevice() {
+    g_now_ns = 1'000'000'000;
+    DeviceModel model = desktopInARig();
+    model.output_delay_ticks = 1;
+    model.watch.longest_gap_s = 0.02;
+    device = orThrow(
+        PluginDevice::make(driver, model, 1e-3, std::nullopt, []() noexcept { return g_now_ns; }));
+    orThrow(device->open());
+    orThrow(device->enable());
+  }
+  Fault tick(std::int64_t age_ns) {
+    g_now_ns += 1'000'000;
+    driver->age_ns = age_ns;
+    return device->read(reading, 1);
+  }
+  std::shared_ptr<AgedDriver> driver = std::make_shared<AgedDriver>();
+  std::unique_ptr<HapticDevice> device;
+  DeviceReading reading;
+};
+
+// docs/safety.md: older than longest_gap_s at once; a mean of more than the certified delay and a
+// tick, here 2 ms, within 0.1 s of it.
+TEST(SampleAge, FromNothingTo100Milliseconds_StopsAsTheLawSays) {
+  auto random = seededRandom(3404);
+  for (int i = 0; i < cases(2000); ++i) {
+    const double age_ms = uniform(random, 0.0, i % 2 == 0 ? 5.0 : 100.0);
+    SCOPED_TRACE(age_ms);
+    AgedDevice at;
+    for (int k = 0; k < 200; ++k) (void)at.tick(0);
+    Fault all = Fault::kNone;
+    int stopped_after = -1;
+    for (int k = 0; k < 1000; ++k) {
+      all |= at.tick(static_cast<std::int64_t>(age_ms * 1e6));
+      if (stopped_after < 0 && any(all & kStopping)) stopped_after = k;
+    }
+    EXPECT_EQ(any(all & Fault::kStaleSample), age_ms > 20.0);
+    if (age_ms < 1.999) {
+      EXPECT_EQ(all, Fault::kNone);
+    } else if (age_ms > 2.5) {
+      // An exponential mean of 0.1 s passes 2 ms after −0.1 ln(1 − 2 / age) s.
+      const double within_ms = -100.0 * std::log(1.0 - 2.0 / age_ms);
+      ASSERT_GE(stopped_after, 0);
+      EXPECT_LE(stopped_after, within_ms + age_ms + 2.0);
+    }
+  }
+}
+
+TEST(SampleAge, TimeThatStandsStillWhileNumbersRise_StopsWithinLongestGap) {
+  AgedDevice at;
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(at.tick(0), Fault::kNone);
+  int good = 0;
+  while (good < 100 && !any(at.tick(1'000'000 * (good + 1)) & kStopping)) ++good;
+  EXPECT_LE(good, 20);
+}
+
+TEST(SampleAge, OfTheFuture_Stops) {
+  AgedDevice at;
+  EXPECT_EQ(at.tick(0), Fault::kNone);
+  EXPECT_TRUE(any(at.tick(-5'000'000) & Fault::kStaleSample));
+}
+
+// A good device: up to a period old, now and then late by up to 15 ms.
+TEST(SampleAge, OfAGoodDeviceWithJitter_NeverStops) {
+  auto random = seededRandom(3405);
+  AgedDevice at;
+  for (int k = 0; k < cases(1'000'000); ++k) {
+    const double age_ms =
+        random() % 500 == 0 ? uniform(random, 0.0, 15.0) : uniform(random, 0.0, 1.0);
+    ASSERT_EQ(at.tick(static_cast<std::int64_t>(age_ms * 1e6)), Fault::kNone) << k;
+  }
+}
 
 }  // namespace
 }  // namespace wholehand::test

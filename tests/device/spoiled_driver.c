@@ -19,6 +19,7 @@ struct wh_device {
   uint64_t samples, commands;
   int enabled;
   double effort[AXES];
+  struct timespec taken;
 };
 
 static int is(const wh_device* device, const char* word) {
@@ -72,7 +73,7 @@ static int control(wh_device* device, uint32_t verb, double argument) {
   return WH_OK;
 }
 
-/* Sample n was taken at n ms. Each axis stands at a place of its own and measures its effort. */
+/* Each axis stands at a place of its own and measures its effort. */
 static int read_sample(wh_device* device, wh_sample* sample) {
   const struct timespec fifty_ms = {0, 50000000};
   uint64_t n = ++device->samples;
@@ -92,7 +93,9 @@ static int read_sample(wh_device* device, wh_sample* sample) {
   if (is(device, "hot")) sample->status |= WH_HOT;
   if (is(device, "frozen")) n = device->at;
   sample->sequence = is(device, "backwards") ? 1000000 - n : 1000000 + n;
-  sample->monotonic_ns = (int64_t)(is(device, "clock") ? 1 : n) * 1000000;
+  if (!is(device, "frozen")) clock_gettime(CLOCK_MONOTONIC, &device->taken);
+  sample->monotonic_ns = (int64_t)device->taken.tv_sec * 1000000000 + device->taken.tv_nsec;
+  if (is(device, "clock")) sample->monotonic_ns = 1000000;
   sample->valid = is(device, "missing") ? 7 : 15;
   sample->vendor_code = 42;
   for (i = 0; i < AXES; ++i) {
@@ -144,6 +147,6 @@ static int identify(wh_device* device, wh_identity* identity) {
 #endif
 const wh_plugin* SYMBOL(void) {
   static const wh_plugin plugin = {SIZE, MAJOR, WH_MINOR, FLAGS, "spoiled", open_device, describe,
-                                   control, read_sample, write_command, close_device, identify};
+                                   control, read_sample, write_command, close_device, identify, NULL};
   return &plugin;
 }

@@ -5,6 +5,7 @@
 #include "frame_bench.hpp"
 #include "model/device_model.hpp"
 #include "realtime/monotonic_clock.hpp"
+#include "support/open_enabled.hpp"
 
 #include <gtest/gtest.h>
 
@@ -88,7 +89,7 @@ TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
     FirmwareProcess firmware(where);
     const auto device =
         orThrow(PluginDevice::make(frameAt(firmware.locator()), frameModel(), 1e-3));
-    ASSERT_TRUE(device->open()) << where;
+    ASSERT_TRUE(openEnabled(*device)) << where;
     ASSERT_TRUE(device->ready());
     DeviceReading reading;
     int good = 0, bad = 0;
@@ -101,7 +102,7 @@ TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
       bad = is_good ? 0 : bad + 1;
       if (bad == 1000) {
         device->close();
-        ASSERT_TRUE(device->open()) << where;
+        ASSERT_TRUE(openEnabled(*device)) << where;
         bad = 0;
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -118,7 +119,7 @@ TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
 TEST(Carriers, SerialLineUnpluggedInMidLine_IsAFaultOfReadAndWrite) {
   FirmwareProcess firmware("serial");
   const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), frameModel(), 1e-3));
-  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(openEnabled(*device));
   DeviceReading reading;
   ASSERT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kNone);
   ASSERT_EQ(device->read(reading, 1), Fault::kNone);
@@ -133,7 +134,7 @@ TEST(Carriers, SerialLineUnpluggedInMidLine_IsAFaultOfReadAndWrite) {
   EXPECT_TRUE(any(read & Fault::kDeviceRead));
   EXPECT_TRUE(any(written & Fault::kDeviceWrite));
   device->close();
-  EXPECT_FALSE(device->open()) << "it is gone";
+  EXPECT_FALSE(openEnabled(*device)) << "it is gone";
 }
 
 // The pseudo-terminal of a cable that is pulled out between two bytes of a frame.
@@ -165,7 +166,7 @@ TEST(Carriers, DeviceGoneFromUdpOrMemory_IsAStaleSample) {
     FirmwareProcess firmware(where);
     const auto device =
         orThrow(PluginDevice::make(frameAt(firmware.locator()), frameModel(), 1e-3));
-    ASSERT_TRUE(device->open());
+    ASSERT_TRUE(openEnabled(*device));
     firmware.send(SIGKILL);
     firmware.wait();
     std::this_thread::sleep_for(std::chrono::milliseconds(5));

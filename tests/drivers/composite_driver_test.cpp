@@ -172,6 +172,7 @@ TEST(CompositeOfFrames, FitsAndRendersOverTwoCarriers) {
     const auto device = orThrow(PluginDevice::make(driver, desktopOnARig(), 1e-3));
     ASSERT_TRUE(device->open());
     ASSERT_TRUE(device->ready());
+    ASSERT_TRUE(device->enable());
     DeviceReading reading;
     for (int i = 0; i < 200; ++i) {
       ASSERT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kNone);

@@ -61,18 +61,24 @@ class PatientBoard : public BenchBoard {
   bool period_passes = false;  ///< with the next tick of the firmware
 };
 
+/// The clock of the samples.
+const BenchBoard* g_board = nullptr;
+
 /// Pumps the line at each read and write of the loop.
 class LockStep final : public HapticDevice {
  public:
   explicit LockStep(const Models& models, const Intention& intention)
-      : board_(models, intention),
-        driver_(std::make_shared<BenchDriver>(board_)),
-        plugin_(orThrow(PluginDevice::make(driver_, models.device, kEqualPeriod_s))) {}
+      : board_(models, intention), driver_(std::make_shared<BenchDriver>(board_)) {
+    g_board = &board_;
+    plugin_ = orThrow(PluginDevice::make(driver_, models.device, kEqualPeriod_s, std::nullopt,
+                                         []() noexcept { return g_board->now_ns(); }));
+  }
   [[nodiscard]] Expected<Done> open() override {
     (void)board_.device.open();
     return plugin_->open();
   }
   [[nodiscard]] Expected<Done> ready() override { return plugin_->ready(); }
+  [[nodiscard]] Expected<Done> enable() override { return plugin_->enable(); }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
     board_.period_passes = true;

@@ -218,6 +218,98 @@ TEST_F(FrameLine, ReadsAndWrites_AllocateNothing) {
   EXPECT_EQ(threadAllocations(), before);
 }
 
+/// A line of so many bytes a millisecond, with a buffer before it that may say how full it is.
+struct SlowLine {
+  Line queue;
+  double bytes_per_ms = 1e9, credit = 0.0;
+  bool tells = true;
+
+  void pass(Wires& wires) {
+    credit = std::min(credit + bytes_per_ms, bytes_per_ms + 1.0);
+    for (; credit >= 1.0 && !queue.empty(); credit -= 1.0) {
+      wires.to_device.push_back(queue.front());
+      queue.pop_front();
+    }
+  }
+};
+
+class SlowCarrier final : public Carrier {
+ public:
+  SlowCarrier(std::shared_ptr<Wires> wires, SlowLine& line)
+      : inner_(std::move(wires)), line_(line) {}
+  [[nodiscard]] bool send(const std::uint8_t* bytes, std::size_t count) noexcept override {
+    line_.queue.insert(line_.queue.end(), bytes, bytes + count);
+    return true;
+  }
+  [[nodiscard]] std::size_t waiting() const noexcept override {
+    return line_.tells ? line_.queue.size() : 0;
+  }
+  [[nodiscard]] int receive(std::uint8_t* bytes, std::size_t capacity) noexcept override {
+    return inner_.receive(bytes, capacity);
+  }
+  [[nodiscard]] int descriptor() const noexcept override { return -1; }
+
+ private:
+  MemoryCarrier inner_;
+  SlowLine& line_;
+};
+
+/// What the device gives is that many milliseconds old at most, and the samples say at least so.
+struct Lateness {
+  int most_ms = 0, most_unsaid_ms = 0;
+};
+
+Lateness commandEveryMillisecond(double percent, bool tells) {
+  BenchBoard bench(6);
+  SlowLine line;
+  line.tells = tells;
+  const auto wait = [&] {
+    line.pass(*bench.wires);
+    bench.pass();
+    return bench.now_ns();
+  };
+  const auto device =
+      orThrow(FrameDevice::open(std::make_unique<SlowCarrier>(bench.wires, line), 5, wait));
+  EXPECT_TRUE(device->control(WH_ENABLE, 0.0, wait));
+  wf_frame frame{};  // the size of a command on the line
+  frame.kind = WF_COMMAND;
+  frame.axes = 6;
+  std::array<std::uint8_t, WF_MAX_WIRE> wire{};
+  line.bytes_per_ms = 100.0 / percent * static_cast<double>(wf_encode(&frame, wire.data()));
+  Lateness out;
+  wh_sample sample = emptySample();
+  for (int k = 1; k <= 500; ++k) {
+    (void)device->write(commandOf(std::vector<double>(6, 1e-3 * k)));
+    device->pump(bench.now_ns());
+    (void)wait();
+    device->pump(bench.now_ns());
+    (void)device->read(sample);
+    if (bench.fw.phase != FW_RENDERING) continue;  // it has heard none yet, or let go
+    const int late_ms = k - static_cast<int>(std::lround(1e3 * bench.given[0]));
+    const auto said_ms = static_cast<int>((bench.now_ns() - sample.monotonic_ns) / 1'000'000);
+    out.most_ms = std::max(out.most_ms, late_ms);
+    if (said_ms < 200) out.most_unsaid_ms = std::max(out.most_unsaid_ms, late_ms - said_ms);
+  }
+  return out;
+}
+
+// Law: on a line that says how full it is the newest command waits for one frame at most; on any
+// other the samples are at least as old as what the device gives, and the loop stops by their age.
+TEST(FrameOnASlowLine, AtEveryLoad_NoCommandIsLateUnseen) {
+  for (const double percent : {10.0, 50.0, 80.0, 100.0, 130.0, 200.0, 300.0}) {
+    SCOPED_TRACE(percent);
+    const int frame_ms = static_cast<int>(std::ceil(percent / 100.0));
+    const Lateness told = commandEveryMillisecond(percent, true);
+    EXPECT_LE(told.most_ms, 2 * frame_ms);
+    const Lateness untold = commandEveryMillisecond(percent, false);
+    if (percent > 100.0) {
+      EXPECT_GT(untold.most_ms, 20) << "the line is overfull";
+    }
+    // A frame that is on the line counts from its beginning.
+    EXPECT_LE(std::max(told.most_unsaid_ms, untold.most_unsaid_ms), frame_ms + 1);
+  }
+}
+
 TEST(FrameOpen, NobodyAnswers_IsRefused) {
   BenchBoard bench;
   bench.silent = true;

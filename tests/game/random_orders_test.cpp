@@ -118,7 +118,6 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
       std::make_unique<ScriptedPlayer>(wander(random, models.device, 1e-3 * ticks, 0.25)), 1e-3);
   SimulatedDevice& device = *inner;
   auto rig = build(std::move(models), std::make_unique<FaultInjector>(device, faults, true));
-  if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   Wild out;
   WildGame game(random, copy);
   TickRecord before;
@@ -146,7 +145,7 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
     }
   });
   run = orThrow(Run::prepare(std::shared_ptr<Rig>(std::move(rig)), std::move(plan)));
-  run->simulate();
+  orThrow(run->simulate());
   run->finish();
   out.outcome = run->outcome();
   return out;

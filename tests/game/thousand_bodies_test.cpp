@@ -104,7 +104,6 @@ Seen playRound(std::mt19937_64& random, const std::string& path) {
   Models models = gameModels();
   const Intention way = wander(random, models.device, 1e-3 * kThousandTicks, 0.3);
   auto rig = orThrow(buildRig(std::move(models), way, {}));
-  if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   Crowd crowd(random, rig->models);
   Seen seen;
   std::unique_ptr<Run> run;
@@ -124,7 +123,7 @@ Seen playRound(std::mt19937_64& random, const std::string& path) {
     if (record.tick % 100 == 0) seen.lookAt(crowd.registry);
   });
   run = orThrow(Run::prepare(std::shared_ptr<Rig>(std::move(rig)), std::move(plan)));
-  run->simulate();
+  orThrow(run->simulate());
   run->finish();
   seen.outcome = run->outcome();
   return seen;

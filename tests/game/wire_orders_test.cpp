@@ -374,7 +374,6 @@ using Told = std::vector<std::pair<std::uint64_t, std::shared_ptr<const GameBodi
 /// @return how often a body became solid; -1: the session faulted
 int recordSession(const std::string& path, int ticks, Told& told) {
   auto rig = orThrow(buildRig(gameModels(), atRest(), {}));
-  if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   const GameBudget budget = rig->models.scene.game;
   GameBodyTracker tracker;
   tracker.reset(rig->models.exercise->description().event_names);
@@ -422,7 +421,7 @@ int recordSession(const std::string& path, int ticks, Told& told) {
     if (tick == 2000) say(words::remove(++id, {{0, 1}}));
   });
   run = orThrow(Run::prepare(std::shared_ptr<Rig>(std::move(rig)), std::move(plan)));
-  run->simulate();
+  orThrow(run->simulate());
   run->finish();
   return run->outcome().faulted ? -1 : solid;
 }

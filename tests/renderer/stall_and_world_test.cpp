@@ -133,23 +133,30 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
   }
   EXPECT_GT(jump, 0.5);
 
+  // docs/safety.md: the way at a tenth of the speed limits, 30 ms to half a second.
+  double blend_s = config.safety.ramp.reengage_s;
+  for (int a = 0; a < held.size(); ++a) {
+    const double speed = 0.1 * rig->models.device.axes[a].speed_limit;
+    blend_s = std::max(blend_s, std::abs(now.q_m[a] - before.q_m[a]) / speed);
+  }
+  blend_s = std::min(blend_s, 0.5);
+  EXPECT_GT(blend_s, 0.2) << "the hand went far";
+
   // sent = held + s (wanted - held), both within the limit: |sent - held| <= 2 limit s. From a tick
   // to the next it changes by (s' - s) (wanted' - held) + s (wanted' - wanted), where s rises by at
-  // most the smoothstep's steepest slope, 1.5 T / reengage_s: by at most 3 limit T / reengage_s,
-  // 10 % of the limit here, and the share s of what the rendered force itself changes by.
+  // most the smoothstep's steepest slope, 1.5 T / blend_s: by at most 3 limit T / blend_s, and the
+  // share s of what the rendered force itself changes by.
   double largest = 0.0;
   double authority = 0.0;  // of the tick before: none yet, it was engaged anew
-  for (int k = 1; k <= 250; ++k) {
+  for (int k = 1; k <= 700; ++k) {
     const AxisEffort want = wanted(renderer, now), wanted_before = wanted(renderer, before);
     for (int a = 0; a < held.size(); ++a) {
       const double change = std::abs(now.sent[a] - before.sent[a]);
       const double own = authority * std::abs(want[a] - wanted_before[a]);
-      ASSERT_LE(change,
-                3.0 * limit[a] * config.period_s / config.safety.ramp.reengage_s + own + 1e-12)
-          << k;
+      ASSERT_LE(change, 3.0 * limit[a] * config.period_s / blend_s + own + 1e-12) << k;
       ASSERT_LE(std::abs(now.sent[a] - held[a]), 2.0 * limit[a] * now.authority + 1e-12) << k;
       if (k == 1) largest = std::max(largest, change / limit[a]);
-      if (k * config.period_s >= config.safety.ramp.reengage_s + config.period_s) {
+      if (k * config.period_s >= blend_s + config.period_s) {
         ASSERT_EQ(now.sent[a], want[a]) << k;  // wholly engaged again
       }
     }
@@ -157,11 +164,34 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
     before = now;
     renderer.tick(1, now);
   }
-  // The smoothstep's first step, 3 (T / reengage_s)², of a span of at most twice the limit.
-  const double u = config.period_s / config.safety.ramp.reengage_s;
+  // The smoothstep's first step, 3 (T / blend_s)², of a span of at most twice the limit.
+  const double u = config.period_s / blend_s;
   EXPECT_LE(largest, 6.0 * u * u + 1e-12);
   figure("step of the effort after a stall of 200 ms, worst axis, share of its limit", largest, "");
   figure("the same had it not engaged anew", jump, "");
+}
+
+// A simulated device, too: docs/safety.md, kLongGap.
+TEST(StalledLoop, ForMoreThanHalfASecond_LetsGoFromWhatItHeld) {
+  for (const std::uint32_t periods : {500U, 501U, 2000U, 3'600'000U}) {
+    const auto rig = crossingRig();
+    HapticRenderer& renderer = *rig->renderer;
+    const AxisEffort& neutral = renderer.config().safety.neutral;
+    ASSERT_TRUE(renderer.arm());
+    TickRecord now = *runTicks(renderer, 600);
+    AxisEffort before = now.sent;
+    renderer.tick(periods, now);
+    EXPECT_EQ(any(now.faults & Fault::kLongGap), periods > 500);
+    if (periods == 500) continue;
+    for (int k = 0; !renderer.atNeutral(); ++k) {
+      ASSERT_LE(k, 100);
+      for (int a = 0; a < before.size(); ++a) {
+        ASSERT_LE(std::abs(now.sent[a] - neutral[a]), std::abs(before[a] - neutral[a]) + 1e-12);
+      }
+      before = now.sent;
+      renderer.tick(1, now);
+    }
+  }
 }
 
 TEST(StalledLoop, ForFivePeriods_StaysEngaged) {

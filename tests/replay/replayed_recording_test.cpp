@@ -93,7 +93,6 @@ class RecordedBar {
     facts = std::make_shared<const SceneFacts>(sceneFacts(models, 1e-3));
     wire::StateEncoder live(facts);
     const auto rig = orThrow(buildRig(models, models.exercise->makePlayer(1), RigOptions{}));
-    EXPECT_TRUE(rig->renderer->arm());
     RunPlan plan;
     plan.title = "bar";
     plan.simulated_clock = true;

@@ -65,7 +65,6 @@ TEST(LiveLoop, WithRecordingAndCommands_OnlyTicksAndSleeps) {
   auto player = std::make_unique<CountingPlayer>(models.exercise->makePlayer(1), counted);
   auto steered = std::make_unique<SteeredPlayer>(std::move(player), models.device);
   std::shared_ptr<Rig> rig = orThrow(buildRig(models, std::move(steered), {}));
-  ASSERT_TRUE(rig->renderer->arm());
   plan.black_box = blackBoxPath(plan.record);
   const auto live = orThrow(Run::prepare(std::move(rig), plan));
   ASSERT_TRUE(live->begin());

@@ -19,7 +19,8 @@ const AxisEffort kNeutral = of<AxisEffort>(4.0, -0.1);  // e.g. carries the devi
 const AxisEffort kWanted = of<AxisEffort>(-12.0, 0.5);
 
 NeutralRampState tick(const NeutralRampState& s, const AxisEffort& wanted, bool stop, int k = 1) {
-  return advanceRamp(s, wanted, kNeutral, stop, k, kPeriod_s, kRamp);
+  return advanceRamp(s, wanted, kNeutral, stop ? StopAsked::kPlain : StopAsked::kNone, k, kPeriod_s,
+                     kRamp);
 }
 
 NeutralRampState engaged() {
@@ -127,7 +128,7 @@ TEST(NeutralRamp, ConfiguredSlowerThanAllowed_StillEndsIn100Milliseconds) {
     slow.ramp_s = ramp_s;
     NeutralRampState s = engaged();
     for (int k = 0; k < 100; ++k) {
-      s = advanceRamp(s, kWanted, kNeutral, true, 1, kPeriod_s, slow);
+      s = advanceRamp(s, kWanted, kNeutral, StopAsked::kPlain, 1, kPeriod_s, slow);
     }
     EXPECT_EQ(s.phase, RampPhase::kNeutral);
     EXPECT_EQ(s.sent[0], 4.0);
@@ -157,7 +158,8 @@ TEST(NeutralRamp, StallLongerThanTheGap_EngagesAnewFromTheEffortThatWasHeld) {
 TEST(NeutralRamp, GapOfExactlyFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
   for (const int rate_khz : {1, 2, 4}) {
     const auto after = [&](int periods) {
-      return advanceRamp(engaged(), kWantedNow, kNeutral, false, periods, 1e-3 / rate_khz, kRamp);
+      return advanceRamp(engaged(), kWantedNow, kNeutral, StopAsked::kNone, periods,
+                         1e-3 / rate_khz, kRamp);
     };
     for (int periods = 1; periods <= 5 * rate_khz; ++periods) {
       EXPECT_EQ(after(periods).authority, 1.0) << periods << " periods at " << rate_khz << " kHz";
@@ -214,8 +216,9 @@ TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) 
       double wanted = limit * (*rc::gen::inRange(-1000, 1001) / 1000.0);
       if (stop && by_nan) wanted = std::numeric_limits<double>::quiet_NaN();
       const int elapsed = *rc::gen::weightedElement<int>({{20, 1}, {2, 2}, {1, 9}});
-      const NeutralRampState next =
-          advanceRamp(s, AxisEffort(1, wanted), neutral, stop && !by_nan, elapsed, period_s, kRamp);
+      const NeutralRampState next = advanceRamp(
+          s, AxisEffort(1, wanted), neutral, stop && !by_nan ? StopAsked::kPlain : StopAsked::kNone,
+          elapsed, period_s, kRamp);
       RC_ASSERT(std::isfinite(next.sent[0]));
       RC_ASSERT(std::abs(next.sent[0]) <= limit);
       if (k < stop_at && elapsed * period_s > kRamp.gap_s) {

@@ -19,6 +19,7 @@ class AcceptingDevice final : public HapticDevice {
     return device_.open();
   }
   [[nodiscard]] Expected<Done> ready() override { return device_.ready(); }
+  [[nodiscard]] Expected<Done> enable() override { return device_.enable(); }
   [[nodiscard]] bool simulated() const noexcept override { return device_.simulated(); }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
     return device_.read(reading, elapsed_periods);

@@ -110,6 +110,10 @@ Expected<Done> FaultInjector::ready() {
   return device_.ready();
 }
 
+Expected<Done> FaultInjector::enable() {
+  return device_.enable();
+}
+
 Fault FaultInjector::read(DeviceReading& reading, int elapsed_periods) noexcept {
   ++tick_;
   DeviceReading truth;

@@ -60,6 +60,7 @@ class FaultInjector final : public HapticDevice {
 
   [[nodiscard]] Expected<Done> open() override;
   [[nodiscard]] Expected<Done> ready() override;
+  [[nodiscard]] Expected<Done> enable() override;
   [[nodiscard]] bool simulated() const noexcept override { return simulated_; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;

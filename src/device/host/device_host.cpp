@@ -67,11 +67,13 @@ void describeDevice(SharedFrame& frame, const DeviceDriver& driver, const GuardC
   copyText(frame.identity.serial, driver.identity().serial);
   copyText(frame.identity.firmware, driver.identity().firmware);
   copyText(frame.identity.sdk, driver.identity().sdk);
+  copyText(frame.driver_sha256, driver.identity().driver_sha256);
   for (std::size_t i = 0; i < driver.axes().size(); ++i) {
     frame.axes[i] = driver.axes()[i];
     // A sample waits up to one cycle for the loop, and a command up to one cycle for the device.
     frame.axes[i].delay_s += 2.0 * config.period_s;
     frame.neutral[i] = config.neutral[static_cast<int>(i)];
+    frame.limit[i] = config.limit[static_cast<int>(i)];
   }
   frame.magic.store(kFrameMagic, std::memory_order_release);
 }
@@ -107,7 +109,7 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
   }
   guard_ = advanceGuard(guard_, commanded_ ? &command_ : nullptr, let_go, elapsed_periods, now_ns,
                         config_);
-  if (guard_.phase != HostPhase::kIdle) {
+  if (guard_.phase != HostPhase::kIdle || held_) {
     ++out_.sequence;
     for (int i = 0; i < config_.neutral.size(); ++i) {
       out_.effort[i] = guard_.ramp.sent[i];
@@ -118,7 +120,7 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
   tell(before, now_ns);
   publish(read_result, now_ns);
   if (!ending || guard_.phase == HostPhase::kRamping) return true;
-  if (guard_.phase == HostPhase::kIdle) return false;
+  if (guard_.phase == HostPhase::kIdle && !held_) return false;
   (void)driver_.control(WH_DISABLE, 0.0);
   guard_ = endSession(guard_, config_);
   return false;
@@ -180,7 +182,9 @@ void DeviceHost::carryOut(const HostRequest& request, HostAnswer& answer) {
   if (end_.load(std::memory_order_acquire) && verb != WH_DISABLE) {
     return copyText(answer.text, "the host is ending");
   }
-  const Expected<Done> done = driver_.control(verb, request.argument);
+  const Expected<Done> done = verb == WH_ENABLE    ? enable()
+                              : verb == WH_DISABLE ? disable()
+                                                   : driver_.control(verb, request.argument);
   if (verb == WH_DISABLE) guard_ = endSession(guard_, config_);
   if (!done) return copyText(answer.text, done.errors().front().problem);
   answer.ok = 1;
@@ -188,6 +192,26 @@ void DeviceHost::carryOut(const HostRequest& request, HostAnswer& answer) {
   sample_.write_result = 0;
   guard_ = beginSession(++sessions_, now_ns_(), config_);
   answer.session = guard_.session;
+}
+
+wh_command DeviceHost::neutral() const noexcept {
+  wh_command out{};
+  out.size = sizeof(out);
+  out.axes = static_cast<std::uint32_t>(config_.neutral.size());
+  std::copy(config_.neutral.begin(), config_.neutral.end(), std::begin(out.effort));
+  return out;
+}
+
+Expected<Done> DeviceHost::enable() {
+  if (std::exchange(held_, false)) return Done{};
+  return driver_.enable(neutral());
+}
+
+Expected<Done> DeviceHost::disable() {
+  const bool weighs = std::any_of(config_.neutral.begin(), config_.neutral.end(),
+                                  [](double effort) { return effort != 0.0; });
+  held_ = held_ || (weighs && guard_.phase != HostPhase::kIdle);
+  return held_ ? Expected<Done>(Done{}) : driver_.control(WH_DISABLE, 0.0);
 }
 
 }  // namespace wholehand

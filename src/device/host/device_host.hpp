@@ -39,6 +39,9 @@ void describeDevice(SharedFrame& frame, const DeviceDriver& driver, const GuardC
 /// Serves one device to a loop in another process. Each cycle reads a sample, publishes it, takes
 /// the loop's newest command and writes what the guard admits.
 ///
+/// A device that weighs something is enabled with its neutral efforts, and keeps them between two
+/// sessions until the host ends.
+///
 /// Only the thread of cycle() calls the driver. It also carries out the verbs of the loop while
 /// nothing is rendered; such a cycle takes as long as the verb.
 class DeviceHost {
@@ -68,6 +71,9 @@ class DeviceHost {
   [[nodiscard]] bool isNew(const HostCommand& command) const noexcept;
   [[nodiscard]] bool isRendering() const noexcept;
   void carryOut(const HostRequest& request, HostAnswer& answer);
+  [[nodiscard]] Expected<Done> enable();
+  [[nodiscard]] Expected<Done> disable();
+  [[nodiscard]] wh_command neutral() const noexcept;
 
   DeviceDriver& driver_;
   SharedFrame& frame_;
@@ -82,6 +88,7 @@ class DeviceHost {
   std::uint64_t sessions_ = 0;
   std::int64_t last_cycle_ns_ = 0, longest_gap_ns_ = 0;
   bool commanded_ = false;  ///< a command was received
+  bool held_ = false;       ///< enabled, between two sessions
   std::atomic<bool> end_{false};
   SpscQueue<HostEvent> events_{64};
 };

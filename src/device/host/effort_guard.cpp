@@ -63,7 +63,6 @@ GuardState beginSession(std::uint64_t session, std::int64_t now_ns,
   s.ramp = engageFrom(config.neutral);
   s.ramp.again = true;  // fully engaged: the loop blends in by itself
   s.ramp.authority = 1.0;
-  s.ramp.elapsed_s = config.ramp.reengage_s;
   s.given = SlewWindow(slewTicks(config.period_s));
   s.given.note(config.neutral);
   return s;
@@ -94,8 +93,9 @@ GuardState advanceGuard(const GuardState& state, const HostCommand* command, Hos
       letGo(next, why, config);
     }
   }
-  next.ramp = advanceRamp(state.ramp, next.wanted, config.neutral, why != HostReason::kNone,
-                          elapsed_periods, config.period_s, config.ramp);
+  const StopAsked stop = why == HostReason::kNone ? StopAsked::kNone : StopAsked::kPlain;
+  next.ramp = advanceRamp(state.ramp, next.wanted, config.neutral, stop, elapsed_periods,
+                          config.period_s, config.ramp);
   next.ramp.sent = limitSlew(next.ramp.sent, state.given, config.most_change).effort;
   next.given.note(next.ramp.sent);
   const bool neutral = isNeutral(next.ramp.sent, config.neutral);

@@ -27,7 +27,8 @@ DriverIdentity identityOf(const SharedFrame& frame) {
   const auto text = [](const auto& field) {
     return std::string(field, ::strnlen(field, sizeof(field)));
   };
-  return {text(frame.identity.serial), text(frame.identity.firmware), text(frame.identity.sdk)};
+  return {text(frame.identity.serial), text(frame.identity.firmware), text(frame.identity.sdk),
+          text(frame.driver_sha256)};
 }
 
 bool sameAxes(const std::vector<wh_axis>& a, const std::vector<wh_axis>& b) {
@@ -65,14 +66,20 @@ std::string HostedDriver::name() const {
 
 Diagnostics HostedDriver::differences(const DeviceModel& model) const {
   Diagnostics out;
+  const auto compare = [&](std::size_t i, double host, double loop, const char* what) {
+    if (std::abs(host - loop) <= 1e-9) return;
+    out.push_back({model.path, 0, "axes", axes_[i].name,
+                   where() + " has another " + what + ": " + std::to_string(host) + ", not " +
+                       std::to_string(loop),
+                   "give host and loop the same device file"});
+  };
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int at = model.axisIndex(axes_[i].name);
-    const double host = segment_->frame().neutral[i];
-    const double loop = at < 0 ? 0.0 : model.axes[at].neutral_effort;
-    if (std::abs(host - loop) <= 1e-9) continue;
-    out.push_back({model.path, 0, "axes", axes_[i].name,
-                   where() + " ramps to another neutral effort",
-                   "give host and loop the same device file"});
+    const bool ours = at >= 0;
+    compare(i, segment_->frame().neutral[i], ours ? model.axes[at].neutral_effort : 0.0,
+            "neutral effort");
+    compare(i, segment_->frame().limit[i], ours ? model.axes[at].effort_limit : 0.0,
+            "effort limit");
   }
   return out;
 }
@@ -118,10 +125,12 @@ Expected<Done> HostedDriver::awaitSession() {
   return Done{};
 }
 
+Expected<Done> HostedDriver::reconnect() {
+  if (segment_->hostLives()) return Done{};
+  return connectAnew();
+}
+
 Expected<Done> HostedDriver::control(std::uint32_t verb, double argument) {
-  if (verb == WH_ENABLE && !segment_->hostLives()) {
-    if (auto again = connectAnew(); !again) return again;
-  }
   if (verb != WH_DISABLE && !segment_->publishesSamples()) {
     return no("stands still", "end it and start it again");
   }

@@ -68,7 +68,7 @@ struct HostAnswer {
 
 inline constexpr std::uint64_t kFrameMagic = 0x57484f4c'45484e44ULL;
 /// Layout version of the shared memory.
-inline constexpr std::uint32_t kFrameLayout = 2;
+inline constexpr std::uint32_t kFrameLayout = 3;
 
 /// Memory shared by a host and a loop. The host creates and fills it, then sets `magic`.
 struct SharedFrame {
@@ -79,8 +79,10 @@ struct SharedFrame {
   std::uint32_t axis_count;     ///< 1 .. WH_MAX_AXES
   char driver[64];              ///< name that the driver gives itself
   wh_identity identity;         ///< of the device; empty where unknown
+  char driver_sha256[65];       ///< DriverIdentity::driver_sha256
   wh_axis axes[WH_MAX_AXES];    ///< as described by the driver, plus the host's delay
   double neutral[WH_MAX_AXES];  ///< neutral effort that the host ramps to [N or N·m]
+  double limit[WH_MAX_AXES];    ///< of the efforts that the host lets through [N or N·m]
 
   alignas(64) NewestValue<HostSample> sample;
   alignas(64) NewestValue<HostCommand> command;

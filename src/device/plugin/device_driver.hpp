@@ -13,6 +13,7 @@ namespace wholehand {
 /// Identity of the device in the driver's words; empty where unknown.
 struct DriverIdentity {
   std::string serial, firmware, sdk;
+  std::string driver_sha256;  ///< of the driver's file, its settings, and the files that these name
 };
 
 /// Prefix of control()'s error for a verb that the device does not support.
@@ -30,8 +31,18 @@ class DeviceDriver {
   [[nodiscard]] virtual std::string name() const = 0;
   /// Axes in the order of positions and efforts; constant.
   [[nodiscard]] virtual const std::vector<wh_axis>& axes() const noexcept = 0;
+  /// Finds the device again where it was lost. Not real-time safe.
+  [[nodiscard]] virtual Expected<Done> reconnect() { return Done{}; }
   /// Carries out a verb of device.h; returns when it is done. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> control(std::uint32_t verb, double argument) = 0;
+  /// As WH_ENABLE, with these efforts from the first moment. Not real-time safe.
+  [[nodiscard]] virtual Expected<Done> enable(const wh_command& /*neutral*/) {
+    return control(WH_ENABLE, 0.0);
+  }
+  /// Whether enable() begins with the efforts that it is given.
+  [[nodiscard]] virtual bool enablesAtNeutral() const noexcept { return false; }
+  /// Whether the device is held at its neutral efforts between two sessions.
+  [[nodiscard]] virtual bool holds() const noexcept { return false; }
   /// As wh_plugin.read and wh_plugin.write: >= 0 is success.
   [[nodiscard]] WHOLEHAND_RT virtual int read(wh_sample& sample) noexcept = 0;
   [[nodiscard]] WHOLEHAND_RT virtual int write(const wh_command& command) noexcept = 0;

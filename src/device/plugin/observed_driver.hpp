@@ -34,7 +34,15 @@ class ObservedDriver final : public DeviceDriver {
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override {
     return driver_->axes();
   }
+  [[nodiscard]] Expected<Done> reconnect() override { return driver_->reconnect(); }
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
+  [[nodiscard]] Expected<Done> enable(const wh_command& neutral) override {
+    return driver_->enable(neutral);
+  }
+  [[nodiscard]] bool enablesAtNeutral() const noexcept override {
+    return driver_->enablesAtNeutral();
+  }
+  [[nodiscard]] bool holds() const noexcept override { return driver_->holds(); }
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override {
     return driver_->write(command);

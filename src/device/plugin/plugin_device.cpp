@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kTolerance = 1e-6;  // relative to the file's value
 constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
+constexpr double kMeanAgeOver_s = 0.1;
 
 class Comparison {
  public:
@@ -54,11 +55,25 @@ double longestStill_s(const DeviceModel& model) {
   return model.watch.longest_gap_s > 0.0 ? model.watch.longest_gap_s : kWhereNothingIsStated_s;
 }
 
+PluginDevice::PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceModel& model,
+                           double period_s, std::int64_t (*now_ns)() noexcept)
+    : driver_(std::move(driver)),
+      axes_(model.axisCount()),
+      period_s_(period_s),
+      most_age_s_(longestStill_s(model)),
+      most_mean_age_s_((model.output_delay_ticks + 1) * period_s),
+      most_still_periods_(static_cast<int>(std::ceil(most_age_s_ / period_s))),
+      now_ns_(now_ns) {
+  neutral_.size = sizeof(neutral_);
+  neutral_.axes = static_cast<std::uint32_t>(driver_->axes().size());
+}
+
 Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
-    const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s) {
+    const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s,
+    std::optional<Clearance> clearance, std::int64_t (*now_ns)() noexcept) {
   Comparison compare(model, *driver);
-  std::unique_ptr<PluginDevice> device(new PluginDevice(
-      driver, model.axisCount(), static_cast<int>(std::ceil(longestStill_s(model) / period_s))));
+  std::unique_ptr<PluginDevice> device(new PluginDevice(driver, model, period_s, now_ns));
+  device->clearance_ = std::move(clearance);
   const std::vector<wh_axis>& offered = driver->axes();
   for (int a = 0; a < model.axisCount(); ++a) {
     const DeviceAxis& axis = model.axes[a];
@@ -82,6 +97,11 @@ Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
       compare.refuse(axis, "has no watchdog: its last effort would stay when the program dies",
                      "switch the drive's watchdog on");
     }
+    if (axis.neutral_effort != 0.0 && !driver->enablesAtNeutral()) {
+      compare.refuse(axis, "enables it without its neutral effort, which would come in one step",
+                     "give the driver wh_plugin.enable");
+    }
+    device->neutral_.effort[device->place_[a]] = axis.neutral_effort;
     compare.atLeast(axis, "travel down to", -found->lower, -axis.lower);
     compare.atLeast(axis, "travel up to", found->upper, axis.upper);
     compare.atLeast(axis, "an effort limit of", found->effort_limit, axis.effort_limit);
@@ -92,42 +112,84 @@ Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
   return Expected<std::unique_ptr<HapticDevice>>(std::move(device));
 }
 
+Diagnostic PluginDevice::no(const std::string& why, const std::string& remedy) const {
+  return {driver_->where(), 0, "", "", why, remedy};
+}
+
+// Disabling an axis that weighs something lets it fall, unless it locks or a host goes on holding.
+Expected<Done> PluginDevice::mayFall() const {
+  if (driver_->holds()) return Done{};
+  for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
+    const wh_axis& axis = driver_->axes()[i];
+    if (neutral_.effort[i] == 0.0 || axis.disabled == WH_LOCKS || axis.disabled == WH_BALANCED) {
+      continue;
+    }
+    return Diagnostic{driver_->where(),
+                      0,
+                      "axes",
+                      axis.name,
+                      "weighs something and falls when the device is disabled",
+                      "let a host hold it: wholehand device-host"};
+  }
+  return Done{};
+}
+
 Expected<Done> PluginDevice::open() {
-  if (enabled_) return Done{};
+  if (open_) return Done{};
+  if (Expected<Done> carried = mayFall(); !carried) return carried;
   begun_ = false;
   still_periods_ = 0;
+  mean_age_s_ = 0.0;
   command_ = {};
   command_.size = sizeof(command_);
   command_.axes = static_cast<std::uint32_t>(driver_->axes().size());
-  Expected<Done> enabled = driver_->control(WH_ENABLE, 0.0);
-  enabled_ = enabled.ok();
-  return enabled;
+  open_ = true;
+  return Done{};
 }
 
 Expected<Done> PluginDevice::ready() {
   wh_sample sample{};
-  const auto no = [this](const std::string& why, const std::string& remedy) {
-    return Diagnostic{driver_->where(), 0, "", "", why, remedy};
-  };
   if (driver_->read(sample) < 0) return no("the device gives no sample", "look at its cable");
   if ((sample.status & WH_DRIVE_FAULT) != 0) {
     return no("a drive is in fault, code " + std::to_string(sample.vendor_code),
               "clear it as its maker says");
   }
   if ((sample.status & WH_HOMED) == 0) return no("the device is not homed", "home it first");
-  if ((sample.status & WH_ENABLED) == 0) {
-    return no("the device is not enabled",
-              "release its emergency stop, or press its enable button");
+  return Done{};
+}
+
+Expected<Done> PluginDevice::cleared() const {
+  if (clearance_) return Done{};
+  return no("nobody has shown the passport and today's check of the device",
+            "make the device with what clearToArm() gives");
+}
+
+Expected<Done> PluginDevice::enable() {
+  if (enabled_) return Done{};
+  const auto undone = [this](Diagnostics why) {
+    (void)driver_->control(WH_DISABLE, 0.0);
+    return Expected<Done>(std::move(why));
+  };
+  if (Expected<Done> enabled = driver_->enable(neutral_); !enabled) {
+    return undone(enabled.errors());
   }
+  wh_sample sample{};
+  if (driver_->read(sample) < 0) {
+    return undone({no("the device gives no sample", "look at its cable")});
+  }
+  if ((sample.status & WH_ENABLED) == 0) {
+    return undone({no("the device is not enabled",
+                      "release its emergency stop, or press its enable button")});
+  }
+  enabled_ = true;
   return Done{};
 }
 
 Fault PluginDevice::judge(const wh_sample& sample, int elapsed_periods) noexcept {
   Fault faults = Fault::kNone;
   if ((sample.status & WH_DRIVE_FAULT) != 0) faults |= Fault::kDriveFault;
-  if ((sample.status & kNeeded) != kNeeded || (sample.status & WH_SILENCED) != 0) {
-    faults |= Fault::kEnableLost;
-  }
+  const bool reaches = (sample.status & kNeeded) == kNeeded && (sample.status & WH_SILENCED) == 0;
+  if (enabled_ && !reaches) faults |= Fault::kEnableLost;
   if ((sample.status & (WH_HOT | WH_DERATING)) != 0) faults |= Fault::kDriveHot;
   if (!begun_) return faults;
   const bool newer = sample.sequence > last_.sequence;
@@ -135,12 +197,20 @@ Fault PluginDevice::judge(const wh_sample& sample, int elapsed_periods) noexcept
   const bool backwards =
       sample.sequence < last_.sequence || sample.monotonic_ns < last_.monotonic_ns;
   if (backwards || still_periods_ > most_still_periods_) faults |= Fault::kStaleSample;
-  return faults;
+  return faults | judgeAge(sample);
+}
+
+// Sequence numbers that rise prove nothing: a driver may count what it repeats.
+Fault PluginDevice::judgeAge(const wh_sample& sample) noexcept {
+  const double age_s = static_cast<double>(now_ns_() - sample.monotonic_ns) * 1e-9;
+  mean_age_s_ += std::min(period_s_ / kMeanAgeOver_s, 1.0) * (age_s - mean_age_s_);
+  if (age_s > most_age_s_ || age_s < -period_s_) return Fault::kStaleSample;
+  return mean_age_s_ > most_mean_age_s_ ? Fault::kSampleDelay : Fault::kNone;
 }
 
 Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
   wh_sample sample{};
-  if (!enabled_ || driver_->read(sample) < 0) return Fault::kDeviceRead;
+  if (!open_ || driver_->read(sample) < 0) return Fault::kDeviceRead;
   if (reading.q_m.size() != axes_) reading.q_m = AxisPosition(axes_);
   for (int a = 0; a < axes_; ++a) {
     const auto from = static_cast<std::size_t>(place_[a]);
@@ -163,6 +233,7 @@ Fault PluginDevice::write(const AxisEffort& effort) noexcept {
 }
 
 void PluginDevice::close() noexcept {
+  open_ = false;
   if (!std::exchange(enabled_, false)) return;
   (void)driver_->control(WH_DISABLE, 0.0);
 }

@@ -1,12 +1,16 @@
 #pragma once
 
 #include "device/haptic_device.hpp"
+#include "device/plugin/clearance.hpp"
 #include "device/plugin/device_driver.hpp"
 #include "model/device_model.hpp"
+#include "realtime/monotonic_clock.hpp"
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 
 namespace wholehand {
 
@@ -21,33 +25,52 @@ class PluginDevice final : public HapticDevice {
   /// Checks the device file against the driver's description. Refused, all at once: an axis that
   /// the driver lacks, of another kind, with less travel or effort than the file states, with a
   /// coarser encoder or longer delay than the certificate assumes, with another meaning of effort,
-  /// and a drive without a watchdog.
-  /// @param period_s T, for the delay
+  /// a drive without a watchdog, and an axis that weighs something where the driver enables without
+  /// its neutral effort.
+  /// @param period_s T, for the delay @param clearance needed where the device may move a person
+  /// @param now_ns the clock of the samples; real-time safe
   [[nodiscard]] static Expected<std::unique_ptr<HapticDevice>> make(
-      const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s);
+      const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s,
+      std::optional<Clearance> clearance = std::nullopt,
+      std::int64_t (*now_ns)() noexcept = &monotonicNow_ns);
 
-  /// Enables the device.
+  /// Refused where an axis would fall between two sessions: a host must hold it.
   [[nodiscard]] Expected<Done> open() override;
-  /// Whether the device is enabled and homed, and no drive is in fault.
+  /// Whether the device is homed, and no drive is in fault.
   [[nodiscard]] Expected<Done> ready() override;
+  [[nodiscard]] Expected<Done> cleared() const override;
+  /// Refused, and disabled again, where efforts do not reach the motors.
+  [[nodiscard]] Expected<Done> enable() override;
   /// Sets kDeviceRead where the driver fails or an axis is missing; kDriveFault, kEnableLost and
-  /// kDriveHot as the device reports; kStaleSample where samples stand still or go back in time.
+  /// kDriveHot as the device reports; kStaleSample where a sample is older than
+  /// longestStill_s() or of the future, samples stand still or go back in time; kSampleDelay where
+  /// their mean age over the last tenth of a second is more than the certificate's delay and a
+  /// period.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   /// Disables the device; the driver stays open.
   void close() noexcept override;
 
  private:
-  PluginDevice(std::shared_ptr<DeviceDriver> driver, int axes, int most_still_periods)
-      : driver_(std::move(driver)), axes_(axes), most_still_periods_(most_still_periods) {}
+  PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceModel& model, double period_s,
+               std::int64_t (*now_ns)() noexcept);
+  [[nodiscard]] Fault judgeAge(const wh_sample& sample) noexcept;
+  [[nodiscard]] Expected<Done> mayFall() const;
+  [[nodiscard]] Diagnostic no(const std::string& why, const std::string& remedy) const;
   [[nodiscard]] Fault judge(const wh_sample& sample, int elapsed_periods) noexcept;
 
   std::shared_ptr<DeviceDriver> driver_;
+  std::optional<Clearance> clearance_;
   int axes_;
+  double period_s_;
+  double most_age_s_, most_mean_age_s_;
   int most_still_periods_;
+  std::int64_t (*now_ns_)() noexcept;
   std::array<int, WH_MAX_AXES> place_{};  ///< axis of the file → axis of the driver
-  bool enabled_ = false, begun_ = false;
+  wh_command neutral_{};
+  bool open_ = false, enabled_ = false, begun_ = false;
   int still_periods_ = 0;
+  double mean_age_s_ = 0.0;
   wh_sample last_{};
   wh_command command_{};
 };

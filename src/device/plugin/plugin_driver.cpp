@@ -1,5 +1,6 @@
 #include "device/plugin/plugin_driver.hpp"
 
+#include "core/sha256.hpp"
 #include "device/plugin/driver_lookup.hpp"
 #include "device/plugin/loader_problem.hpp"
 
@@ -8,8 +9,11 @@
 #include <cstddef>
 #include <cstring>
 #include <dlfcn.h>
+#include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 namespace wholehand {
@@ -17,9 +21,10 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kSymbol = "wh_plugin_v1";
-// End of the functions that every driver has, and of those of version 1.1.
+// End of the functions that every driver has, and of those of versions 1.1 and 1.2.
 constexpr std::size_t kSixFunctions = offsetof(wh_plugin, close) + sizeof(wh_plugin::close);
 constexpr std::size_t kIdentifies = offsetof(wh_plugin, identify) + sizeof(wh_plugin::identify);
+constexpr std::size_t kEnables = offsetof(wh_plugin, enable) + sizeof(wh_plugin::enable);
 constexpr const char* kRemedy = "build it with this version's wholehand/device.h";
 
 // Why the driver cannot be used; empty: it can.
@@ -61,6 +66,23 @@ Expected<const wh_plugin*> findPlugin(const std::string& path, CalledBy called_b
   return plugin;
 }
 
+std::string contentOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Everything of this machine between an effort and the motor. Settings are words of "key=value".
+std::string digestOf(const std::string& path, const std::string& settings) {
+  std::string all = sha256(contentOf(path)) + settings;
+  std::istringstream words(settings);
+  for (std::string word; words >> word;) {
+    const std::string value = word.substr(word.find('=') + 1);
+    std::error_code none;
+    if (std::filesystem::is_regular_file(value, none)) all += sha256(contentOf(value));
+  }
+  return sha256(all);
+}
+
 }  // namespace
 
 PluginDriver::PluginDriver(DriverLocation location, std::function<void(const std::string&)> say)
@@ -97,6 +119,7 @@ Expected<std::shared_ptr<PluginDriver>> PluginDriver::load(
   if (!plugin) return plugin.errors();
   std::shared_ptr<PluginDriver> driver(new PluginDriver(location, std::move(say)));
   driver->plugin_ = *plugin;
+  driver->identity_.driver_sha256 = digestOf(*path, location.settings);
   if (Expected<Done> opened = driver->open(); !opened) return opened.errors();
   // A driver that opens others knows only after opening whether all of them never block.
   if (const std::string why = whyNot(driver->plugin_, called_by); !why.empty()) {
@@ -144,7 +167,9 @@ void PluginDriver::identify() {
   const auto text = [](const auto& field) {
     return std::string(field, ::strnlen(field, sizeof(field)));
   };
-  identity_ = {text(said.serial), text(said.firmware), text(said.sdk)};
+  identity_.serial = text(said.serial);
+  identity_.firmware = text(said.firmware);
+  identity_.sdk = text(said.sdk);
 }
 
 PluginDriver::~PluginDriver() {
@@ -165,6 +190,16 @@ Expected<Done> PluginDriver::control(std::uint32_t verb, double argument) {
   return failed(
       std::string(result == WH_UNSUPPORTED ? kUnsupportedPrefix : "the device did not ") + what,
       "look at the device");
+}
+
+bool PluginDriver::enablesAtNeutral() const noexcept {
+  return plugin_->size >= kEnables && plugin_->enable != nullptr;
+}
+
+Expected<Done> PluginDriver::enable(const wh_command& neutral) {
+  if (!enablesAtNeutral()) return control(WH_ENABLE, 0.0);
+  if (plugin_->enable(device_, &neutral) >= 0) return Done{};
+  return failed("the device did not be enabled", "look at the device");
 }
 
 int PluginDriver::read(wh_sample& sample) noexcept {

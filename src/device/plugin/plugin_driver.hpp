@@ -56,6 +56,8 @@ class PluginDriver final : public DeviceDriver {
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
+  [[nodiscard]] Expected<Done> enable(const wh_command& neutral) override;
+  [[nodiscard]] bool enablesAtNeutral() const noexcept override;
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;
 

@@ -3,13 +3,6 @@
 #include <utility>
 
 namespace wholehand {
-namespace {
-
-constexpr Fault kOfTheReading = Fault::kDeviceRead | Fault::kDriveFault | Fault::kEnableLost |
-                                Fault::kStaleSample | Fault::kDriveHot;
-
-}  // namespace
-
 ReplayDevice::ReplayDevice(std::vector<RecordedReading> ticks, bool simulated)
     : ticks_(std::move(ticks)), simulated_(simulated) {}
 
@@ -23,7 +16,7 @@ Fault ReplayDevice::read(DeviceReading& reading, int /*elapsed_periods*/) noexce
   if (!open_ || atEnd()) return Fault::kDeviceRead;
   const RecordedReading& tick = ticks_[next_++];
   reading = tick.reading;
-  return tick.faults & kOfTheReading;
+  return tick.faults & kOfReading;
 }
 
 Fault ReplayDevice::write(const AxisEffort& /*effort*/) noexcept {

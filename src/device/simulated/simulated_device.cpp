@@ -15,6 +15,7 @@ namespace {
 // encoder or sensor. The digits below were a quarter of a recording
 // (docs/adr/0065-patients-on-a-grid.md).
 constexpr double kPositionStep = 0x1p-20, kEffortStep = 0x1p-24;
+constexpr double kLongestStep_s = 1.0;  // a longer gap ends rendering, and the rest stands still
 
 }  // namespace
 
@@ -150,7 +151,8 @@ void SimulatedDevice::letPeriodPass() noexcept {
 Fault SimulatedDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
   if (!open_) return Fault::kDeviceRead;
   if (!std::exchange(fresh_, false)) {
-    for (int i = 0; i < elapsed_periods; ++i) letPeriodPass();
+    const int most = static_cast<int>(kLongestStep_s / period_s_);
+    for (int i = 0; i < std::min(elapsed_periods, most); ++i) letPeriodPass();
   }
   reading.q_m = q_;
   for (int i = 0; i < q_.size(); ++i) {

@@ -144,7 +144,7 @@ TEST(LockStep, ForceDimension_IsTheBuiltInDevice) {
   ForceDimensionDriver at;
   const auto device = orThrow(
       PluginDevice::make(orThrow(at.load("", kLambdaSettings)), models.device, kLoopPeriod_s));
-  ASSERT_TRUE(built_in->open() && plant->open() && device->open());
+  ASSERT_TRUE(built_in->open() && plant->open() && device->open() && device->enable());
   const auto move = [&] {
     DeviceReading reading;
     EXPECT_EQ(plant->read(reading, 1), Fault::kNone);
@@ -192,9 +192,12 @@ TEST(LockStep, Moteus_IsTheBuiltInDevice) {
     start[a] = step * std::round(start[a] / step);
   }
   place(bus.drives, start);
+  static const SimulatedTime* clock = nullptr;
+  clock = &time;
   const auto device = orThrow(
-      PluginDevice::make(std::make_shared<MoteusInStep>(bus, time), models.device, kLoopPeriod_s));
-  ASSERT_TRUE(built_in->open() && plant->open() && device->open());
+      PluginDevice::make(std::make_shared<MoteusInStep>(bus, time), models.device, kLoopPeriod_s,
+                         std::nullopt, []() noexcept { return std::int64_t{clock->now_ns}; }));
+  ASSERT_TRUE(built_in->open() && plant->open() && device->open() && device->enable());
   bus.by_hand = true;
   bus.latency_ns = 0;
   const auto move = [&] {

@@ -112,6 +112,7 @@ export const de: ConsoleTexts = {
     'drive fault': 'Den Code des Antriebs im Handbuch seines Herstellers nachsehen, quittieren, dann neu starten.',
     'enable lost': 'Die Stopptaste des Geräts lösen oder seine Freigabe drücken, dann neu starten.',
     'stale sample': 'Kabel und Strom des Geräts prüfen, dann neu starten.',
+    'samples delayed': 'Rechner oder Leitung des Geräts waren zu langsam: andere Programme beenden, dann neu starten.',
     'late ticks in a row': 'Der Rechner war zu langsam: andere Programme beenden, dann neu starten.',
     'gap too long': 'Der Rechner war zu langsam: andere Programme beenden, dann neu starten.',
     other: 'Neu starten, wenn die Ursache weg ist.',

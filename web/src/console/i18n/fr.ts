@@ -112,6 +112,7 @@ export const fr: ConsoleTexts = {
     'drive fault': 'Cherchez le code du moteur dans le manuel du fabricant, acquittez-le, puis réarmez.',
     'enable lost': 'Relâchez l’arrêt d’urgence de l’appareil ou appuyez sur son bouton de validation, puis réarmez.',
     'stale sample': 'Vérifiez le câble et le courant de l’appareil, puis réarmez.',
+    'samples delayed': 'L’ordinateur ou la liaison de l’appareil était trop lent : fermez les autres programmes, puis réarmez.',
     'late ticks in a row': 'L’ordinateur était trop lent : fermez d’autres programmes, puis réarmez.',
     'gap too long': 'L’ordinateur était trop lent : fermez d’autres programmes, puis réarmez.',
     other: 'Réarmez quand la cause a disparu.',

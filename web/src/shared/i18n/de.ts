@@ -185,6 +185,8 @@ export const de: Texts = {
   'fault.tank damped': 'der Energiewächter dämpfte',
   'fault.drive fault': 'ein Antrieb des Geräts hat sich abgeschaltet',
   'fault.enable lost': 'Kräfte erreichen die Motoren nicht mehr',
-  'fault.stale sample': 'die Positionen des Geräts bleiben stehen',
+  'fault.stale sample': 'die Positionen des Geräts sind zu alt',
   'fault.drive hot': 'ein Antrieb ist heiss',
+  'fault.gentle stop': 'die Kraft klingt sanft ab',
+  'fault.samples delayed': 'die Messwerte kommen zu spät',
 };

@@ -191,6 +191,8 @@ export const en = {
   'fault.tank damped': 'the energy guard damped',
   'fault.drive fault': 'a drive of the device has stopped itself',
   'fault.enable lost': 'efforts no longer reach the motors',
-  'fault.stale sample': 'the device’s positions stand still',
+  'fault.stale sample': 'the device’s positions are too old',
   'fault.drive hot': 'a drive is hot',
+  'fault.gentle stop': 'the effort fades gently',
+  'fault.samples delayed': 'the samples come too late',
 } as const;

@@ -185,6 +185,8 @@ export const fr: Texts = {
   'fault.tank damped': 'le gardien d’énergie a amorti',
   'fault.drive fault': 'un moteur de l’appareil s’est arrêté',
   'fault.enable lost': 'les efforts n’atteignent plus les moteurs',
-  'fault.stale sample': 'les positions de l’appareil restent figées',
+  'fault.stale sample': 'les positions de l’appareil sont trop anciennes',
   'fault.drive hot': 'un moteur est chaud',
+  'fault.gentle stop': 'la force s’éteint en douceur',
+  'fault.samples delayed': 'les mesures arrivent trop tard',
 };
