@@ -14,6 +14,7 @@
 #include "number_option.hpp"
 #include "pages.hpp"
 #include "realtime/monotonic_clock.hpp"
+#include "realtime/thread_setup.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "server/server.hpp"
 #include "terminal_operator.hpp"
@@ -126,6 +127,14 @@ struct Kept {
   Kept& operator=(const Kept&) = delete;
 };
 
+// This thread moves the device, as the loop of a run does. Threads that begin later would inherit
+// it.
+void askForRealTime() {
+  for (const SetupLine& line : setUpThread({})) {
+    if (!line.granted) std::printf("%s: %s\n", line.what.c_str(), line.sentence.c_str());
+  }
+}
+
 // A daily check needs a passport. Its steps report their own findings.
 std::optional<int> refuseWithoutPassport(const CommissionOptions& options,
                                          const Commissioning& commissioning) {
@@ -144,6 +153,7 @@ int leadAtTerminal(const CommissionOptions& options, DeviceDriver& driver, const
   Kept steps(record, std::move(*bench), options);
   Commissioning& commissioning = steps.commissioning;
   if (auto refused = refuseWithoutPassport(options, commissioning)) return *refused;
+  askForRealTime();
   if (options.daily) return commissioning.checkToday() ? kExitDone : kExitBadInput;
   return leadCommissioning(commissioning, person) ? kExitDone : sayNotFinished(options);
 }
@@ -197,6 +207,7 @@ int leadAtPage(const CommissionOptions& options, DeviceDriver& driver, const Dev
   Kept steps(record, std::move(*bench), options);
   Commissioning& commissioning = steps.commissioning;
   if (auto refused = refuseWithoutPassport(options, commissioning)) return *refused;
+  askForRealTime();
   const bool written = options.daily ? leadDailyCheck(commissioning, person)
                                      : leadCommissioning(commissioning, person);
   if (!written) return sayNotFinished(options);

@@ -111,18 +111,21 @@ bool TerminalOperator::holdsKey() {
   const std::int64_t now_ns = monotonicNow_ns();
   if (now_ns - std::exchange(last_look_ns_, now_ns) > kLookedAway_ns) {
     ::tcflush(STDIN_FILENO, TCIFLUSH);
-    last_space_ns_ = 0;
-    repeats_ = false;
+    // A key that was held before is held again with its next repetition.
+    last_space_ns_ = std::exchange(repeats_, false) ? now_ns - kRelease_ns : 0;
   }
   const auto typed = readWithin(0);
   closed_ = !typed;
   if (closed_) return false;
   if (typed->find(' ') != std::string::npos) {
-    repeats_ = now_ns - last_space_ns_ < kFirstRepeat_ns;
+    repeats_ = last_space_ns_ != 0 && now_ns - last_space_ns_ < kFirstRepeat_ns;
     last_space_ns_ = now_ns;
   }
-  const std::int64_t patience_ns = repeats_ ? kRelease_ns : kFirstRepeat_ns;
-  return last_space_ns_ != 0 && now_ns - last_space_ns_ < patience_ns;
+  if (repeats_ && now_ns - last_space_ns_ >= kRelease_ns) {
+    repeats_ = false;
+    last_space_ns_ = 0;
+  }
+  return repeats_;
 }
 
 RealTicks::RealTicks(double period_s) : period_ns_(std::llround(1e9 * period_s)) {}

@@ -12,14 +12,14 @@
 namespace wholehand {
 
 /// The operator at this terminal. The hold-to-move key is the space bar. A terminal reports no key
-/// release, but a held key repeats: the key counts as released after kRelease_ns without a
-/// repetition (the first one takes longer). Ctrl-C releases and cancels; needs an InterruptScope.
+/// release, but a held key repeats: it counts as held from its first repetition on, and as released
+/// after kRelease_ns without one. Ctrl-C releases and cancels; needs an InterruptScope.
 /// At a terminal, a question accepts only what is typed after it is shown; from a pipe, also
 /// earlier input.
 class TerminalOperator final : public Operator {
  public:
   static constexpr std::int64_t kFirstRepeat_ns = 700'000'000;
-  static constexpr std::int64_t kRelease_ns = 250'000'000;
+  static constexpr std::int64_t kRelease_ns = 120'000'000;
   /// After a longer pause between two polls, the age of waiting input is unknown.
   static constexpr std::int64_t kLookedAway_ns = 100'000'000;
 

@@ -14,7 +14,8 @@ namespace wholehand {
 namespace {
 
 constexpr double kKeyWithin_s = 60.0;
-constexpr double kKeySeen_s = 1.0;  // longest delay of a key's first repeat
+constexpr double kKeySeen_s = 0.15;  // until a held key is seen again
+constexpr int kRefusedWrites = 20;   // ticks in which a sample may say why
 
 // Tells the person when a motion is over, however it ends.
 class MotionEnd {
@@ -62,6 +63,7 @@ Expected<Bench> Bench::make(DeviceDriver& driver, const DeviceModel& model, Oper
   for (int i = 0; i < bench.config_.limit.size(); ++i) {
     bench.config_.limit[i] *= kCommissioningShare;
   }
+  bench.config_.ramp.ramp_s = kCommissioningRamp_s;
   bench.watch_ = SampleWatch(model, bench.place_, period_s);
   bench.guard_ = endSession(bench.guard_, bench.config_);
   bench.command_.size = sizeof(bench.command_);
@@ -161,46 +163,65 @@ Expected<Done> Bench::send(const std::vector<double>& effort, HostReason let_go)
   return Done{};
 }
 
-void Bench::letGo() {
+Expected<Done> Bench::letGo() {
   for (int i = 0; guard_.phase != HostPhase::kLatched && i < 1000; ++i) {
     if (!send(neutral(), HostReason::kLoopEnded)) break;
     clock_->waitForTick();
   }
-  (void)driver_->control(WH_DISABLE, 0.0);
   guard_ = endSession(guard_, config_);
+  return driver_->control(WH_DISABLE, 0.0);
 }
 
-Expected<Done> Bench::guarded(const Law& law) {
+Expected<Done> Bench::guarded(const Look& look, const Law& law) {
   if (auto held = keyStillHeld(); !held) return held;
   watch_.begin();
-  Now now;
   const std::int64_t began_ns = clock_->now_ns();
+  int refused = 0;
   for (std::size_t tick = 0;; ++tick) {
     if (!person_->holdsKey()) return no("", "the key was let go", "repeat the step");
-    const std::int64_t taken_ns = clock_->now_ns();
-    const Expected<wh_sample> read = sample();
-    if (!read) return read.errors();
-    Expected<std::vector<double>> position = watch_.judge(*read);
-    if (!position) return position.errors();
+    Now now;
     now.time_s = static_cast<double>(tick) * config_.period_s;
-    now.taken_s = static_cast<double>(taken_ns - began_ns) * 1e-9;
-    now.position = std::move(*position);
+    now.taken_s = static_cast<double>(clock_->now_ns() - began_ns) * 1e-9;
     now.effort = neutral();
-    const Expected<bool> goes_on = law(now);
-    if (!goes_on) return goes_on.errors();
-    if (!*goes_on) return Done{};
-    if (auto sent = send(now.effort, HostReason::kNone); !sent) return sent;
+    const Expected<wh_sample> read = sample();
+    const Seen seen = look(read ? WH_OK : WH_FAILED, newest_);
+    if (seen == Seen::kOver) return Done{};
+    if (seen == Seen::kJudge) {
+      if (!read) return read.errors();
+      Expected<std::vector<double>> position = watch_.judge(*read, clock_->now_ns());
+      if (!position) return position.errors();
+      now.position = std::move(*position);
+      const Expected<bool> goes_on = law(now);
+      if (!goes_on) return goes_on.errors();
+      if (!*goes_on) return Done{};
+    }
+    const Expected<Done> sent = now.silent ? Done{} : send(now.effort, HostReason::kNone);
+    refused = sent ? 0 : refused + 1;
+    if (refused > kRefusedWrites) return sent;
     clock_->waitForTick();
   }
 }
 
-Expected<Done> Bench::move(const Motion& motion, const Law& law) {
+Expected<Done> Bench::whileHeld(const Motion& motion, const Look& look, const Law& law) {
   const MotionEnd end(*person_, motion);
   if (auto held = awaitKey(motion); !held) return held;
   if (auto enabled = enable(); !enabled) return enabled;
-  Expected<Done> done = guarded(law);
-  letGo();
-  return done;
+  const Expected<Done> done = guarded(look, law);
+  const Expected<Done> off = letGo();
+  if (off) return done;
+  Diagnostics all = done ? Diagnostics{} : done.errors();
+  all.push_back(
+      no("", "it may still be enabled: " + format(off.errors()), "press its emergency stop"));
+  return all;
+}
+
+Expected<Done> Bench::move(const Motion& motion, const Law& law) {
+  return whileHeld(
+      motion, [](int, const wh_sample&) { return Seen::kJudge; }, law);
+}
+
+Expected<Done> Bench::rest(const Motion& motion, const Look& look) {
+  return whileHeld(motion, look, [](Now&) -> Expected<bool> { return true; });
 }
 
 Expected<std::string> Bench::askWhile(
@@ -214,21 +235,6 @@ Expected<std::string> Bench::askWhile(
   });
   if (!answer) return no("", "the person gave up", "repeat the step");
   if (!seen) return seen.errors();
-  return *answer;
-}
-
-Expected<std::string> Bench::askEnabled(const Question& question,
-                                        const std::function<void(int, const wh_sample&)>& look) {
-  if (auto enabled = enable(); !enabled) return enabled.errors();
-  const auto answer = person_->ask(question, [&] {
-    wh_sample now{};
-    const int result = driver_->read(now);
-    if (result >= 0) newest_ = now;
-    look(result, now);
-    (void)send(neutral(), HostReason::kNone);
-  });
-  letGo();
-  if (!answer) return no("", "the person gave up", "repeat the step");
   return *answer;
 }
 
@@ -251,41 +257,30 @@ Expected<Done> Bench::home() {
 }
 
 Expected<double> Bench::dropWatchdog(double longest_s) {
-  const Motion motion{Motion::What::kWatchdog, "the watchdog is pulled", "", 0.0};
-  const MotionEnd end(*person_, motion);
-  if (auto held = awaitKey(motion); !held) return held.errors();
-  if (auto enabled = enable(); !enabled) return enabled.errors();
-  watch_.begin();
-  const Expected<wh_sample> before = sample();
-  const auto good = before ? watch_.judge(*before) : before.errors();
-  if (!good) {
-    letGo();
-    return good.errors();
-  }
-  const bool dropped = driver_->control(WH_DROP_WATCHDOG, 0.0).ok();
-  if (!dropped && dynamic_cast<const HostedDriver*>(driver_) != nullptr) {
-    letGo();
-    return no("", "the driver cannot drop its watchdog, and behind a host silence is the host's",
-              "let the driver know WH_DROP_WATCHDOG, or commission it with --driver");
-  }
-  // Where the driver cannot stop feeding the watchdog, sending nothing has the same effect.
-  (void)send(neutral(), HostReason::kNone);
-  const std::int64_t began_ns = clock_->now_ns();
+  bool begun = false, dropped = false, let_go = false;
+  std::int64_t began_ns = 0;
   double passed_s = 0.0;
-  bool let_go = false;
-  while (!let_go && passed_s <= longest_s) {
-    clock_->waitForTick();
-    if (dropped) (void)send(neutral(), HostReason::kNone);
-    wh_sample now{};
-    if (driver_->read(now) < 0) break;
-    newest_ = now;
+  const Look look = [&](int result, const wh_sample& now) {
+    if (!begun) return Seen::kJudge;
     // By the clock, because this machine may be late: the measured silence must not be too short.
     passed_s = static_cast<double>(clock_->now_ns() - began_ns) * 1e-9;
+    if (result < 0 || passed_s > longest_s) return Seen::kOver;
     let_go = (now.status & WH_SILENCED) != 0 || (now.status & WH_ENABLED) == 0;
-  }
-  (void)driver_->control(WH_DISABLE, 0.0);
-  guard_ = endSession(guard_, config_);
-  if (let_go && passed_s <= longest_s) return passed_s;
+    return let_go ? Seen::kOver : Seen::kJudge;
+  };
+  const Law law = [&](Now& now) -> Expected<bool> {
+    // Where the driver cannot stop feeding the watchdog, sending nothing has the same effect.
+    now.silent = begun && !dropped;
+    if (std::exchange(begun, true)) return true;
+    dropped = driver_->control(WH_DROP_WATCHDOG, 0.0).ok();
+    began_ns = clock_->now_ns();
+    if (dropped || dynamic_cast<const HostedDriver*>(driver_) == nullptr) return true;
+    return no("", "the driver cannot drop its watchdog, and behind a host silence is the host's",
+              "let the driver know WH_DROP_WATCHDOG, or commission it with --driver");
+  };
+  const Motion motion{Motion::What::kWatchdog, "the watchdog is pulled", "", 0.0};
+  if (auto held = whileHeld(motion, look, law); !held) return held.errors();
+  if (let_go) return passed_s;
   return no("", fmt::format("the drive's watchdog did not let go within {:.3f} s", longest_s),
             "switch it on in the drive: without it the last effort stays when the program dies");
 }

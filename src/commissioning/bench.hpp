@@ -17,11 +17,15 @@ namespace wholehand {
 
 /// Largest share of the device file's effort limit used in commissioning.
 inline constexpr double kCommissioningShare = 0.2;
+/// From there to neutral [s]. Nobody is attached, and the effort falls no faster than in rendering,
+/// whose ramp takes 80 ms from the whole limit.
+inline constexpr double kCommissioningRamp_s = 0.02;
 
 /// A device that is moved under supervision: no person attached, a key held. Every effort passes
 /// the device host's guard (effort_guard.hpp) with a fifth of the file's limits and its full slew
-/// limits. A released key, a fault, a runaway or the end of a move leads to neutral by the same
-/// ramp as in rendering. One thread. Axes are in the order of the device file.
+/// limits. It is enabled only while the key is held: a released key, a fault, a runaway or the end
+/// of a move leads to neutral within kCommissioningRamp_s, by the shape of the ramp in rendering,
+/// and to WH_DISABLE. One thread. Axes are in the order of the device file.
 class Bench {
  public:
   /// Input and output of a law of motion.
@@ -30,6 +34,7 @@ class Bench {
     double taken_s = 0.0;          ///< since the move began, by the clock; includes late ticks
     std::vector<double> position;  ///< [m or rad]
     std::vector<double> effort;    ///< effort to send: neutral unless the law sets it [N or N·m]
+    bool silent = false;           ///< set by the law: nothing is sent in this tick
   };
   /// The effort sent to the device, and the newest sample before it.
   struct Tick {
@@ -41,6 +46,10 @@ class Bench {
   };
   /// Called every tick; returns false when the move is done.
   using Law = std::function<Expected<bool>(Now&)>;
+  /// What is done with a sample: it is judged, waited for a better one, or the end of the move.
+  enum class Seen { kJudge, kWait, kOver };
+  /// Sees the result and the sample of each read() before it is judged.
+  using Look = std::function<Seen(int result, const wh_sample&)>;
 
   /// Refused: an axis that the driver lacks, and a neutral effort beyond kCommissioningShare.
   [[nodiscard]] static Expected<Bench> make(DeviceDriver& driver, const DeviceModel& model,
@@ -50,23 +59,21 @@ class Bench {
   /// with its own message: nobody confirmed that no person is attached, the key is not pressed or
   /// was released (also while enabling), and everything that SampleWatch refuses.
   [[nodiscard]] Expected<Done> move(const Motion& motion, const Law& law);
+  /// The same at the neutral effort, until `look` says that it is over.
+  [[nodiscard]] Expected<Done> rest(const Motion& motion, const Look& look);
   /// Asks the person while the device is disabled and moved by hand. Refused: the person gave up,
   /// or the device gave no sample.
   /// @param look receives every sample
   [[nodiscard]] Expected<std::string> askWhile(
       const Question& question,
       const std::function<void(const std::vector<double>& position)>& look);
-  /// The same with the device enabled at its neutral effort; the person may cut it off.
-  /// @param look receives the result and the sample of each read()
-  [[nodiscard]] Expected<std::string> askEnabled(
-      const Question& question, const std::function<void(int result, const wh_sample&)>& look);
   /// Carries out WH_HOME, which may move the device: only with the key held when it begins. A
   /// device without that verb has absolute encoders. Refused: it fails, or no sample then has
   /// WH_HOMED.
   [[nodiscard]] Expected<Done> home();
-  /// Enables, stops the feeding of the watchdog (where the driver cannot, sends nothing more), and
-  /// waits until the drive lets go. Returns that time [s]. Refused: longer than `longest_s`, or not
-  /// enabled when the silence began.
+  /// As a move: stops the feeding of the watchdog (where the driver cannot, sends nothing more),
+  /// and waits until the drive lets go. Returns that time [s]. Refused: longer than `longest_s`,
+  /// not enabled when the silence began, and what a move is refused for.
   [[nodiscard]] Expected<double> dropWatchdog(double longest_s);
 
   /// Sets a listener, called after every effort that is sent. It must not block.
@@ -97,9 +104,10 @@ class Bench {
   [[nodiscard]] Expected<Done> awaitKey(const Motion& motion);
   [[nodiscard]] Expected<Done> keyStillHeld();
   [[nodiscard]] Expected<Done> enable();
-  [[nodiscard]] Expected<Done> guarded(const Law& law);
+  [[nodiscard]] Expected<Done> whileHeld(const Motion& motion, const Look& look, const Law& law);
+  [[nodiscard]] Expected<Done> guarded(const Look& look, const Law& law);
   [[nodiscard]] Expected<Done> send(const std::vector<double>& effort, HostReason let_go);
-  void letGo();
+  [[nodiscard]] Expected<Done> letGo();
 
   DeviceDriver* driver_;
   const DeviceModel* model_;

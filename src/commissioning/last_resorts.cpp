@@ -10,18 +10,19 @@ namespace wholehand {
 namespace {
 
 constexpr double kWatchdogSlack_s = 0.05;
+constexpr double kPressWithin_s = 20.0;
+constexpr int kSilentLooks = 20;  // ticks without a new sample that count as silence
 
 // What the samples showed while the emergency stop was to be pressed.
 struct StopSeen {
   enum What { kNever, kEnabled, kCut, kWatchdog } what = kNever;
   std::uint64_t sequence = 0;
-  int still = 0;  // consecutive reads without a new sample
+  int ticks = 0, still = 0;  // in all; in a row without a new sample
 };
-constexpr int kSilentLooks = 20;
 
 StopSeen lookAtStop(StopSeen seen, int result, const wh_sample& sample) {
-  if (seen.what != StopSeen::kNever && seen.what != StopSeen::kEnabled) return seen;
   const bool fresh = result >= 0 && (seen.sequence == 0 || sample.sequence > seen.sequence);
+  ++seen.ticks;
   seen.still = fresh ? 0 : seen.still + 1;
   if (!fresh) return seen;
   seen.sequence = sample.sequence;
@@ -48,35 +49,43 @@ Expected<Done> Commissioning::watchdog() {
   return Done{};
 }
 
+// The person holds the key and presses the stop: it is enabled under the key only, and the move
+// ends as soon as it is cut off.
 Expected<Done> Commissioning::emergencyStop() {
   StopSeen seen;
-  const auto answer = bench_.askEnabled(
-      {Question::About::kEmergencyStop, "Press the emergency stop; Enter. Release it afterwards",
-       "", "", 0.0, 0.0},
-      [&](int result, const wh_sample& sample) { seen = lookAtStop(seen, result, sample); });
-  if (!answer) return answer.errors();
+  const double most_ticks = kPressWithin_s / bench_.period_s();
+  const auto rested = bench_.rest(
+      {Motion::What::kEmergencyStop, "press the emergency stop while you hold it", "", 0.0},
+      [&](int result, const wh_sample& sample) {
+        using Seen = Bench::Seen;
+        seen = lookAtStop(seen, result, sample);
+        if (seen.what == StopSeen::kCut || seen.what == StopSeen::kWatchdog) return Seen::kOver;
+        if (seen.still >= kSilentLooks || seen.ticks > most_ticks) return Seen::kOver;
+        return seen.still > 0 ? Seen::kWait : Seen::kJudge;
+      });
+  if (!rested) return rested;
   const auto refuse = [](const char* why, const char* remedy) {
     return Diagnostic{"", 0, "step", "emergency-stop", why, remedy};
   };
-  switch (seen.what) {
-    case StopSeen::kCut:
-      return Done{};
-    case StopSeen::kWatchdog:
-      return refuse(
-          "its watchdog let go first, since this program was late: of the stop nothing "
-          "was seen",
-          "let nothing else run on this machine, and repeat the step");
-    case StopSeen::kNever:
-      return refuse("the device was not enabled before the stop was pressed", "repeat the step");
-    case StopSeen::kEnabled:
-      break;
+  if (seen.what == StopSeen::kWatchdog) {
+    return refuse(
+        "its watchdog let go first, since this program was late: of the stop nothing was seen",
+        "let nothing else run on this machine, and repeat the step");
   }
-  if (seen.still < kSilentLooks) {
+  if (seen.still >= kSilentLooks) {
+    return refuse("the device fell silent with the stop: nothing says that its motors are off",
+                  "let the stop cut the power of the motors, not that of their controller");
+  }
+  if (seen.what == StopSeen::kEnabled) {
     return refuse("the device stayed enabled: the emergency stop does not cut it off",
                   "wire it so that it cuts the power of the motors, and repeat the step");
   }
-  return refuse("the device fell silent with the stop: nothing says that its motors are off",
-                "let the stop cut the power of the motors, not that of their controller");
+  const auto released =
+      bench_.askWhile({Question::About::kEmergencyStop, "It cut the device off. Release it; Enter",
+                       "", "", 0.0, 0.0},
+                      [](const auto&) {});
+  if (!released) return released.errors();
+  return Done{};
 }
 
 }  // namespace wholehand

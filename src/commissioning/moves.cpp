@@ -48,7 +48,9 @@ double SoftHold::effort(std::size_t axis, double target_speed) const {
 void SoftHold::hold(Bench::Now& now) {
   if (target.empty()) target = now.position;
   if (last_.empty()) last_ = now.position;
-  const double t = bench_->period_s();
+  // A late tick's motion took longer.
+  const double t = std::max(bench_->period_s(), now.taken_s - last_s_);
+  last_s_ = now.taken_s;
   position_ = now.position;
   for (std::size_t i = 0; i < position_.size(); ++i) {
     speed_[i] = (kFilter_s * speed_[i] + (position_[i] - last_[i])) / (kFilter_s + t);

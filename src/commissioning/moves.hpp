@@ -27,6 +27,7 @@ class SoftHold {
  private:
   const Bench* bench_;
   std::vector<double> offset_, speed_, last_, position_;
+  double last_s_ = 0.0;
 };
 
 /// Result of a slow push.

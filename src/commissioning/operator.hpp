@@ -18,7 +18,7 @@ struct Question {
     kPushAway,        ///< move an axis by hand; answered when done
     kTravel,          ///< travel of an axis between its stops: a number in `unit`
     kKnownForce,      ///< known force on an axis: a number in `unit`
-    kEmergencyStop,   ///< press the emergency stop; answered when done
+    kEmergencyStop,   ///< release the emergency stop; answered when done
     kNextStep         ///< answer: empty for the next step, the name of a step, or "quit"
   };
   About about = About::kNextStep;
@@ -37,7 +37,15 @@ struct FoundFigure {
 
 /// A move during which the key must be held.
 struct Motion {
-  enum class What : std::uint8_t { kHoming, kPush, kCarry, kDrive, kMeasure, kWatchdog };
+  enum class What : std::uint8_t {
+    kHoming,
+    kPush,
+    kCarry,
+    kDrive,
+    kMeasure,
+    kWatchdog,
+    kEmergencyStop
+  };
   What what = What::kPush;
   std::string text;  ///< in English: "axis x is pushed in + direction"
   std::string axis;

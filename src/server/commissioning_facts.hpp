@@ -20,7 +20,15 @@ struct CommissioningFacts {
     kEmergencyStop,
     kNextStep
   };
-  enum class Motion : std::uint8_t { kHoming, kPush, kCarry, kDrive, kMeasure, kWatchdog };
+  enum class Motion : std::uint8_t {
+    kHoming,
+    kPush,
+    kCarry,
+    kDrive,
+    kMeasure,
+    kWatchdog,
+    kEmergencyStop
+  };
   enum class MotionState : std::uint8_t { kAwaitsKey, kMoves, kOver };
 
   struct Finding {

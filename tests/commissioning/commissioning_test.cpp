@@ -15,7 +15,6 @@ namespace {
 using Step = CommissioningStep;
 
 const Motion kAnyMotion{Motion::What::kPush, "test", "", 0.0};
-const Question kAnyQuestion{Question::About::kEmergencyStop, "test", "", "", 0.0, 0.0};
 
 /// A device, a person and their bench; files go into a folder of its own.
 struct Session {
@@ -160,6 +159,64 @@ TEST(Commissioning, MachineThatIsLateWhileItMeasures_IsRefusedByNameAndTheStepRe
   EXPECT_TRUE(s.commissioning->carryOut(Step::kMassFrictionDelay).ok());
 }
 
+// A stall of this machine is no motion of the device: the same move, and a sample that comes late.
+TEST(Commissioning, MachineThatStandsStillInMotion_IsNeverCalledARunaway) {
+  std::mt19937_64 random = seededRandom(436);
+  for (int run = 0; run < cases(20); ++run) {
+    Session s("desktop-3axis");
+    s.begin();
+    s.bench->confirmNobodyAttached(true);
+    const int stall_ticks = static_cast<int>(random() % 60);
+    const auto at = static_cast<long>(100 + random() % 200);
+    bool stalled = false;
+    s.person.on_look = [&] {  // the device goes on by itself; its watchdog takes 20 ms
+      if (s.person.looks < at || std::exchange(stalled, true)) return;
+      for (int i = 0; i < stall_ticks; ++i) s.device.waitForTick();
+    };
+    // To and fro at a third of the speed limit and more.
+    const double effort = 0.2 * s.model.axes[0].effort_limit;
+    double fastest = 0.0;
+    const auto moved = s.bench->move(kAnyMotion, [&](Bench::Now& now) -> Expected<bool> {
+      now.effort[0] = now.position[0] < 0.0 ? effort : -effort;
+      fastest = std::max(fastest, std::abs(s.device.mechanism.speed(0)));
+      return now.time_s < 0.5;
+    });
+    ASSERT_LT(fastest, s.model.axes[0].speed_limit);
+    const std::string why = said(moved);
+    EXPECT_FALSE(says(why, "runs away") || says(why, "jumps")) << stall_ticks << " ms: " << why;
+    if (stall_ticks < 18) EXPECT_EQ(why, "") << stall_ticks;
+    if (stall_ticks > 21) EXPECT_NE(why, "") << stall_ticks;
+    if (!why.empty()) EXPECT_TRUE(says(why, "its watchdog let go; this program was silent"));
+  }
+}
+
+TEST(Commissioning, SamplesWhoseTimesAreWrong_EndTheMoveByTheirOwnName) {
+  struct Wrong {
+    const char* what;
+    std::int64_t (*shown)(std::int64_t taken_ns);
+    const char* says;
+  };
+  const Wrong all[] = {
+      {"frozen", [](std::int64_t) -> std::int64_t { return 1'000'000; }, "ms old when they come"},
+      {"an hour ahead", [](std::int64_t t) { return t + 3'600'000'000'000; }, "in the future"},
+      {"old", [](std::int64_t t) { return t - 250'000'000; }, "ms old when they come"}};
+  for (const Wrong& wrong : all) {
+    Session s("desktop-3axis");
+    s.begin();
+    s.bench->confirmNobodyAttached(true);
+    s.device.shown_ns = wrong.shown;
+    long ticks = 0;
+    const auto moved = s.bench->move(kAnyMotion, [&](Bench::Now& now) -> Expected<bool> {
+      ++ticks;
+      now.effort[0] = s.bench->limit(0);
+      return true;
+    });
+    EXPECT_TRUE(says(said(moved), wrong.says)) << wrong.what << ": " << said(moved);
+    EXPECT_LE(static_cast<double>(ticks) * 1e-3, longestStill_s(s.model) + 2e-3) << wrong.what;
+    EXPECT_FALSE(s.device.enabled());
+  }
+}
+
 TEST(Commissioning, DriverThatCannotDropItsWatchdog_IsTriedBySilence) {
   Spoiled spoiled;
   spoiled.cannot_drop = true;
@@ -287,11 +344,10 @@ TEST(Commissioning, HomeRepeatedWithSomebodyAttached_EnablesNothingAnyMore) {
   ASSERT_TRUE(s.upTo(Step::kSigns).ok());
   s.person.nobody = false;
   EXPECT_FALSE(s.commissioning->carryOut(Step::kHome).ok());
-  const auto look = [](int, const wh_sample&) {};
+  const auto look = [](int, const wh_sample&) { return Bench::Seen::kOver; };
   for (const std::string& why :
        {said(s.bench->move(kAnyMotion, [](Bench::Now&) -> Expected<bool> { return false; })),
-        format(s.bench->askEnabled(kAnyQuestion, look).errors()),
-        format(s.bench->dropWatchdog(0.1).errors())}) {
+        said(s.bench->rest(kAnyMotion, look)), format(s.bench->dropWatchdog(0.1).errors())}) {
     EXPECT_TRUE(says(why, "nobody is attached"));
   }
 }
@@ -318,6 +374,27 @@ TEST(EmergencyStop, ThatNobodyPressedWhileTheWatchdogLetGo_IsNotTakenForPressed)
   s.person.late_ticks = 0;
   s.person.presses_stop = true;
   EXPECT_EQ(said(s.commissioning->carryOut(Step::kEmergencyStop)), "");
+}
+
+// At the neutral effort, too, the device's own speed limit is the law.
+TEST(RunawayDevice, WhileTheWatchdogOrTheStopIsTried_IsDisabledAtItsSpeedLimitAndRefused) {
+  constexpr double kRuns_m_s2 = 60.0;
+  for (const Step step : {Step::kWatchdog, Step::kEmergencyStop}) {
+    Spoiled spoiled;
+    spoiled.no_watchdog = step == Step::kWatchdog;  // it would let go before
+    Session s("desktop-3axis", spoiled);
+    ASSERT_EQ(said(s.upTo(static_cast<Step>(static_cast<int>(step) - 1))), "");
+    double fastest = 0.0;
+    s.device.on_tick = [&] {
+      s.device.mechanism.pushed[0] = s.device.enabled() ? kRuns_m_s2 * s.model.axes[0].mass : 0.0;
+      if (s.device.enabled()) fastest = std::max(fastest, std::abs(s.device.mechanism.speed(0)));
+    };
+    EXPECT_TRUE(says(said(s.commissioning->carryOut(step)), "runs away")) << stepName(step);
+    EXPECT_FALSE(s.device.enabled());
+    // The watch compares over 10 ms, of which the mean is judged, and the ramp takes 20 ms.
+    EXPECT_LE(fastest, s.model.axes[0].speed_limit + kRuns_m_s2 * (0.005 + 0.025))
+        << stepName(step);
+  }
 }
 
 TEST(Watchdog, OfADeviceThatWasCutOffBefore_IsNotTakenForOneThatLetGo) {

@@ -100,6 +100,37 @@ TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
   }
 }
 
+// One press holds: the newest. Whoever lets go of it ends it, and so does whoever held before.
+TEST(ConsoleOperator, KeyHeldByTwoPages_IsOnePressThatEitherEnds) {
+  const auto beat = [](Page& p, std::uint32_t claim, bool held) {
+    Order asked;
+    asked.type = OrderType::kHoldToMove;
+    asked.claim = claim;
+    asked.number = 1;
+    asked.held = held;
+    p.console.order(asked, [](const OrderReply&) {});
+  };
+  const auto both = [&](Page& p, int times) {
+    for (int i = 0; i < times; ++i, p.now_ns += 40'000'000) {
+      beat(p, 1, true);
+      beat(p, 2, true);
+    }
+  };
+  for (const std::uint32_t lets_go : {1U, 2U}) {
+    Page page;
+    both(page, 8);
+    ASSERT_TRUE(page.console.holdsKey());
+    beat(page, lets_go, false);
+    EXPECT_FALSE(page.console.holdsKey()) << "let go by page " << lets_go;
+    both(page, 8);
+    EXPECT_FALSE(page.console.holdsKey()) << "the other one must be pressed anew";
+  }
+  Page page;
+  both(page, 8);
+  for (int i = 0; i < 4; ++i, page.now_ns += 40'000'000) beat(page, 1, true);
+  EXPECT_FALSE(page.console.holdsKey()) << "the newer page is silent, the older one beats on";
+}
+
 TEST(ConsoleOperator, ButtonHeldThroughAQuestion_MovesNothingAfterIt) {
   Page page;
   page.press(1);

@@ -32,8 +32,11 @@ class FakeDevice final : public DeviceDriver, public TickClock {
  public:
   Mechanism mechanism;
   bool stop_pressed = false;
-  bool frozen = false;       ///< samples stand still
-  std::int64_t late_ns = 0;  ///< of the next tick; the mechanism sees a period all the same
+  bool frozen = false;            ///< samples stand still
+  std::vector<double> acting;     ///< effort of each motor in the last period [N or N·m]
+  std::int64_t late_ns = 0;       ///< of the next tick; the mechanism sees a period all the same
+  std::function<void()> on_tick;  ///< after each
+  std::function<std::int64_t(std::int64_t)> shown_ns;  ///< time of a sample that is told
 
   FakeDevice(const DeviceModel& model, Spoiled spoiled, double period_s = 1e-3)
       : mechanism(mechanismOf(model, spoiled), period_s),
@@ -97,7 +100,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     if (enabled_ && !off) sample.status |= WH_ENABLED;
     if (silenced_) sample.status |= WH_SILENCED;
     sample.sequence = ++samples_;
-    sample.monotonic_ns = now_;
+    sample.monotonic_ns = shown_ns ? shown_ns(now_) : now_;
     sample.valid = (1U << order_.size()) - 1U;
     for (std::size_t d = 0; d < order_.size(); ++d) sample.position[d] = shown(order_[d]);
     last_ = sample;
@@ -116,7 +119,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     if (stop_pressed && !spoiled_.no_stop_button) enabled_ = false;
     if (silent_s_ >= 0.0) silent_s_ += period_s_;
     if (silent_s_ > 0.02 && !spoiled_.no_watchdog) silenced_ = true;
-    std::vector<double> acting(sent_.size(), 0.0);
+    acting.assign(sent_.size(), 0.0);
     for (std::size_t i = 0; i < sent_.size() && enabled_ && !silenced_; ++i) {
       const DeviceAxis& a = model_.axes[i];
       const bool it = a.name == spoiled_.axis;
@@ -127,9 +130,11 @@ class FakeDevice final : public DeviceDriver, public TickClock {
       acting[to] = share * (it ? spoiled_.effort_scale * (spoiled_.motor_sign ? -1.0 : 1.0) : 1.0);
     }
     mechanism.advance(acting);
+    if (on_tick) on_tick();
   }
   [[nodiscard]] std::int64_t now_ns() const override { return now_; }
 
+  [[nodiscard]] bool enabled() const { return enabled_; }
   [[nodiscard]] std::size_t indexOf(const std::string& axis) const {
     return static_cast<std::size_t>(model_.axisIndex(axis));
   }
@@ -195,7 +200,11 @@ class ScriptedOperator final : public Operator {
     for (double& pull : device_.mechanism.pushed) pull = 0.0;
   }
   void tellStep(const StepNews& news) override { steps.push_back(news); }
-  void tellMotion(const Motion&, MotionState) override {}
+  void tellMotion(const Motion& motion, MotionState state) override {
+    const bool presses =
+        motion.what == Motion::What::kEmergencyStop && state == MotionState::kMoves;
+    press_in_ = presses ? 100 : 0;
+  }
   [[nodiscard]] std::optional<std::string> ask(const Question& asked_now,
                                                const std::function<void()>& meanwhile) override {
     const std::string& question = asked_now.text;
@@ -215,7 +224,10 @@ class ScriptedOperator final : public Operator {
       look();
       return nobody ? "yes" : "no";
     }
-    if (question.find("emergency stop") != std::string::npos) return pressStop(look);
+    if (asked_now.about == Question::About::kEmergencyStop) {
+      device_.stop_pressed = false;
+      return "";
+    }
     const std::size_t axis = axisOf(question);
     const DeviceAxis& a = model_.axes[axis];
     const double range = a.upper - a.lower;
@@ -236,6 +248,7 @@ class ScriptedOperator final : public Operator {
   [[nodiscard]] bool holdsKey() override {
     ++looks;
     if (on_look) on_look();
+    if (press_in_ > 0 && --press_in_ == 0) pressStop();
     return looks <= lets_go_after;
   }
   [[nodiscard]] bool gaveUp() override { return gave_up; }
@@ -264,17 +277,14 @@ class ScriptedOperator final : public Operator {
       look();
     }
   }
-  template <class Look>
-  std::string pressStop(const Look& look) {
+  void pressStop() {
     for (int i = 0; i < late_ticks; ++i) device_.waitForTick();
     device_.stop_pressed = presses_stop;
-    for (int i = 0; i < 100; ++i) look();
-    device_.stop_pressed = false;
-    return "";
   }
 
   FakeDevice& device_;
   const DeviceModel& model_;
+  int press_in_ = 0;  ///< looks at the key until the stop is pressed; 0: not to be pressed
 };
 
 }  // namespace wholehand::test

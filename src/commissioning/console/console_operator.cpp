@@ -17,8 +17,8 @@ constexpr std::size_t kLongestAnswer = 64;
 
 static_assert(static_cast<int>(Question::About::kNextStep) + 1 ==
               static_cast<int>(Facts::Asked::kNextStep));
-static_assert(static_cast<int>(Motion::What::kWatchdog) ==
-              static_cast<int>(Facts::Motion::kWatchdog));
+static_assert(static_cast<int>(Motion::What::kEmergencyStop) ==
+              static_cast<int>(Facts::Motion::kEmergencyStop));
 static_assert(static_cast<int>(MotionState::kOver) == static_cast<int>(Facts::MotionState::kOver));
 
 std::vector<int> placesOf(const std::vector<int>& steps) {

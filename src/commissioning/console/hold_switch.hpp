@@ -10,7 +10,7 @@ namespace wholehand {
 /// monotonic]; one thread at a time.
 class HoldSwitch {
  public:
-  static constexpr std::int64_t kSilent_ns = 150'000'000;  ///< timeout of a press
+  static constexpr std::int64_t kSilent_ns = 120'000'000;  ///< timeout of a press
   static constexpr std::int64_t kClick_ns = 200'000'000;   ///< shorter presses are clicks
 
   /// @param claim number of the holder's claim to the controls (Order::claim); increases

@@ -1,8 +1,8 @@
 // A button that lets the device move for as long as a person holds it, and not a moment longer.
 
-const BEAT_MS = 50;
+const BEAT_MS = 40;
 /** As the program counts (HoldSwitch::kSilent_ns): a page that hung for so long holds nothing any more. */
-const SILENT_MS = 150;
+const SILENT_MS = 120;
 
 /** The part of an element that is used. */
 export type Holdable = Pick<HTMLElement, 'addEventListener' | 'removeEventListener' | 'setPointerCapture'>;

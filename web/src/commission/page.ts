@@ -3,6 +3,7 @@ import { toggleTheme } from '../console/theme';
 import { h } from '../console/dom';
 import type { Connection } from '../net/connection';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
+import { texts as consoleTexts } from '../console/i18n';
 import { texts } from './i18n';
 import { StepList } from './step_list';
 import { TaskCard } from './task_card';
@@ -17,6 +18,7 @@ export class CommissionPage {
   private card: TaskCard | undefined;
   private list = new StepList();
   private about = h('p', { class: 'about' });
+  private unconfirmed = h('p');
 
   constructor(private readonly root: HTMLElement, private readonly connection: Connection) {
     this.build();
@@ -31,6 +33,8 @@ export class CommissionPage {
     this.card = new TaskCard(this.connection);
     this.list = new StepList();
     this.about = h('p', { class: 'about' });
+    const { unconfirmed, unconfirmedMore } = consoleTexts().notices;
+    this.unconfirmed = h('p', { class: 'notice alarm', role: 'alert', hidden: true, 'data-testid': 'stop-unconfirmed' }, h('strong', {}, unconfirmed), ` ${unconfirmedMore}`);
     const stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' }, icon('stop'), t.stop);
     // When it goes down, not when it comes up again.
     for (const press of ['pointerdown', 'click']) stop.addEventListener(press, () => this.stop());
@@ -40,7 +44,7 @@ export class CommissionPage {
     const theme = h('button', { type: 'button', class: 'b icon', 'aria-label': t.theme, title: t.theme, onclick: () => toggleTheme() }, icon('theme'));
     this.root.replaceChildren(
       h('header', { class: 'top' }, h('div', { class: 'brand' }, icon('logo'), 'Wholehand'), this.about, h('span', { class: 'sp' }), languages, theme, stop),
-      h('p', { class: 'rule' }, t.rule),
+      this.unconfirmed, h('p', { class: 'rule' }, t.rule),
       h('main', { class: 'commission' }, this.card.element, this.list.element));
     this.show();
   }
@@ -60,6 +64,7 @@ export class CommissionPage {
     document.body.dataset.task = task;
     this.about.replaceChildren(h('b', {}, title),
       c ? fill(t.by, { device: String(c.device), serial: String(c.serial), operator: String(c.operatorName) }) : '');
+    if (this.unconfirmed.hidden === connection.stopUnconfirmed) this.unconfirmed.hidden = !connection.stopUnconfirmed;
     this.list.show(c);
     this.card?.show(task, c, c ? stepNow(c) : -1);
   }

@@ -3,6 +3,7 @@ import { texts as consoleTexts } from '../console/i18n';
 import type { Connection } from '../net/connection';
 import type { Answer } from '../net/pending_answers';
 import { Asked, MotionKind, MotionState, Role, type CommissioningT } from '../protocol';
+import { FreshButtons } from '../shared/fresh_buttons';
 import { fill } from '../shared/i18n';
 import { HoldButton } from './hold_button';
 import { texts } from './i18n';
@@ -20,6 +21,7 @@ export class TaskCard {
   private readonly note = h('p', { class: 'said', role: 'alert' });
   private readonly body = h('div', { class: 'body' });
   readonly element = h('section', { class: 'panel task', 'aria-live': 'polite' }, this.head, this.more, this.body, this.note);
+  private readonly fresh = new FreshButtons(this.body);
   private button: HoldButton | undefined;
   private word: HTMLElement | undefined;
   private bar: HTMLElement | undefined;
@@ -58,6 +60,7 @@ export class TaskCard {
       say(this.head, sentence(fill(head, fills)));
       say(this.more, fill(more, fills));
       this.body.replaceChildren(...body);
+      this.fresh.changed();
     };
     switch (task) {
       case 'connecting': put(t.connecting, ''); break;
@@ -136,12 +139,13 @@ export class TaskCard {
 
   private field(label: string, unit: string): HTMLElement {
     const input = h('input', { type: 'text', inputmode: 'decimal', autocomplete: 'off', 'data-testid': 'number', 'aria-label': `${label} [${unit}]` });
+    const question = this.now?.question ?? 0;
     const form = h('form', { class: 'number' }, h('label', {}, label, input), h('span', {}, unit), h('button', { type: 'submit', class: 'b go', 'data-testid': 'answer' }, this.t.go));
     form.addEventListener('submit', (event) => {
       event.preventDefault();
       const number = typedNumber(input.value);
       if (number === '') this.refuse(this.t.ask.noNumber);
-      else void this.tell(number);
+      else void this.tell(question, number);
     });
     return form;
   }
@@ -160,7 +164,8 @@ export class TaskCard {
   }
 
   private answer(words: string, label: string, look: string): HTMLElement {
-    return this.press(`answer-${words === '' ? 'done' : words}`, label, look, () => this.tell(words));
+    const question = this.now?.question ?? 0;
+    return this.press(`answer-${words === '' ? 'done' : words}`, label, look, () => this.tell(question, words));
   }
 
   private press(id: string, label: string, look: string, act: () => Promise<Answer | undefined>): HTMLElement {
@@ -169,9 +174,10 @@ export class TaskCard {
     return button;
   }
 
-  private async tell(words: string): Promise<undefined> {
-    const answer = await this.connection.answer(this.now?.question ?? 0, words);
-    if (!answer.accepted) this.refuse(answer.reason);
+  /** Answers the question that the pressed button was built for. */
+  private async tell(question: number, words: string): Promise<undefined> {
+    const answer = await this.connection.answer(question, words);
+    if (!answer.accepted && question === this.now?.question) this.refuse(answer.reason);
   }
 
   private refuse(why: string): void {

@@ -1,6 +1,7 @@
 import { infoOf, type ExerciseInfo } from '../exercises/info';
 import { Act } from '../protocol';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
+import { FreshButtons } from '../shared/fresh_buttons';
 import { h, say, setAttribute, setClass } from './dom';
 import { asWords } from '../shared/format';
 import { texts } from './i18n';
@@ -28,7 +29,7 @@ export class Header implements Panel {
   private readonly arm: HTMLButtonElement;
   private readonly pause: HTMLButtonElement;
   private readonly resume: HTMLButtonElement;
-  private readonly stop: HTMLButtonElement;
+  private readonly freshResume: FreshButtons;
   /** The newest ending that the page showed beside "Start", and the one at the moment when it was pressed. */
   private endingsShown = 0;
   private endingsPressed: number | undefined;
@@ -46,13 +47,15 @@ export class Header implements Panel {
     this.pause = h('button', { type: 'button', class: 'b', 'data-testid': 'pause' }, icon('pause'), t.pause, h('kbd', { class: 'pause-key' }, t.space));
     this.pause.addEventListener('click', () => this.pauseNow());
     this.resume = h('button', { type: 'button', class: 'b', 'data-testid': 'resume', hidden: true }, icon('play'), t.resume);
+    this.freshResume = new FreshButtons(this.resume);
     this.resume.addEventListener('click', () => void model.command(t.resume, () => model.connection.act(Act.Resume)));
-    this.stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' },
+    // Without a connection, too: the stop is sent as soon as there is one (PendingStop).
+    const stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' },
       icon('stop'), t.emergency, h('kbd', {}, t.esc));
-    this.stop.addEventListener('click', () => void model.emergencyStop());
+    stop.addEventListener('click', () => void model.emergencyStop());
     this.element = h('header', { class: 'top live' },
       h('h1', { class: 'brand' }, icon('logo'), 'Wholehand'), this.who.element, this.what.element, this.pill,
-      h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.arm, this.pause, this.resume, this.stop);
+      h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.arm, this.pause, this.resume, stop);
     this.refresh();
   }
 
@@ -113,13 +116,12 @@ export class Header implements Panel {
     const word = name === 'stopped' || name === 'faulted' ? t.armAgain : t.arm;
     if (this.arm.lastChild?.textContent !== word) this.arm.replaceChildren(icon('play'), word);
     this.pause.disabled = name !== 'rendering';
-    // Without a connection the browser cannot reach the robot, so the button promises nothing.
-    this.stop.disabled = name === 'lost';
     const paused = name === 'paused';
     if (this.pause.hidden === paused) return;
     const focused = document.activeElement === (paused ? this.pause : this.resume);
     this.pause.hidden = paused;
     this.resume.hidden = !paused;
+    if (paused) this.freshResume.changed();
     if (focused) (paused ? this.resume : this.pause).focus();
   }
 

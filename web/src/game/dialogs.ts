@@ -3,6 +3,7 @@ import { trapFocus } from '../shared/a11y';
 import { TONES, type ToneName as Tone } from '../hand/tones';
 import { HELPS, type Help } from '../input/wish';
 import { h } from '../shared/dom';
+import { FreshButtons } from '../shared/fresh_buttons';
 import { FIRST } from '../exercises';
 import type { ExerciseWords, Praise } from '../exercises/exercise';
 import { language, LANGUAGES, text, type Language, type TextKey } from '../shared/i18n';
@@ -20,6 +21,8 @@ export class Overlay {
   private release: (() => void) | null = null;
   private onEscape: (() => void) | null = null;
   private readonly element = h('div', { class: 'overlay', hidden: true });
+  private readonly fresh = new FreshButtons(this.element);
+  private buttons = '';
 
   /**
    * `beside`: the strip with Stop, which stays reachable from every card that does not cover it; `otherwise`: what
@@ -36,6 +39,9 @@ export class Overlay {
     this.release?.();
     this.element.className = `overlay ${kind}`;
     this.element.replaceChildren(card);
+    const buttons = JSON.stringify([...card.querySelectorAll('button')].map(({ textContent }) => textContent));
+    if (this.element.hidden || buttons !== this.buttons) this.fresh.changed();
+    this.buttons = buttons;
     this.element.hidden = false;
     this.onEscape = options.onEscape ?? null;
     this.release = trapFocus(options.alone ? [this.element] : [this.element, this.beside], options.first ?? card);

@@ -91,6 +91,7 @@ export class Connection extends Orders {
   private readonly beatTimer: ReturnType<typeof setInterval>;
   private heard_ms = 0;
   private beat_ms = 0;
+  private excused = false;  // a late turn, since the program was heard last
   private closed = false;
   private readonly holding = new Holding((beats) => this.line?.hold?.(beats ? BEAT : null));
   private readonly stopAsked = new PendingStop(() => this.order(new EmergencyStopT()), () => this.tell('status', this.status));
@@ -189,15 +190,16 @@ export class Connection extends Orders {
       return;
     }
     this.line = line;
-    this.heard_ms = performance.now();
+    this.heard();
     line.binaryType = 'arraybuffer';
     line.onopen = () => {
-      this.heard_ms = performance.now();
+      this.heard();
       this.wait_ms = FIRST_WAIT_MS;
     };
     line.onmessage = (event) => {
       const began_ms = performance.now();
       this.read(event.data);
+      this.stopAsked.heard();
       this.reading_ms += performance.now() - began_ms;
     };
     line.onclose = () => { if (this.line === line) this.lost(); };
@@ -238,17 +240,22 @@ export class Connection extends Orders {
   }
 
   private beat(): void {
-    // A page that was busy or asleep has not read what came meanwhile, so the program counts as heard.
     const now_ms = performance.now();
-    if (now_ms - this.beat_ms > 10 * HEARTBEAT_MS) this.heard_ms = now_ms;
+    const late = now_ms - this.beat_ms > 10 * HEARTBEAT_MS;
     this.beat_ms = now_ms;
     if (!this.line) return;
     if (now_ms - this.heard_ms > SILENCE_MS) {
-      this.lost();
-      return;
+      // A page that was busy or asleep may not have read what came meanwhile. It does until its next turn.
+      if (!late || this.excused) return this.lost();
+      this.excused = true;
     }
     // The answer to a beat is not waited for: the next beat follows.
     if (!this.line.hold && this.status === 'open' && this.holding.beats) this.line.send(encodeCommand(++this.lastId, new HeartbeatT()));
+  }
+
+  private heard(): void {
+    this.heard_ms = performance.now();
+    this.excused = false;
   }
 
   private get rendering(): boolean { return this.latestState?.runState === RunState.Rendering; }
@@ -259,7 +266,7 @@ export class Connection extends Orders {
   }
 
   private read(data: unknown): void {
-    this.heard_ms = performance.now();
+    this.heard();
     const message = readMessage(data);
     switch (message.is) {
       case 'state': return this.takeState(message.value);
@@ -301,6 +308,7 @@ export class Connection extends Orders {
     this.endings = 0;  // another run of the program counts anew
     this.attempts = this.refusedWith = 0;
     this.setStatus('open');
+    this.stopAsked.lineLives();
     this.tell('welcome', welcome);
   }
 

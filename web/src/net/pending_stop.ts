@@ -22,6 +22,14 @@ export class PendingStop {
     return new Promise((settle) => { this.settle.push(settle); });
   }
 
+  /** A line was opened: what could not be sent before is sent now. */
+  lineLives(): void { if (this.timer !== undefined) this.sendOnce(); }
+
+  /** With every message of the program: a hidden tab's timers are slow, its messages are not. */
+  heard(): void {
+    if (this.timer !== undefined && performance.now() - this.sent_ms >= CONFIRMED_WITHIN_MS) this.sendOnce();
+  }
+
   close(): void {
     clearInterval(this.timer);
     this.timer = undefined;
@@ -32,9 +40,9 @@ export class PendingStop {
     void this.send().then((answer) => { if (answer.accepted) this.confirm(answer); });
   }
 
+  // A page that was busy meanwhile says so, too: it may have an answer to read, and may have none.
   private sendAgain(): void {
-    // A page that was busy for longer has not read the answers yet.
-    if (performance.now() - this.sent_ms < 2 * CONFIRMED_WITHIN_MS) this.say(true);
+    this.say(true);
     this.sendOnce();
   }
 

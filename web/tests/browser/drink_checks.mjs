@@ -46,6 +46,12 @@ async function bottleIn({ width, height }, first) {
   };
 }
 
+/** New buttons are deaf for a moment. */
+async function pressEnter(page) {
+  await page.waitForSelector('.overlay:not([data-fresh])');
+  await page.keyboard.press('Enter');
+}
+
 /**
  * Plays until the card that praises; the exercise's own clock is gated.
  * `press` is done once where the screen
@@ -99,7 +105,7 @@ async function drinksAt(browser, programUrl, watcher, { level, width, height }) 
   await page.waitForSelector('[data-testid=start]');
   // Without the picture nobody points: it is loaded apart from the words.
   await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null);
-  await page.keyboard.press('Enter');
+  await pressEnter(page);
   const bottle = await bottleIn({ width, height }, await watcher.now());
   const ways = {
     'one button': async () => { await page.keyboard.down('Space'); await wait(150); await page.keyboard.up('Space'); },
@@ -114,7 +120,7 @@ async function drinksAt(browser, programUrl, watcher, { level, width, height }) 
     await wait(500);
     took.push(`${name} ${await drink(page, watcher, press)}`);
     await page.keyboard.up('Space');
-    if (name !== 'pad') await page.keyboard.press('Enter');
+    if (name !== 'pad') await pressEnter(page);
   }
   await page.context().close();
   return took.join(', ');

@@ -1,0 +1,40 @@
+// Buttons that have just come are deaf: a press that was meant for what stood there before does nothing.
+
+/** What changes under a finger is not pressed on purpose within this time [ms]. */
+const DEAF_MS = 400;
+
+/** Where buttons change. `dataset.fresh` is there while they are deaf (tokens.css). */
+export type Changing = Pick<HTMLElement, 'addEventListener' | 'dataset'>;
+
+/** Swallows every press on a part of the page that begins before its buttons have been there for DEAF_MS. No stop is in such a part. */
+export class FreshButtons {
+  private changed_ms = -Infinity;
+  private heard = true;   // the press under way began when the buttons were no longer new
+
+  constructor(private readonly part: Changing) {
+    for (const press of ['pointerdown', 'keydown', 'click', 'submit']) part.addEventListener(press, (event) => this.take(event), true);
+  }
+
+  /** Other buttons are there now. */
+  changed(): void {
+    this.changed_ms = performance.now();
+    this.heard = false;
+    this.part.dataset.fresh = '';
+    setTimeout(() => { if (!this.deaf) delete this.part.dataset.fresh; }, DEAF_MS);
+  }
+
+  private get deaf(): boolean { return performance.now() - this.changed_ms < DEAF_MS; }
+
+  private take(event: Event): void {
+    const { code = '', repeat = false, detail = 0 } = event as Partial<KeyboardEvent & MouseEvent>;
+    const typed = (event.target as Partial<Element> | null)?.closest?.('input, select, textarea');
+    if (event.type !== 'submit' && typed) return;
+    if (event.type === 'keydown' && code !== 'Enter' && code !== 'Space') return;
+    if (event.type === 'pointerdown' || (event.type === 'keydown' && !repeat)) this.heard = !this.deaf;
+    // A click without a count comes from a key, whose keydown was judged, or from a screen reader.
+    const counts = event.type === 'submit' || (event.type === 'click' && detail === 0) || this.heard;
+    if (!this.deaf && counts) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+  }
+}

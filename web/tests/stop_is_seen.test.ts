@@ -1,0 +1,139 @@
+// A stop is sent once the line lives, and a page says what it does not know, however few turns it has.
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { Connection } from '../src/net/connection';
+import { FreshButtons } from '../src/shared/fresh_buttons';
+import { Order, Payload, ReplyT, WorldStateT } from '../src/protocol';
+import { TestLine } from './test_line';
+import { TurnClock } from './turn_clock';
+
+/** How long the main thread is busy a turn [ms]. */
+const TURNS_MS = [50, 120, 300, 600, 601, 1000, 2000];
+
+let clock: TurnClock;
+let lines: TestLine[];
+let connection: Connection;
+
+beforeEach(() => {
+  clock = new TurnClock();
+  lines = [];
+  connection = new Connection({ url: 'ws://nowhere/ws', open: () => { const line = new TestLine(); lines.push(line); return line; } });
+  lines[0].welcome();
+});
+afterEach(() => { connection.close(); vi.unstubAllGlobals(); });
+
+const last = (): TestLine => lines[lines.length - 1];
+const stops = (): number[] => last().sent.filter(({ order }) => order === Order.EmergencyStop).map(({ id }) => id);
+
+describe.each(TURNS_MS)('a page whose every turn takes %i ms', (turn_ms) => {
+  it('says in its first turn after 300 ms that a mute program has not confirmed a stop', async () => {
+    await clock.turn(turn_ms);
+    void connection.emergencyStop();
+    expect(stops(), 'sent at once').toHaveLength(1);
+    const took_ms = await clock.until(() => connection.stopUnconfirmed, turn_ms, 10_000);
+    expect(took_ms).toBeGreaterThanOrEqual(300);
+    expect(took_ms, 'the turn in which 300 ms are over').toBeLessThan(300 + 50 + turn_ms);
+  });
+
+  it('says that the line is lost, one turn after 3 s of silence at the latest', async () => {
+    last().say(Payload.WorldState, new WorldStateT());
+    const took_ms = await clock.until(() => connection.status === 'lost', turn_ms, 20_000);
+    expect(took_ms).toBeGreaterThan(3000);
+    expect(took_ms).toBeLessThanOrEqual(3000 + 2 * turn_ms + 50);
+  });
+
+  it('keeps a line whose program is heard in every turn', async () => {
+    for (let i = 0; i < 20; i += 1) {
+      await clock.turn(turn_ms);
+      last().say(Payload.WorldState, new WorldStateT());
+    }
+    expect([connection.status, lines.length]).toEqual(['open', 1]);
+  });
+
+  it('sends a stop that was pressed without a line as soon as there is one, and takes the alarm back with the answer', async () => {
+    last().breaks();
+    let confirmed = false;
+    void connection.emergencyStop().then(() => { confirmed = true; });
+    await clock.until(() => connection.stopUnconfirmed && lines.length > 1, turn_ms, 20_000);
+    expect(connection.stopUnconfirmed).toBe(true);
+    expect(stops(), 'the line does not live yet').toHaveLength(0);
+    last().welcome();
+    await clock.settle();
+    expect(stops(), 'in the turn in which it is welcome').toHaveLength(1);
+    last().say(Payload.Reply, new ReplyT(stops()[0], true, ''));
+    await clock.settle();
+    expect([connection.stopUnconfirmed, confirmed]).toEqual([false, true]);
+  });
+});
+
+it('a hidden tab repeats a stop with the messages that it hears, not with its timers', async () => {
+  clock.hidden = true;
+  await clock.turn(1000);
+  void connection.emergencyStop();
+  for (let i = 0; i < 50; i += 1) {
+    await clock.turn(16);
+    last().say(Payload.WorldState, new WorldStateT());
+  }
+  // 800 ms: at once, and every 300 ms with the next message of 16 ms; the timers fired not at all.
+  expect(stops()).toHaveLength(3);
+});
+
+it('a hidden tab sends a stop in the moment in which the next line lives', async () => {
+  clock.hidden = true;
+  last().breaks();
+  void connection.emergencyStop();
+  await clock.until(() => lines.length > 1, 16, 5000);
+  last().welcome();
+  await clock.settle();
+  expect(stops()).toHaveLength(1);
+});
+
+describe('buttons that have just come', () => {
+  class Part extends EventTarget { dataset: Record<string, string> = {}; }
+  let part: Part, fresh: FreshButtons, acted: string[];
+  beforeEach(() => {
+    [part, acted] = [new Part(), []];
+    fresh = new FreshButtons(part as never);
+    for (const kind of ['pointerdown', 'click', 'keydown', 'submit']) part.addEventListener(kind, ({ type }) => acted.push(type));
+  });
+  const on = (type: string, more: object = {}): void => { part.dispatchEvent(Object.assign(new Event(type, { cancelable: true }), more)); };
+  const press = (): void => { on('pointerdown'); on('click', { detail: 1 }); };
+
+  it('are deaf for 400 ms, so that a double click answers once', async () => {
+    await clock.turn(1000);
+    press();
+    expect(acted).toEqual(['pointerdown', 'click']);
+    fresh.changed();
+    for (let i = 0; i < 4; i += 1) {
+      expect(part.dataset.fresh).toBe('');
+      press();
+      on('click', { detail: 0 });
+      on('keydown', { code: 'Enter' });
+      on('submit');
+      await clock.turn(i < 3 ? 99 : 103);
+    }
+    expect(acted).toHaveLength(2);
+    expect(part.dataset.fresh).toBeUndefined();
+    press();
+    expect(acted).toHaveLength(4);
+  });
+
+  it('hear no press that began before they could be seen, and no key that is still down', async () => {
+    on('pointerdown');
+    on('keydown', { code: 'Enter' });
+    fresh.changed();
+    await clock.turn(350);
+    on('pointerdown');
+    await clock.turn(200);
+    on('click', { detail: 1 });
+    on('keydown', { code: 'Enter', repeat: true });
+    expect(acted).toEqual(['pointerdown', 'keydown']);
+    on('keydown', { code: 'Enter' });
+    expect(acted).toHaveLength(3);
+  });
+
+  it('leave typing alone', () => {
+    fresh.changed();
+    on('keydown', { code: 'Digit1' });
+    expect(acted).toEqual(['keydown']);
+  });
+});
