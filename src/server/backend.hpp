@@ -11,6 +11,7 @@
 #include "server/refusal.hpp"
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -99,6 +100,7 @@ struct LoopStatus {
   std::array<std::uint64_t, kFaultBits> fault_ticks{};  ///< of this session, by fault bit
   double rehearsal_p50_us = 0.0, rehearsal_p999_us = 0.0, rehearsal_max_us = 0.0;  ///< 0: none
   std::uint64_t ticks = 0, missed_deadlines = 0, dropped_records = 0;
+  std::uint32_t rehearsed_ticks = 0;  ///< of a rehearsal under way; 0: none
   double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
   std::uint64_t recording_bytes = 0;
   std::optional<DeviceStatus> device;  ///< none: simulated
@@ -130,6 +132,12 @@ enum class OrderType {
   kOrderBodies     ///< a game spawns, removes, teleports, hands over or moves bodies
 };
 
+/// A client, as its orders that wait see it. Any thread.
+struct Asker {
+  std::atomic<bool> connected{true};
+  std::atomic<std::uint32_t> claim{0};  ///< claim on the controls that it has now; 0: none
+};
+
 /// An order from a client. Its form is verified (finite numbers, known enums); the backend checks
 /// ranges and names.
 struct Order {
@@ -152,6 +160,9 @@ struct Order {
   /// orders independently, so an order or a loss of an earlier holder may arrive after an order of
   /// a later one. 0: no claim.
   std::uint32_t claim = 0;
+  std::uint32_t client = 0;  ///< who asks (ControlsArbiter::Client); 0: the program itself
+  std::shared_ptr<const Asker> asker;  ///< of an order that waits; null: the program itself
+  bool may_raise_limits = false;       ///< who asks may set values
 };
 
 /// One recording.

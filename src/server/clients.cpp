@@ -31,7 +31,7 @@ const char* counterOf(const Diagnostics& errors) {
 bool sameState(const LoopStatus& a, const LoopStatus& b) {
   return a.session == b.session && a.endings == b.endings && a.run_state == b.run_state &&
          a.steering == b.steering && a.latched == b.latched && a.rested == b.rested &&
-         a.parameters == b.parameters;
+         a.rehearsed_ticks == b.rehearsed_ticks && a.parameters == b.parameters;
 }
 
 }  // namespace
@@ -79,7 +79,10 @@ std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::in
 
 void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
   const bool led_before = led();
-  if (clients_.erase(client) == 0) return;
+  const auto entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  entry->second.asker->connected = false;
+  clients_.erase(entry);
   if (udp_ != nullptr) udp_->dismiss(client);
   traffic_.clients = count();
   if (desk_.holds(client)) {
@@ -137,9 +140,8 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   if (entry == clients_.end()) return;
   const bool within_rate = withinRate(entry, message.size(), now_ns);
   const auto decoded = text ? Expected<wire::ClientMessage>(Diagnostic{}) : wire::decode(message);
-  // Stops are exempt from the rate limit; emergency stops also from the order of command numbers.
+  // Stops are exempt from the rate limit and from the order of command numbers.
   const bool stops = decoded && decoded->stops();
-  const bool emergency = stops && decoded->order.type == OrderType::kEmergencyStop;
   // A page sends heartbeats from another thread than its orders: their numbers are unordered.
   const bool beat = decoded && decoded->type == wire::ClientMessageType::kHeartbeat;
   if (!within_rate && !stops) {
@@ -150,7 +152,7 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   } else if (!decoded) {
     refuse(entry, 0, counterOf(decoded.errors()),
            refused(wire::refusalOf(decoded.errors()), format(decoded.errors())), now_ns);
-  } else if (decoded->id <= entry->second.last_command && !emergency && !beat) {
+  } else if (decoded->id <= entry->second.last_command && !stops && !beat) {
     refuse(entry, decoded->id, "replayed",
            refused(Refusal::kReplayed,
                    fmt::format("command {} came after command {}: their numbers must rise",
@@ -197,8 +199,12 @@ void Clients::obey(Entry entry, const wire::ClientMessage& m, std::int64_t now_n
   changeHands(entry, m, now_ns);
 }
 
-void Clients::forward(std::uint32_t client, std::uint32_t command, Order order) {
+void Clients::forward(Entry entry, std::uint32_t command, Order order) {
+  const std::uint32_t client = entry->first;
   order.claim = desk_.holds(client) ? desk_.claim() : 0;
+  order.client = client;
+  order.asker = entry->second.asker;
+  order.may_raise_limits = entry->second.role != Role::kPlayer;
   std::weak_ptr<Clients> self = weak_from_this();
   backend_.order(order, [self, post = post_, client, command](OrderReply reply) {
     post([self, client, command, reply = std::move(reply)] {
@@ -223,6 +229,9 @@ void Clients::orderQuietly(const Order& order) {
 
 void Clients::followControls(std::int64_t now_ns) {
   const ControlDesk::Advice advice = desk_.advance(now_ns);
+  for (auto& [number, client] : clients_) {
+    client.asker->claim = desk_.holds(number) ? desk_.claim() : 0;
+  }
   if (advice.give_back) {
     Order steer;
     steer.type = OrderType::kSteer;
@@ -241,6 +250,9 @@ void Clients::followControls(std::int64_t now_ns) {
     Order alone;
     alone.type = OrderType::kUnattended;
     orderQuietly(alone);
+  }
+  if (advice.suspended_client != 0) {
+    log_.write(fmt::format("client {} is silent", advice.suspended_client), now_ns);
   }
   if (advice.silent_client != 0) {
     log_.write(fmt::format("client {} was silent and lost the controls", advice.silent_client),
@@ -268,8 +280,10 @@ void Clients::deliverToAll(const SharedBytes& message) {
 }
 
 void Clients::tick(std::int64_t now_ns) {
+  // After a standstill of the program the lines are written to before their slowness is judged.
+  const bool late = now_ns - std::exchange(ticked_ns_, now_ns) > ControlDesk::kLate_ns;
   followControls(now_ns);
-  dropSlow(now_ns);
+  if (!late) dropSlow(now_ns);
   followScene();
   followCommissioning(now_ns);
   const bool shows = !clients_.empty() && encoder_;

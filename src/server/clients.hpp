@@ -14,6 +14,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -87,6 +88,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
  private:
   struct Client {
     std::shared_ptr<ClientLine> line;
+    std::shared_ptr<Asker> asker = std::make_shared<Asker>();
     Role role = Role::kUnsaid;
     std::uint32_t last_command = 0;
     double allowance = kMessagesPerSecond;  ///< messages it may send now (token bucket)
@@ -104,14 +106,15 @@ class Clients : public std::enable_shared_from_this<Clients> {
   [[nodiscard]] bool withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns);
   void refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns);
   void obey(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
-  [[nodiscard]] Standing standingOf(std::uint32_t client, const Order& order) const;
+  [[nodiscard]] Standing standingOf(std::uint32_t client, const Order& order,
+                                    const LoopStatus& status) const;
   void obeyOrder(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
   void changeHands(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
-  void noteOrder(Entry entry, const Order& order, std::int64_t now_ns);
+  void noteOrder(Entry entry, const Order& order, const LoopStatus& status, std::int64_t now_ns);
   [[nodiscard]] std::string takeControls(Entry entry, std::int64_t now_ns);
   [[nodiscard]] bool led() const;
   [[nodiscard]] Role roleOf(std::uint32_t client) const;
-  void forward(std::uint32_t client, std::uint32_t command, Order order);
+  void forward(Entry entry, std::uint32_t command, Order order);
   void answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
   void aim(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
   void aimed(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
@@ -146,9 +149,9 @@ class Clients : public std::enable_shared_from_this<Clients> {
   std::map<std::uint32_t, Client> clients_;
   ControlsArbiter& controls_;
   ControlDesk desk_;
-  std::uint32_t resting_ = 0;      ///< player who asked for the newest rest; 0: none
-  bool therapist_paused_ = false;  ///< a therapist paused the exercise and has not resumed it
-  std::uint32_t endings_ = 0;      ///< endings of the program at the last look; 0: not looked yet
+  std::uint32_t resting_ = 0;               ///< client who began the newest rest; 0: none
+  std::optional<std::uint32_t> paused_in_;  ///< session that a therapist paused and did not resume
+  std::uint32_t endings_ = 0;  ///< endings of the program at the last look; 0: not looked yet
 
   Commissioning commissioning_;
   std::shared_ptr<const CommissioningFacts> commissioning_shown_;
@@ -164,7 +167,8 @@ class Clients : public std::enable_shared_from_this<Clients> {
   std::unique_ptr<wire::StateEncoder> encoder_;
   std::vector<wire::NumberedEvent> events_;
   std::unique_ptr<TickRecord> record_;
-  LoopStatus shown_;  ///< status of the newest state
+  LoopStatus shown_;            ///< status of the newest state
+  std::int64_t ticked_ns_ = 0;  ///< time of the last tick
   std::uint64_t shown_tick_ = 0;
   std::int64_t shown_ns_ = 0;  ///< when that state was made
   std::uint64_t state_number_ = 0;

@@ -52,6 +52,7 @@ void Clients::aim(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns
   }
   Order order = m.order;
   order.claim = desk_.claim();
+  order.client = client;
   backend_.order(
       order, [self = weak_from_this(), post = post_, client, id = m.id](const OrderReply& reply) {
         post([self, client, id, reply] {

@@ -17,14 +17,14 @@ Role Clients::roleOf(std::uint32_t client) const {
   return found == clients_.end() ? Role::kUnsaid : found->second.role;
 }
 
-Standing Clients::standingOf(std::uint32_t client, const Order& order) const {
-  const LoopStatus status = backend_.status();
+Standing Clients::standingOf(std::uint32_t client, const Order& order,
+                             const LoopStatus& status) const {
   Standing now;
   now.holds = desk_.holds(client);
   now.led = led();
   now.moves_person = status.device.has_value();
   now.own_rest = status.rested && resting_ == client && order.endings_seen == status.endings;
-  now.therapist_paused = therapist_paused_;
+  now.therapist_paused = paused_in_ == status.session;
   now.run_state = status.run_state;
   return now;
 }
@@ -33,32 +33,37 @@ void Clients::obeyOrder(Entry entry, const wire::ClientMessage& m, std::int64_t 
   const std::uint32_t client = entry->first;
   // Aims of a cursor or stick are frequent; all they need for judging is at hand.
   const bool aim = m.order.type == OrderType::kAim;
+  const LoopStatus status = aim ? LoopStatus{} : backend_.status();
   const OrderReply may =
       mayOrder(entry->second.role, m.order,
-               aim ? Standing{desk_.holds(client)} : standingOf(client, m.order));
+               aim ? Standing{desk_.holds(client)} : standingOf(client, m.order, status));
   if (!may.accepted) {
     const char* counter = may.refusal == Refusal::kNotHolder ? "not_holder" : "role";
     return refuse(entry, m.id, counter, may, now_ns);
   }
-  noteOrder(entry, m.order, now_ns);
-  forward(client, m.id, m.order);
+  Order order = m.order;
+  // Without the controls a rest is a plain stop, but for one that is repeated.
+  order.rest = order.rest && (desk_.holds(client) || status.rested);
+  noteOrder(entry, order, status, now_ns);
+  forward(entry, m.id, std::move(order));
   if (m.order.type == OrderType::kEmergencyStop) {
     log_.write(fmt::format("client {}: emergency stop", client), now_ns);
   }
 }
 
-void Clients::noteOrder(Entry entry, const Order& order, std::int64_t now_ns) {
+void Clients::noteOrder(Entry entry, const Order& order, const LoopStatus& status,
+                        std::int64_t now_ns) {
   desk_.attend(now_ns);
   const bool therapist = entry->second.role == Role::kTherapist;
   if (order.type == OrderType::kAction) {
-    therapist_paused_ = therapist && order.action == ExerciseAction::kPause;
+    paused_in_.reset();
+    if (therapist && order.action == ExerciseAction::kPause) paused_in_ = status.session;
   }
-  if (order.type == OrderType::kStop && order.rest) {
+  // The right to go on stays with whoever rested first.
+  if (order.type == OrderType::kStop && order.rest && !status.rested) {
     resting_ = entry->first;
     log_.write(fmt::format("client {} rests", entry->first), now_ns);
   }
-  if (order.type != OrderType::kArm && order.type != OrderType::kLoadExercise) return;
-  therapist_paused_ = false;  // a load restarts the exercise
   // The one who starts it declares it alive: the effort that faded with a lost holder returns.
   if (order.type != OrderType::kArm || !therapist || desk_.held()) return;
   if (desk_.take(entry->first, now_ns).empty()) (void)desk_.release(entry->first);

@@ -1,5 +1,7 @@
 #include "server/control_desk.hpp"
 
+#include <utility>
+
 namespace wholehand {
 
 std::string ControlDesk::take(Client client, std::int64_t now_ns) {
@@ -25,24 +27,31 @@ void ControlDesk::holdsNow(Client client, const ControlsArbiter::Taken& taken,
   own_holder_ = client;
   claim_ = own_claim_ = taken.claim;
   heard_ns_ = now_ns;
+  excused_ = suspended_ = false;
+  resumed_ns_.reset();
 }
 
 std::string ControlDesk::release(Client client) {
   if (!holds(client)) return "this client does not hold the controls";
   arbiter_.release(client, true);
   own_holder_ = 0;
+  suspended_ = false;
   give_back_ = true;
   return {};
 }
 
 void ControlDesk::heard(Client client, std::int64_t now_ns) {
-  if (holds(client)) heard_ns_ = now_ns;
+  if (!holds(client)) return;
+  heard_ns_ = now_ns;
+  excused_ = false;
+  if (std::exchange(suspended_, false)) resumed_ns_ = now_ns;
 }
 
 void ControlDesk::left(Client client, std::int64_t now_ns) {
   if (!holds(client)) return;
   arbiter_.release(client);
   own_holder_ = 0;
+  suspended_ = false;
   lost_ns_ = now_ns;
   abandoned_ = true;
 }
@@ -68,18 +77,30 @@ void ControlDesk::followOthers(std::int64_t now_ns) {
   other_holds_ = other_holds;
 }
 
+void ControlDesk::judgeSilence(std::int64_t now_ns, Advice& advice) {
+  const bool late = now_ns - std::exchange(looked_ns_, now_ns) > kLate_ns;
+  if (own_holder_ == 0) return;
+  if (late && !std::exchange(excused_, true)) heard_ns_ = now_ns;
+  const std::int64_t silent_ns = now_ns - heard_ns_;
+  if (silent_ns <= kSilent_ns) return;
+  const bool again = resumed_ns_ && now_ns - *resumed_ns_ < kOnceIn_ns;
+  if (silent_ns > kGone_ns || again) {
+    advice.silent_client = own_holder_;
+    left(own_holder_, now_ns);
+  } else if (!std::exchange(suspended_, true)) {
+    advice.suspended_client = own_holder_;
+  }
+}
+
 ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
   Advice advice;
   followOthers(now_ns);
-  if (own_holder_ != 0 && now_ns - heard_ns_ > kSilent_ns) {
-    advice.silent_client = own_holder_;
-    left(own_holder_, now_ns);
-  }
+  judgeSilence(now_ns, advice);
   if (lost_ns_ && now_ns - *lost_ns_ > kLost_ns) {
     lost_ns_.reset();
     give_back_ = true;
   }
-  const bool alive = !abandoned_;
+  const bool alive = !abandoned_ && !suspended_;
   if (alive != told_alive_) advice.owner_alive = told_alive_ = alive;
   advice.claim = claim_;
   advice.give_back = give_back_;

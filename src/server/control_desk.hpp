@@ -12,7 +12,10 @@ namespace wholehand {
 /// hand when nobody holds them. Time is an argument [ns, monotonic]; one thread.
 ///
 ///   nobody has held them     the virtual patient plays, the exercise pushes (the demo)
-///   holder silent 200 ms     it loses the controls, as if its connection were lost
+///   holder silent 200 ms     suspended: the exercise's effort fades out
+///     heard within 1 s       it goes on as if it had not been silent
+///     silent for 1 s, or     it loses the controls, as if its connection were lost
+///     twice within 10 s
 ///   connection lost          the exercise's effort fades out and stays out until somebody takes
 ///                            the controls; after 5 s without a new holder the virtual patient
 ///                            steers
@@ -20,14 +23,19 @@ namespace wholehand {
 ///   nobody for 15 min, and   a loop that a client armed is stopped: it would be recorded for ever
 ///   no order of anybody
 ///
-/// A holder that was silent and is heard again must take the controls anew. The effort therefore
-/// changes only once, whatever the timing of its messages.
+/// The effort therefore returns at most once in 10 s, whatever the timing of the holder's messages.
+/// Silence begins anew when the program wakes up late: what the holder said meanwhile waits in a
+/// socket.
 ///
 /// The server of UDP games watches a game that holds the controls. This desk learns only that the
 /// game lost them; the arbiter says whether it released them or its connection was lost.
 class ControlDesk {
  public:
   static constexpr std::int64_t kSilent_ns = 200'000'000;
+  static constexpr std::int64_t kGone_ns = 1'000'000'000;
+  static constexpr std::int64_t kOnceIn_ns = 10'000'000'000;
+  /// Longer between two looks, the program stood still.
+  static constexpr std::int64_t kLate_ns = 50'000'000;
   static constexpr std::int64_t kLost_ns = 5'000'000'000;
   static constexpr std::int64_t kUnattended_ns = 900'000'000'000;
 
@@ -40,6 +48,7 @@ class ControlDesk {
     bool unattended = false;          ///< for kUnattended_ns nobody held the controls or ordered
     bool holder_changed = false;      ///< all clients must be told
     Client silent_client = 0;         ///< client that lost the controls by silence; 0: none
+    Client suspended_client = 0;      ///< client whose silence began; 0: none
     std::uint32_t claim = 0;          ///< claim on the controls that this advice concerns
   };
 
@@ -72,17 +81,22 @@ class ControlDesk {
 
  private:
   void followOthers(std::int64_t now_ns);
+  void judgeSilence(std::int64_t now_ns, Advice& advice);
   void holdsNow(Client client, const ControlsArbiter::Taken& taken, std::int64_t now_ns);
 
   ControlsArbiter& arbiter_;
-  Client own_holder_ = 0;                ///< holder, if a client of this server
-  std::uint32_t claim_ = 0;              ///< claim of the newest holder known to this desk
-  std::uint32_t own_claim_ = 0;          ///< claim of the newest holder among this server's clients
-  Client told_ = 0;                      ///< holder in the last advice
-  bool other_holds_ = false;             ///< another server's client held them at the last advice
-  std::int64_t heard_ns_ = 0;            ///< time of the last message of own_holder_
-  bool abandoned_ = false;               ///< the last holder was lost and has no successor
-  std::optional<std::int64_t> lost_ns_;  ///< time of that loss, until the virtual patient steers
+  Client own_holder_ = 0;        ///< holder, if a client of this server
+  std::uint32_t claim_ = 0;      ///< claim of the newest holder known to this desk
+  std::uint32_t own_claim_ = 0;  ///< claim of the newest holder among this server's clients
+  Client told_ = 0;              ///< holder in the last advice
+  bool other_holds_ = false;     ///< another server's client held them at the last advice
+  std::int64_t heard_ns_ = 0;    ///< time of the last message of own_holder_
+  std::int64_t looked_ns_ = 0;   ///< time of the last advice
+  bool excused_ = false;         ///< the present silence began anew by a late wake-up
+  bool suspended_ = false;       ///< own_holder_ is silent
+  std::optional<std::int64_t> resumed_ns_;  ///< when it was last heard after a silence
+  bool abandoned_ = false;                  ///< the last holder was lost and has no successor
+  std::optional<std::int64_t> lost_ns_;     ///< time of that loss, until the virtual patient steers
   std::optional<std::int64_t> free_ns_;  ///< since when nobody has held them or ordered anything,
                                          ///< until unattended is advised
   bool give_back_ = false;

@@ -46,7 +46,9 @@ enum class Refusal : std::uint8_t {
   kNotAsked,       ///< answers a question that is not the current one
   kBodiesRefused,  ///< OrderReply::items names what was refused; the rest was handed to the loop
   kBusy,           ///< no room in the loop's queue; nothing of the message was handed over
-  kNoBodies        ///< the scene takes no bodies of a game
+  kNoBodies,       ///< the scene takes no bodies of a game
+  kWaitedTooLong,  ///< the order waited too long behind other orders
+  kRefusedBefore   ///< an earlier order of this client, on which this one builds, was refused
 };
 
 /// An item of an order to bodies that was refused.

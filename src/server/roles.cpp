@@ -48,9 +48,6 @@ bool isCommissioning(const Order& order) {
 
 OrderReply playerMay(const Order& order, const Standing& now) {
   switch (order.type) {
-    case OrderType::kStop:  // rest or stop: gentler than the emergency stop, which everybody may
-                            // order
-      return {true, ""};
     case OrderType::kArm:
     case OrderType::kLoadExercise:
       return playerMayBegin(order, now);
@@ -93,6 +90,7 @@ Role grantedRole(Role claimed, Role by_token) noexcept {
 
 OrderReply mayOrder(Role role, const Order& order, const Standing& now) {
   if (order.type == OrderType::kEmergencyStop) return {true, ""};
+  if (order.type == OrderType::kStop && role != Role::kWatcher) return {true, ""};
   switch (role) {
     case Role::kWatcher:
       return refused(Refusal::kOnlyWatches, "this client only watches");

@@ -11,7 +11,8 @@ namespace wholehand {
 
 /// Role of a client (protocol Role, in its order; docs/adr/0028-roles.md).
 enum class Role : std::uint8_t {
-  kUnsaid,    ///< none stated (clients older than roles): all rights, while it holds the controls
+  kUnsaid,    ///< none stated (clients older than roles): all rights, while it holds the controls;
+              ///< may stop
   kWatcher,   ///< sees everything; may stop
   kPlayer,    ///< the patient: steers, rests and stops
   kTherapist  ///< leads: may order whoever holds the controls, and may take them
@@ -36,7 +37,7 @@ struct Standing {
 };
 
 /// Accepts an order, or returns why a client of that role may not give it now. Everyone may order
-/// an emergency stop.
+/// an emergency stop, everyone but a watcher a stop.
 [[nodiscard]] OrderReply mayOrder(Role role, const Order& order, const Standing& now);
 
 }  // namespace wholehand

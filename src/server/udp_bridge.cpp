@@ -215,7 +215,9 @@ void UdpBridge::Core::obeyStop(const udp::ReceivedCommand& stop) {
   };
   ++tally.stops;
   try {
-    backend.order(stop.message.order, [](const OrderReply&) {});
+    Order order = stop.message.order;
+    order.client = stop.client;
+    backend.order(order, [](const OrderReply&) {});
   } catch (const std::exception&) {
     finish(false);
     throw;

@@ -38,10 +38,9 @@ bool mayBeDatagram(const wire::ClientMessage& m, bool standalone) noexcept {
       m.type == wire::ClientMessageType::kReleaseControls) {
     return standalone;
   }
-  if (m.type == wire::ClientMessageType::kHeartbeat) return true;
+  if (m.type == wire::ClientMessageType::kHeartbeat || m.stops()) return true;
   const OrderType order = m.order.type;
-  return order == OrderType::kAim || order == OrderType::kEmergencyStop ||
-         (standalone && (order == OrderType::kSteer || order == OrderType::kStop));
+  return order == OrderType::kAim || (standalone && order == OrderType::kSteer);
 }
 
 bool isNewer(std::uint32_t sequence, std::uint32_t newest) noexcept {
@@ -93,15 +92,21 @@ void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
     }
     message = std::move(*decoded);
   }
-  // A late emergency stop, from any address, is obeyed: an unnecessary stop does no harm.
-  if (isEmergencyStop(message)) stop(*peer, message);
   // A game without a WebSocket may restart its numbers from 1 after it was gone.
-  if ((peer->open || !peer->standalone) && !isNewer(header.sequence, peer->newest)) {
+  const bool stale = (peer->open || !peer->standalone) && !isNewer(header.sequence, peer->newest);
+  // A late stop, from any address, is obeyed: an unnecessary stop does no harm.
+  if (isEmergencyStop(message)) {
+    stop(*peer, message);
+  } else if (message.stops() && !(stale && message.id == peer->gentle_stop && message.id != 0)) {
+    peer->gentle_stop = message.id;
+    said_.push_back({peer->client, message});
+  }
+  if (stale) {
     return counters_.ignore(UdpIgnored::kStale);
   }
   if (!peer->open || peer->endpoint != from) begin(*peer, from);
   follow(*peer, header, now_ns);
-  if (!isEmergencyStop(message)) obey(*peer, message, now_ns);
+  if (!message.stops()) obey(*peer, message, now_ns);
   // Until the address is verified, at most one answer per datagram, no longer than it.
   if (!peer->address_verified) send(*peer, Kind::kPresent, {}, now_ns);
 }
@@ -148,7 +153,7 @@ void Host::obey(Peer& peer, const wire::ClientMessage& message, std::int64_t now
     peer.second_ns = now_ns;
     peer.commands = 0;
   }
-  if (++peer.commands > kMostCommands && !message.stops()) {
+  if (++peer.commands > kMostCommands) {
     return counters_.ignore(UdpIgnored::kRate);
   }
   said_.push_back({peer.client, message});
@@ -194,7 +199,7 @@ void Host::advance(std::int64_t now_ns) {
     if (now_ns - peer.heard_ns > kGone_ns) {
       peer.open = peer.address_verified = false;
       // A game without a WebSocket may count its commands from 1 again.
-      if (peer.standalone) peer.taken_stop = peer.obeyed_stop = 0;
+      if (peer.standalone) peer.taken_stop = peer.gentle_stop = peer.obeyed_stop = 0;
       ++counters_.peers_lost;
       countGames();
     } else if (peer.address_verified && now_ns - peer.sent_ns >= kPresent_ns) {

@@ -41,6 +41,7 @@ struct Peer {
   std::int64_t their_ns = 0;      ///< sent_ns of that datagram
   std::int64_t heard_ns = 0;      ///< arrival time of that datagram
   std::uint32_t taken_stop = 0;   ///< Command.id of the last emergency stop handed on; 0: none
+  std::uint32_t gentle_stop = 0;  ///< Command.id of the last stop or rest handed on; 0: none
   std::uint32_t obeyed_stop = 0;  ///< Command.id of the last emergency stop obeyed; 0: none
   std::uint32_t rate_hz = 0;
   Decimator decimator;

@@ -156,6 +156,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_fault_value(static_cast<float>(status.fault_value));
   out.add_fault_limit(static_cast<float>(status.fault_limit));
   out.add_endings(status.endings);
+  out.add_rehearsed_ticks(status.rehearsed_ticks);
   addArrays(out, arrays);
   out.add_fault_axis(static_cast<std::int16_t>(status.fault_axis));
   out.add_palm_body(static_cast<std::int16_t>(r.palm_body));
@@ -232,7 +233,7 @@ Bytes controlsMessage(const ControlsFacts& f) {
   return take(b);
 }
 
-static_assert(static_cast<int>(Refusal::kNoBodies) == static_cast<int>(fb::Refusal::MAX));
+static_assert(static_cast<int>(Refusal::kRefusedBefore) == static_cast<int>(fb::Refusal::MAX));
 static_assert(kOrderRefusals - 1 == static_cast<int>(fb::BodyRefusal::MAX));
 
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {

@@ -56,6 +56,8 @@ struct StationConfig {
   std::function<DeviceStatus()> device_status;
   /// Makes the player of a simulated device when the exercise has none of its own. Required.
   std::function<std::unique_ptr<Player>(const Models&)> make_player;
+  /// Clock of what waits; null: the steady one.
+  std::function<std::chrono::steady_clock::time_point()> now;
   /// Makes a report page of a recording in a child process: HDF5 may be writing in this one.
   std::function<Expected<Done>(const std::string& recording, const std::string& folder)>
       make_report;

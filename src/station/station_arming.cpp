@@ -12,58 +12,46 @@
 #include <utility>
 
 namespace wholehand {
-namespace {
 
-OrderReply stopCame() {
-  return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
-}
-
-}  // namespace
-
-// A therapist's values that are in range, and the defaults of the others.
-std::vector<double> Station::Core::parametersAtStart() {
+std::vector<double> Station::Core::parametersAtStart() const {
   const std::lock_guard lock(mutex_);
   std::vector<double> values;
   for (const PublishedParameter& parameter : scene_->parameters) {
-    const auto asked = asked_parameters_.find(parameter.name);
-    values.push_back(asked == asked_parameters_.end() ? parameter.initial : asked->second);
+    values.push_back(valueOf(parameter));
   }
   return values;
 }
 
-bool Station::Core::stoppedSince(std::uint64_t asked) const {
-  const std::lock_guard lock(mutex_);
-  return stop_asked_ > asked || quit_ || InterruptScope::interrupted();
-}
-
-// Rehearses the loaded models before their first force. A stop ordered after `asked` cancels it.
+// Rehearses the loaded models before their first force, as long as the order may start the device.
 Expected<Rehearsal> Station::Core::rehearsalOf(const Models& models, const AxisPosition& start,
-                                               std::uint64_t asked) const {
+                                               const Task& task) const {
   RehearsalOptions options = config_.rehearsal;
-  options.cancelled = [this, asked] { return stoppedSince(asked); };
+  options.cancelled = [this, &task] {
+    ++rehearsed_ticks_;
+    return !stillDo(task).accepted;
+  };
   options.fill_pool = config_.make_device != nullptr;  // a simulated one may be late
   options.status = [this](const std::string& what) { say("rehearsal: measuring " + what); };
   auto rehearsal = rehearse(models, start, config_.rig, options);
+  rehearsed_ticks_ = 0;
   if (rehearsal) say("rehearsal " + describe(*rehearsal));
   return rehearsal;
 }
 
 // Rehearses the next models while the loop renders; a stop cancels it, and they are loaded
 // unrehearsed.
-OrderReply Station::Core::rehearseNext(const Models& models, std::optional<Rehearsal>& passed) {
-  const std::uint64_t asked = [this] {
-    const std::lock_guard lock(mutex_);
-    return armed_by_;
-  }();
-  auto rehearsal = rehearsalOf(models, makePlayer(models)->start(), asked);
-  if (!rehearsal && !stoppedSince(asked)) {
+OrderReply Station::Core::rehearseNext(const Models& models, Task task,
+                                       std::optional<Rehearsal>& passed) {
+  task.starts = true;
+  auto rehearsal = rehearsalOf(models, makePlayer(models)->start(), task);
+  if (!rehearsal && stillDo(task).accepted) {
     return refused(Refusal::kRehearsalFailed, format(rehearsal.errors()));
   }
   if (rehearsal) passed = std::move(*rehearsal);
   return {true, ""};
 }
 
-OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
+OrderReply Station::Core::arm(const Task& task, const std::string& record,
                               std::uint64_t duration_ticks, bool for_client) {
   if (live_) {
     const bool ends = status().run_state != RunState::kRendering;
@@ -71,15 +59,15 @@ OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
                           "it is still going to neutral; arm again when it is there")
                 : refused(Refusal::kArmedAlready, "it is armed already");
   }
-  if (stoppedSince(asked)) return stopCame();
   std::unique_ptr<Player> player = makePlayer(models_);
-  if (config_.rehearse && !rehearsed_) {
-    auto rehearsal = rehearsalOf(models_, player->start(), asked);
-    if (stoppedSince(asked)) return stopCame();
-    if (!rehearsal) return refused(Refusal::kRehearsalFailed, format(rehearsal.errors()));
-    rehearsed_ = std::move(*rehearsal);  // valid until something else is loaded
+  std::optional<Expected<Rehearsal>> rehearsal;
+  if (config_.rehearse && !rehearsed_) rehearsal = rehearsalOf(models_, player->start(), task);
+  if (OrderReply may = stillDo(task); !may.accepted) return may;
+  if (rehearsal && !*rehearsal) {
+    return refused(Refusal::kRehearsalFailed, format(rehearsal->errors()));
   }
-  return startSession(std::move(player), asked, record, duration_ticks, for_client);
+  if (rehearsal) rehearsed_ = std::move(**rehearsal);  // valid until something else is loaded
+  return startSession(std::move(player), task, record, duration_ticks, for_client);
 }
 
 // A real device, which a person holds, or a simulated one, moved by a virtual patient or a client.
@@ -113,7 +101,7 @@ Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player>
 
 // Publishes the new session before its first record; if it cannot start, publishes the last one
 // again.
-OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint64_t asked,
+OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Task& task,
                                        const std::string& record, std::uint64_t duration_ticks,
                                        bool for_client) {
   RunPlan plan;
@@ -142,7 +130,7 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
   OrderReply reply;
   if (prepared) {
     unused = std::move(*prepared);
-    reply = adopt(unused, asked, parameters, place);
+    reply = adopt(unused, task, parameters, place);
     if (reply.accepted) {
       auto begun = live_->begin();
       if (begun) return sessionRuns(std::move(reply), record);
@@ -152,18 +140,18 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
   } else {
     reply = refused(Refusal::kCannotStart, format(prepared.errors()));
   }
-  restoreStatus(std::move(before), asked, had_latest, std::move(unused));
+  restoreStatus(std::move(before), task, had_latest, std::move(unused));
   return reply;
 }
 
 // Restores the published state after a session that never began, and destroys its run.
-void Station::Core::restoreStatus(LoopStatus before, std::uint64_t asked, bool had_latest,
+void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_latest,
                                   std::unique_ptr<Run> unused) {
   {
     const std::lock_guard lock(mutex_);
     if (live_) unused = std::move(live_);
     before.endings = status_.endings;
-    if (stop_asked_ > asked && before.run_state == RunState::kDisarmed) {
+    if (stop_asked_ > task.asked && before.run_state == RunState::kDisarmed) {
       before.run_state = RunState::kStopped;
     }
     status_ = before;
@@ -192,18 +180,18 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   return reply;
 }
 
-// From here on, a stop reaches the session, also before its first tick. A stop during its
-// construction has ended it: it is discarded and not published.
-OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
+// From here on, a stop reaches the session, also before its first tick. One whose order may not be
+// carried out any more, as after a stop during its construction, is discarded and not published.
+OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
                                 const std::vector<double>& parameters,
                                 std::optional<double> place) {
   const std::lock_guard lock(mutex_);
-  if (stop_asked_ > asked) return stopCame();
+  if (OrderReply may = mayStillDo(task); !may.accepted) return may;
   live_ = std::move(run);
   const bool takes_bodies = models_.scene.game.slots > 0;
   tracker_.reset(takes_bodies ? models_.exercise->description().event_names
                               : std::vector<std::string>{});
-  armed_by_ = asked;
+  stops_.clear();
   status_.latched = Fault::kNone;
   status_.steering = Steering::kVirtualPatient;
   unsent_steer_.reset();
@@ -228,12 +216,12 @@ void Station::Core::catchUp(const std::vector<double>& parameters, std::optional
     (void)push(begin);  // its queue is still empty
   }
   for (std::size_t i = 0; i < std::min(parameters.size(), scene_->parameters.size()); ++i) {
-    const auto asked = asked_parameters_.find(scene_->parameters[i].name);
-    if (asked == asked_parameters_.end() || asked->second == parameters[i]) continue;
+    const double value = valueOf(scene_->parameters[i]);
+    if (value == parameters[i]) continue;
     Command command;
     command.type = CommandType::kParameter;
     command.index = static_cast<std::int32_t>(i);
-    command.value = asked->second;
+    command.value = value;
     (void)push(command);
   }
 }
@@ -256,19 +244,9 @@ std::uint64_t Station::Core::ticksLeft() const {
   return static_cast<std::uint64_t>(std::max(1.0, std::round(left_s / config_.rig.period_s)));
 }
 
-// An ending while the order waited cancels it.
-OrderReply Station::Core::armForPerson(std::uint64_t asked, std::uint32_t seen) {
-  {
-    const std::lock_guard lock(mutex_);
-    OrderReply unseen = refuseUnseen(seen);
-    if (!unseen.accepted) return stop_asked_ > asked ? stopCame() : unseen;
-  }
-  return armForClient(asked);
-}
-
-OrderReply Station::Core::armForClient(std::uint64_t asked) {
+OrderReply Station::Core::armForClient(const Task& task) {
   if (!config_.record.empty()) {
-    return arm(asked, pathOfSession(config_.record, outcome_.sessions + 1), ticksLeft(), true);
+    return arm(task, pathOfSession(config_.record, outcome_.sessions + 1), ticksLeft(), true);
   }
   const std::string exercise = scene()->exercise_name;
   const std::string record =
@@ -277,7 +255,7 @@ OrderReply Station::Core::armForClient(std::uint64_t asked) {
     say("what follows is not recorded: there is no folder " + config_.recordings_folder +
         ", and none can be made");
   }
-  return arm(asked, record, ticksLeft(), true);
+  return arm(task, record, ticksLeft(), true);
 }
 
 }  // namespace wholehand

@@ -8,6 +8,7 @@
 #include "station/session_files.hpp"
 #include "station/station.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -16,7 +17,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace wholehand {
@@ -64,61 +67,84 @@ class Station::Core {
   /// Limit of queued tasks. It bounds how long a client that floods the station can delay others.
   static constexpr std::size_t kMostTasks = 8;
 
-  /// Work for the main thread, and the reply's receiver.
+  /// Longest time that an order may wait behind others.
+  static constexpr std::chrono::seconds kLongestWait{3};
+
+  /// An order that waits for the main thread.
   struct Task {
-    std::function<OrderReply()> work;
+    Order order;
+    std::uint64_t asked = 0;  ///< its number
+    StationClock::time_point asked_at;
+    bool starts = false;          ///< it is about to start the device, or goes on to that
+    bool refused_before = false;  ///< while it waited, an earlier order of its client was refused
+    std::chrono::duration<double> waited_s{0.0};  ///< behind others, once its turn has come
+    Profile profile;                              ///< of the moment when it was asked
+    std::uint64_t person = 0;                     ///< likewise, person_
     std::function<void(OrderReply)> done;
   };
 
+  /// What a person set, and by which order.
+  struct Setting {
+    double value = 0.0;
+    std::uint64_t asked = 0;
+  };
+
   // Main thread.
-  OrderReply arm(std::uint64_t asked, const std::string& record, std::uint64_t duration_ticks,
+  OrderReply arm(const Task& task, const std::string& record, std::uint64_t duration_ticks,
                  bool for_client);
-  OrderReply armForPerson(std::uint64_t asked, std::uint32_t seen);
-  OrderReply armForClient(std::uint64_t asked);
-  OrderReply startSession(std::unique_ptr<Player> player, std::uint64_t asked,
+  OrderReply armForClient(const Task& task);
+  OrderReply startSession(std::unique_ptr<Player> player, const Task& task,
                           const std::string& record, std::uint64_t duration_ticks, bool for_client);
   [[nodiscard]] Expected<std::unique_ptr<Rig>> makeRig(std::unique_ptr<Player> player) const;
   [[nodiscard]] Expected<std::unique_ptr<Run>> prepareRun(std::unique_ptr<Player> player,
                                                           const std::vector<double>& parameters,
                                                           RunPlan plan) const;
-  OrderReply adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
+  OrderReply adopt(std::unique_ptr<Run>& run, const Task& task,
                    const std::vector<double>& parameters, std::optional<double> place);
-  void restoreStatus(LoopStatus before, std::uint64_t asked, bool had_latest,
+  void restoreStatus(LoopStatus before, const Task& task, bool had_latest,
                      std::unique_ptr<Run> unused);
   OrderReply sessionRuns(OrderReply reply, const std::string& record);
   [[nodiscard]] std::uint64_t ticksLeft() const;
   [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
-                                                std::uint64_t asked) const;
-  OrderReply rehearseNext(const Models& models, std::optional<Rehearsal>& passed);
+                                                const Task& task) const;
+  OrderReply rehearseNext(const Models& models, Task task, std::optional<Rehearsal>& passed);
   [[nodiscard]] OrderReply filesOf(const Order& order, ModelFiles& files) const;
-  OrderReply loadExercise(const Order& order);
-  OrderReply carryOutTask(const Order& order);
-  OrderReply saveProfile(const Order& order);
-  OrderReply loadProfile(const Order& order);
+  OrderReply loadExercise(const Task& task);
+  /// @param profile whose values hold from then on; null: those that hold, unless the hand changes
+  OrderReply load(const Task& task, const ModelFiles& files, const Profile* profile);
+  OrderReply carryOutTask(Task& task);
+  OrderReply saveProfile(const Task& task);
+  OrderReply loadProfile(const Task& task);
   [[nodiscard]] OrderReply refuseParameters(const Profile& profile, const Models& models) const;
   void stopGently(bool goes_on = false);
   /// @param goes_on a load continues the rendering: no ending that a person must see
   void finishSession(bool goes_on = false);
   void refreshStatus();
   void publishScene(const std::string& recording);
-  void runTasks();
+  void runTask();
   void watchSession();
   void endTasks();
-  [[nodiscard]] std::vector<double> parametersAtStart();
+  [[nodiscard]] std::vector<double> parametersAtStart() const;
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const Models& models) const;
   [[nodiscard]] std::string title() const;
   bool forgetLatest();
   /// Position in the level at which the player began to rest; empty: start at the beginning.
   [[nodiscard]] std::optional<double> placeOfRest() const;
   // Any thread.
-  [[nodiscard]] bool stoppedSince(std::uint64_t asked) const;  ///< or the station ends
+  [[nodiscard]] OrderReply stillDo(const Task& task) const;  ///< mayStillDo(), which it locks for
   OrderReply orderBodies(const Order& order);
   // Any thread, mutex_ held.
   [[nodiscard]] bool superseded(const Order& order);
+  [[nodiscard]] OrderReply mayStillDo(const Task& task) const;
   [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
-  void takeStop(std::uint64_t asked, bool emergency, bool rest = false);
+  void takeStop(const Order& order, std::uint64_t asked);
   [[nodiscard]] bool rested() const;
-  void enqueue(std::function<OrderReply()> work, const std::function<void(OrderReply)>& done);
+  OrderReply enqueue(const Order& order, std::uint64_t asked,
+                     const std::function<void(OrderReply)>& done);
+  [[nodiscard]] double valueOf(const PublishedParameter& parameter) const;
+  [[nodiscard]] Profile profileNow() const;
+  [[nodiscard]] static Profile profileOf(const Models& models);
+  void changePerson(const Task& task, const Profile* profile);
   OrderReply carryOut(const Order& order, std::uint64_t asked);
   void catchUp(const std::vector<double>& parameters, std::optional<double> place);
   OrderReply steer(Steering by);
@@ -137,6 +163,9 @@ class Station::Core {
   void followRegistry(const TickRecord& record);
   void publishRegistered();
   void beginStop(bool at_once);
+  [[nodiscard]] StationClock::time_point now() const {
+    return config_.now ? config_.now() : StationClock::now();
+  }
   void showRehearsal();
 
   void keepLatest(const TickRecord& record);
@@ -154,9 +183,10 @@ class Station::Core {
   std::unique_ptr<SafetyLog> safety_;   ///< set by load()
   std::optional<Rehearsal> rehearsed_;  ///< rehearsal of the loaded rig
   std::uint64_t arming_ = 0;
-  std::string record_path_, began_utc_;  ///< of the running session
-  std::string being_written_;            ///< recording that scene_ names; guarded by mutex_
-  bool told_of_loss_ = false;            ///< its loss of ticks was reported
+  mutable std::atomic<std::uint32_t> rehearsed_ticks_{0};  ///< of a rehearsal under way
+  std::string record_path_, began_utc_;                    ///< of the running session
+  std::string being_written_;  ///< recording that scene_ names; guarded by mutex_
+  bool told_of_loss_ = false;  ///< its loss of ticks was reported
   StationClock::time_point status_at_;
   std::optional<StationClock::time_point> ends_at_;  ///< end of a run with a duration
   StationOutcome outcome_;
@@ -165,12 +195,13 @@ class Station::Core {
   std::condition_variable wake_;
   std::deque<Task> tasks_;
   bool quit_ = false;
-  // Orders are numbered as they arrive. A stop that follows an order to arm cancels it, however far
-  // the arming has got. A load never re-arms a session that was armed before a stop.
+  // Orders are numbered as they arrive. A stop that follows an order to arm or to load cancels the
+  // start, however far it has got.
   std::uint64_t orders_ = kFirstArming;
   std::uint64_t stop_asked_ = 0;
   std::uint32_t rest_ending_ = 0;  ///< ending of the newest rest; 0: none since the last arming
-  std::uint64_t armed_by_ = 0;
+  /// Stops since somebody asked to arm, by client and kind: further ones are repetitions.
+  std::set<std::tuple<std::uint32_t, OrderType, bool>> stops_;
   bool armed_for_client_ = false;        ///< else armed by run(), which gave its duration
   std::uint32_t claim_ = 0;              ///< newest claim on the controls
   bool over_ = false;                    ///< no more orders are carried out
@@ -183,10 +214,13 @@ class Station::Core {
   std::shared_ptr<const RegisteredBodies> registered_;  ///< as published; null: none
   std::uint64_t registered_version_ = 0, registered_moves_ = 0;
   StationClock::time_point registered_at_;
-  std::vector<CheckedOrders> kept_;                 ///< shapes and spawns for the next arming
-  std::uint32_t kept_claim_ = 0;                    ///< of the client that ordered them
-  Help help_ = Help::kUnsaid;                       ///< help that pages give the player
-  std::map<std::string, double> asked_parameters_;  ///< a therapist's settings persist
+  std::vector<CheckedOrders> kept_;                  ///< shapes and spawns for the next arming
+  std::uint32_t kept_claim_ = 0;                     ///< of the client that ordered them
+  Help help_ = Help::kUnsaid;                        ///< help that pages give the player
+  std::uint64_t help_asked_ = 0;                     ///< order that set it
+  std::map<std::string, Setting> asked_parameters_;  ///< persist as long as the person
+  std::uint64_t person_ = 0;                         ///< counts persons and hands that were loaded
+  Profile loaded_;                                   ///< what is loaded, without name and values
 
   std::mutex report_mutex_;
   mutable std::mutex latest_mutex_;

@@ -95,8 +95,15 @@ OrderReply Station::Core::setParameter(const Order& order) {
     command.value = order.value;
     if (OrderReply pushed = push(command); !pushed.accepted) return pushed;
   }
-  asked_parameters_[order.name] = order.value;  // also applies to the next session
   return {true, ""};
+}
+
+// The default unless a person set a value, in the range that holds now.
+double Station::Core::valueOf(const PublishedParameter& parameter) const {
+  const auto asked = asked_parameters_.find(parameter.name);
+  if (asked == asked_parameters_.end()) return parameter.initial;
+  const double value = asked->second.value;
+  return value >= parameter.lower && value <= parameter.upper ? value : parameter.initial;
 }
 
 // An earlier holder's order must not take effect after one of the current holder.
@@ -105,6 +112,41 @@ bool Station::Core::superseded(const Order& order) {
   if (!stops && order.claim != 0 && order.claim < claim_) return true;
   claim_ = std::max(claim_, order.claim);
   return false;
+}
+
+// Whether an order that waited, or that takes time, may take effect now: asked again in the moment
+// of starting. What its client may do was judged when it asked; here it is that all of it still
+// holds.
+OrderReply Station::Core::mayStillDo(const Task& task) const {
+  const Order& order = task.order;
+  if (quit_) return refused(Refusal::kEnding, "the program is ending");
+  if (task.refused_before) {
+    return refused(Refusal::kRefusedBefore,
+                   "what this client asked for before was refused: look why, then ask again");
+  }
+  if (task.waited_s > kLongestWait) {
+    return refused(Refusal::kWaitedTooLong,
+                   fmt::format("it waited {:.1f} s behind other orders, at most {} s are allowed: "
+                               "look, then ask again",
+                               task.waited_s.count(), kLongestWait.count()));
+  }
+  if (order.asker && !order.asker->connected) {
+    return refused(Refusal::kNotHolder, "the client that asked is gone");
+  }
+  const bool lost = order.asker && order.asker->claim != order.claim;
+  if (order.claim != 0 && (lost || order.claim < claim_)) {
+    return refused(Refusal::kNotHolder, "this client has lost the controls since it asked");
+  }
+  if (!task.starts) return {true, ""};
+  if (stop_asked_ > task.asked || InterruptScope::interrupted()) {
+    return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
+  }
+  return refuseUnseen(order.endings_seen);
+}
+
+OrderReply Station::Core::stillDo(const Task& task) const {
+  const std::lock_guard lock(mutex_);
+  return mayStillDo(task);
 }
 
 // An order to arm is valid for the state that its person saw: any ending since then cancels it.
@@ -129,20 +171,35 @@ bool Station::Core::rested() const {
 }
 
 // Takes effect and is published even when nothing renders: an order to arm may be under way.
-void Station::Core::takeStop(std::uint64_t asked, bool emergency, bool rest) {
+void Station::Core::takeStop(const Order& order, std::uint64_t asked) {
   stop_asked_ = asked;
   // A rest applies to a rendering loop, or continues a rest; it does not replace another stop.
-  const bool rests = rest && (rested() || status_.run_state == RunState::kRendering);
-  ++status_.endings;
+  const bool rests = order.rest && (rested() || status_.run_state == RunState::kRendering);
+  // Repetitions count once: else nobody could name the last ending while a client repeats its stop.
+  if (stops_.insert({order.client, order.type, order.rest}).second) ++status_.endings;
   rest_ending_ = rests ? status_.endings : 0;
   if (!live_ && status_.run_state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
-  beginStop(emergency);
+  beginStop(order.type == OrderType::kEmergencyStop);
 }
 
-void Station::Core::enqueue(std::function<OrderReply()> work,
-                            const std::function<void(OrderReply)>& done) {
-  tasks_.push_back({std::move(work), done});
+// Refuses what would be refused when its turn comes, as things are now.
+OrderReply Station::Core::enqueue(const Order& order, std::uint64_t asked,
+                                  const std::function<void(OrderReply)>& done) {
+  Task task;
+  task.order = order;
+  task.asked = asked;
+  task.asked_at = now();
+  task.starts = order.type == OrderType::kArm;
+  if (order.type == OrderType::kLoadExercise) task.order.endings_seen = status_.endings;
+  if (order.type == OrderType::kSaveProfile) task.profile = profileNow();
+  task.person = person_;
+  task.done = done;
+  OrderReply may = mayStillDo(task);
+  if (!may.accepted) return may;
+  if (task.starts) stops_.clear();
+  tasks_.push_back(std::move(task));
   wake_.notify_all();
+  return may;
 }
 
 void Station::Core::order(const Order& order, const std::function<void(OrderReply)>& done) {
@@ -160,23 +217,21 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
       reply = refused(Refusal::kEnding, "the program is ending");
     } else if (tasks_.size() >= kMostTasks) {
       reply = refused(Refusal::kTooMany, "too many orders wait already; try again");
-    } else if (order.type == OrderType::kArm) {
-      reply = refuseUnseen(order.endings_seen);
-      if (reply.accepted) {
-        const std::uint32_t seen = order.endings_seen;
-        return enqueue([this, asked, seen] { return armForPerson(asked, seen); }, done);
-      }
     } else {
-      return enqueue([this, order] { return carryOutTask(order); }, done);
+      reply = enqueue(order, asked, done);
+      if (reply.accepted) return;
     }
   }
   done(reply);
 }
 
-OrderReply Station::Core::carryOutTask(const Order& order) {
-  if (order.type == OrderType::kSaveProfile) return saveProfile(order);
-  if (order.type == OrderType::kLoadProfile) return loadProfile(order);
-  return loadExercise(order);
+OrderReply Station::Core::carryOutTask(Task& task) {
+  task.waited_s = now() - task.asked_at;
+  if (OrderReply may = stillDo(task); !may.accepted) return may;
+  if (task.order.type == OrderType::kArm) return armForClient(task);
+  if (task.order.type == OrderType::kSaveProfile) return saveProfile(task);
+  if (task.order.type == OrderType::kLoadProfile) return loadProfile(task);
+  return loadExercise(task);
 }
 
 OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
@@ -184,12 +239,16 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
   switch (order.type) {
     case OrderType::kStop:
     case OrderType::kEmergencyStop:
-      takeStop(asked, order.type == OrderType::kEmergencyStop, order.rest);
+      takeStop(order, asked);
       break;
-    case OrderType::kSetParameter:
-      return setParameter(order);
+    case OrderType::kSetParameter: {
+      OrderReply set = setParameter(order);
+      if (set.accepted) asked_parameters_[order.name] = {order.value, asked};
+      return set;
+    }
     case OrderType::kSetHelp:
       help_ = order.help;
+      help_asked_ = asked;
       break;
     case OrderType::kAim:
       if (order.aim.size() != static_cast<int>(scene_->device.axes.size()) ||
@@ -215,7 +274,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
     case OrderType::kUnattended:
       if (!live_ || !armed_for_client_ || status_.run_state != RunState::kRendering) break;
       say("nobody has held the controls or ordered anything for long: the session ends");
-      takeStop(asked, false);
+      takeStop(order, asked);
       break;
     case OrderType::kAnswer:
     case OrderType::kHoldToMove:
@@ -242,12 +301,11 @@ LoopStatus Station::Core::status() const {
     status.help = help_;
     status.registered = registered_;
     for (const auto& parameter : scene_->parameters) {
-      const auto asked = asked_parameters_.find(parameter.name);
-      const bool set = asked != asked_parameters_.end();
-      status.parameters.push_back(set ? asked->second : parameter.initial);
+      status.parameters.push_back(valueOf(parameter));
     }
   }
   nameSafety(status);
+  status.rehearsed_ticks = rehearsed_ticks_;
   status.bodies = tracker_.bodies();
   if (config_.device_status) status.device = config_.device_status();
   const std::lock_guard lock(latest_mutex_);

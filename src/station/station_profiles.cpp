@@ -1,4 +1,5 @@
 // A therapist's settings per patient, kept across restarts: on the station's main thread.
+#include "renderer/live_settings.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "station/scene_facts.hpp"
 #include "station/station_core.hpp"
@@ -22,54 +23,84 @@ std::string sideName(const HandModel& hand) {
 
 }  // namespace
 
-OrderReply Station::Core::saveProfile(const Order& order) {
-  if (!models_.exercise) {
-    return refused(Refusal::kOther, "a profile needs an exercise; load one first");
-  }
+Profile Station::Core::profileOf(const Models& models) {
   Profile profile;
-  profile.name = order.name;
-  profile.device = models_.device.name;
-  profile.side = sideName(models_.hand);
-  profile.hand = stem(models_.files.hand);
-  profile.exercise = stem(models_.files.exercise);
-  profile.level = models_.files.level;
-  {
-    const std::lock_guard lock(mutex_);
-    profile.help = help_;
-    for (const PublishedParameter& parameter : scene_->parameters) {
-      const auto asked = asked_parameters_.find(parameter.name);
-      const bool set = asked != asked_parameters_.end();
-      profile.parameters[parameter.name] = set ? asked->second : parameter.initial;
+  profile.device = models.device.name;
+  profile.side = sideName(models.hand);
+  profile.hand = stem(models.files.hand);
+  profile.exercise = models.exercise ? stem(models.files.exercise) : "";
+  profile.level = models.files.level;
+  return profile;
+}
+
+Profile Station::Core::profileNow() const {
+  Profile profile = loaded_;
+  profile.help = help_;
+  for (const PublishedParameter& parameter : scene_->parameters) {
+    profile.parameters[parameter.name] = valueOf(parameter);
+  }
+  return profile;
+}
+
+// Of the earlier person nothing stays: neither values nor help nor the right to rest. What was set
+// after the order to change was given stays. A limit goes up only for who may set it.
+void Station::Core::changePerson(const Task& task, const Profile* profile) {
+  ++person_;
+  rest_ending_ = 0;
+  if (help_asked_ < task.asked) help_ = profile != nullptr ? profile->help : Help::kUnsaid;
+  std::map<std::string, Setting> next;
+  if (profile != nullptr) {
+    for (const auto& [name, value] : profile->parameters) next[name] = {value, task.asked};
+  }
+  for (const PublishedParameter& parameter : scene_->parameters) {
+    const auto set = asked_parameters_.find(parameter.name);
+    const auto found = next.find(parameter.name);
+    const double coming = found == next.end() ? parameter.initial : found->second.value;
+    const bool later = set != asked_parameters_.end() && set->second.asked > task.asked;
+    const bool keeps_limit = isEffortLimit(parameter.name) && !task.order.may_raise_limits &&
+                             valueOf(parameter) < coming;
+    if (later) {
+      next[parameter.name] = set->second;
+    } else if (keeps_limit) {
+      next[parameter.name] = {valueOf(parameter), task.asked};
     }
+  }
+  asked_parameters_ = std::move(next);
+}
+
+OrderReply Station::Core::saveProfile(const Task& task) {
+  Profile profile = task.profile;
+  profile.name = task.order.name;
+  if (profile.exercise.empty()) {
+    return refused(Refusal::kOther, "a profile needs an exercise; load one first");
   }
   const WaitingFor disk("the disk: a profile");
   if (auto saved = profiles_.save(profile); !saved) {
     return refused(Refusal::kOther, format(saved.errors()));
   }
   say("profile " + profile.name + " is saved");
-  profile_ = profile.name;
+  if (task.person == person_) profile_ = profile.name;
   publishScene(record_path_);
   return {true, ""};
 }
 
 // Only while disarmed: a person must not suddenly feel another person's limits.
-OrderReply Station::Core::loadProfile(const Order& order) {
+OrderReply Station::Core::loadProfile(const Task& task) {
   if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then load the profile");
   const WaitingFor disk("the disk: a profile");
-  const Expected<Profile> profile = profiles_.load(order.name);
+  const Expected<Profile> profile = profiles_.load(task.order.name);
   if (!profile) return refused(Refusal::kUnknownProfile, format(profile.errors()));
   if (profile->device != models_.device.name) {
     return refused(Refusal::kOtherProfile,
                    fmt::format("the profile {} is for the device {}, this is {}", profile->name,
                                profile->device, models_.device.name));
   }
-  Order load;
-  load.type = OrderType::kLoadExercise;
-  load.name = profile->exercise;
-  load.hand = profile->hand;
-  load.level = profile->level;
+  Order named;
+  named.name = profile->exercise;
+  named.hand = profile->hand;
+  named.level = profile->level;
   ModelFiles files;
-  if (OrderReply known = filesOf(load, files); !known.accepted) {
+  if (OrderReply known = filesOf(named, files); !known.accepted) {
     known.reason = fmt::format("the profile {}: {}", profile->name, known.reason);
     return known;
   }
@@ -82,16 +113,7 @@ OrderReply Station::Core::loadProfile(const Order& order) {
                     profile->side, profile->hand, sideName(models->hand)));
   }
   if (OrderReply fits = refuseParameters(*profile, *models); !fits.accepted) return fits;
-  OrderReply reply = loadExercise(load);
-  if (!reply.accepted) return reply;
-  {
-    const std::lock_guard lock(mutex_);
-    asked_parameters_ = profile->parameters;
-    help_ = profile->help;
-  }
-  profile_ = profile->name;
-  publishScene("");
-  return reply;
+  return this->load(task, files, &*profile);
 }
 
 OrderReply Station::Core::refuseParameters(const Profile& profile, const Models& models) const {

@@ -65,9 +65,11 @@ void Station::Core::publishScene(const std::string& recording) {
   facts->profiles = profiles_.list();
   facts->profile = profile_;
   facts->recording = fs::path(recording).filename().string();
+  Profile loaded = profileOf(models_);
   const std::lock_guard lock(mutex_);
   facts->session = status_.session;
   scene_ = std::move(facts);
+  loaded_ = std::move(loaded);
   being_written_ = recording;
 }
 
@@ -173,9 +175,13 @@ OrderReply Station::Core::filesOf(const Order& order, ModelFiles& files) const {
   return {true, ""};
 }
 
-OrderReply Station::Core::loadExercise(const Order& order) {
+OrderReply Station::Core::loadExercise(const Task& task) {
   ModelFiles files;
-  if (OrderReply known = filesOf(order, files); !known.accepted) return known;
+  if (OrderReply known = filesOf(task.order, files); !known.accepted) return known;
+  return load(task, files, nullptr);
+}
+
+OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const Profile* profile) {
   const WaitingFor disk("the disk: what is to be loaded");
   Expected<Models> models = loadModels(files);
   if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
@@ -185,31 +191,35 @@ OrderReply Station::Core::loadExercise(const Order& order) {
     return refused(Refusal::kNotStable, format(no));
   }
   const bool had_session = live_ != nullptr;
-  const bool rendered = had_session && live_->running();
+  const bool rendered =
+      had_session && live_->running() && status().run_state == RunState::kRendering;
   std::optional<Rehearsal> rehearsal;
   if (config_.rehearse && rendered) {  // a load that cannot be rendered stops nothing
-    OrderReply passed = rehearseNext(*models, rehearsal);
+    OrderReply passed = rehearseNext(*models, task, rehearsal);
     if (!passed.accepted) return passed;
   }
+  if (OrderReply may = stillDo(task); !may.accepted) return may;
   stopGently(true);
-  if (files.hand != models_.files.hand) profile_.clear();  // another person's hand
+  const bool other_person = profile != nullptr || files.hand != models_.files.hand;
+  if (other_person) profile_ = profile != nullptr ? profile->name : "";
   models_ = std::move(*models);
   rehearsed_ = std::move(rehearsal);
   forgetLatest();
-  publishScene("");
+  Task start = task;
+  start.starts = true;
   bool again = false;
-  std::uint64_t armed_by = 0;
   {
     // Rendering continues only if it was on until now and nobody stopped it; a stop or a fault
     // remains.
     const std::lock_guard lock(mutex_);
+    if (other_person) changePerson(task, profile);
     dropKept();  // checked against the scene of before
-    armed_by = armed_by_;
-    again = rendered && stop_asked_ <= armed_by_ && !any(status_.latched);
+    again = rendered && mayStillDo(start).accepted && !any(status_.latched);
     if (had_session && !again) ++status_.endings;
   }
+  publishScene("");
   if (!again) return {true, ""};
-  OrderReply reply = armForClient(armed_by);
+  OrderReply reply = armForClient(start);
   if (!reply.accepted) {
     const std::lock_guard lock(mutex_);
     ++status_.endings;
@@ -251,23 +261,29 @@ void Station::Core::refreshStatus() {
   if (config_.status) config_.status(state, summary);
 }
 
-void Station::Core::runTasks() {
-  std::deque<Task> tasks;
+// The order whose turn it is. The others see whether it was refused: what its client asked for next
+// builds on it.
+void Station::Core::runTask() {
+  Task task;
   {
     std::unique_lock lock(mutex_);
     wake_.wait_for(lock, kPoll, [this] { return quit_ || !tasks_.empty(); });
-    tasks.swap(tasks_);
+    if (tasks_.empty()) return;
+    task = std::move(tasks_.front());
+    tasks_.pop_front();
   }
-  for (const Task& task : tasks) {
-    OrderReply reply;
-    try {
-      reply = task.work();
-    } catch (const std::exception& error) {  // a running loop continues
-      reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
-      say("an order " + reply.reason);
-    }
-    task.done(reply);
+  OrderReply reply;
+  try {
+    reply = carryOutTask(task);
+  } catch (const std::exception& error) {  // a running loop continues
+    reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
+    say("an order " + reply.reason);
   }
+  if (!reply.accepted && task.order.client != 0) {
+    const std::lock_guard lock(mutex_);
+    for (Task& next : tasks_) next.refused_before |= next.order.client == task.order.client;
+  }
+  task.done(reply);
 }
 
 // Answers every waiting task, so that no client waits for ever.
@@ -314,8 +330,15 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
   const auto duration_ticks = static_cast<std::uint64_t>(
       std::llround(std::clamp(duration_s, 0.0, kLongestRun_s) / config_.rig.period_s));
   if (arm_at_once && !InterruptScope::interrupted()) {
-    const OrderReply reply = arm(kFirstArming, config_.record, duration_ticks, false);
-    const bool stopped = reply.refusal == Refusal::kStopCame;  // whoever stopped may arm
+    Task first;
+    first.order.type = OrderType::kArm;
+    first.order.endings_seen = 1;
+    first.asked = kFirstArming;
+    first.starts = true;
+    const OrderReply reply = arm(first, config_.record, duration_ticks, false);
+    // Whoever stopped may arm.
+    const bool stopped =
+        reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
     if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {
       return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};
     }
@@ -325,7 +348,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
   if (duration_ticks > 0 && arm_at_once) ends_at_ = until;
   bool ending = false;
   while (!ending) {
-    runTasks();
+    runTask();
     watchSession();
     const std::lock_guard lock(mutex_);
     outcome_.interrupted = InterruptScope::interrupted();

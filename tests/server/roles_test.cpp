@@ -109,11 +109,12 @@ TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
   EXPECT_TRUE(mayOrder(Role::kPlayer, resume, now).accepted);
 }
 
-TEST(Roles, ClientThatSaysNoRole_MayAllWithTheControlsAndNothingWithout) {
+TEST(Roles, ClientThatSaysNoRole_MayAllWithTheControlsAndStopWithout) {
   EXPECT_EQ(allowed(Role::kUnsaid, playing()), kAll);
   Standing now = playing();
   now.holds = false;
-  EXPECT_EQ(allowed(Role::kUnsaid, now), (std::vector{OrderType::kEmergencyStop}));
+  EXPECT_EQ(allowed(Role::kUnsaid, now),
+            (std::vector{OrderType::kStop, OrderType::kEmergencyStop}));
 }
 
 TEST(Roles, ClaimBeyondTheToken_Watches) {

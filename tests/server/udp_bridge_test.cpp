@@ -137,7 +137,7 @@ TEST_F(UdpBridgeOnLoopback, SignsOfLifeByDatagram_KeepTheControls) {
   ASSERT_TRUE(g.fast->until([&] { return bridge.counters().states_sent >= 6; }));
   EXPECT_EQ(backend.ownerAlive(), 1.0);
   while (backend.ownerAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  EXPECT_EQ(controls.holder(), 0U) << "silent, it loses them";
+  while (controls.holder() != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 TEST_F(UdpBridgeOnLoopback, AimWithoutTheControls_IsRefusedOnceByWebSocket) {

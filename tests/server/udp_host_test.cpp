@@ -52,13 +52,14 @@ TEST_F(UdpHost, WhatMustArrive_IsNotTakenByDatagram) {
   const auto all = words::oneOfEach();
   for (const auto& message : all) game.say(message);
   settle();
-  ASSERT_EQ(said.size(), 3U) << "an emergency stop, an aim and a heartbeat";
+  ASSERT_EQ(said.size(), 5U) << "every stop, an aim and a heartbeat";
   EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
+  EXPECT_EQ(saidOf(OrderType::kStop), 2) << "a rest is one";
   EXPECT_EQ(saidOf(OrderType::kAim), 1);
-  EXPECT_EQ(ignored(UdpIgnored::kMessage), all.size() - 3);
+  EXPECT_EQ(ignored(UdpIgnored::kMessage), all.size() - 5);
 }
 
-TEST_F(UdpHost, GameWithoutWebSocket_MayAlsoTakeTheControlsSteerAndStop) {
+TEST_F(UdpHost, GameWithoutWebSocket_MayAlsoTakeTheControlsAndSteer) {
   TestGame board = makeGame(kGame);
   board.key = 0xABCDEF;
   host.admit(board.key, controls.newClient(), true);
@@ -92,8 +93,26 @@ TEST_F(UdpHost, AddressThatHearsNothing_GetsNoMoreThanWasSent) {
   EXPECT_EQ(counters.states_sent, 0U);
   EXPECT_EQ(saidOf(OrderType::kAim), 0) << "it may only stop";
   game.say(words::emergencyStop(9999));
+  game.say(words::stop(10'000));
+  game.say(words::rest(10'001));
   settle();
   EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
+  EXPECT_EQ(saidOf(OrderType::kStop), 2);
+}
+
+TEST_F(UdpHost, LateStop_IsHandedOnOnce) {
+  connect(game);
+  const TestGame::Bytes late = game.datagram(words::stop(5));
+  game.say(words::aim(6, {0.1F}));
+  settle();
+  arrive(kGame, late);
+  arrive(kGame, late);
+  arrive(kElsewhere, late);
+  settle();
+  EXPECT_EQ(saidOf(OrderType::kStop), 1);
+  game.say(words::stop(5));  // repeated until a state shows it
+  settle();
+  EXPECT_EQ(saidOf(OrderType::kStop), 2);
 }
 
 TEST_F(UdpHost, OneSilentDatagram_BringsOneHeader) {

@@ -17,8 +17,9 @@ struct RolesTest : ServerTest {
     program.setScene(facts);
     show(RunState::kRendering, 1);
   }
-  void show(RunState state, std::uint32_t endings, bool rested = false) {
+  void show(RunState state, std::uint32_t endings, bool rested = false, std::uint32_t session = 1) {
     LoopStatus status;
+    status.session = session;
     status.run_state = state;
     status.endings = endings;
     status.rested = rested;
@@ -125,6 +126,9 @@ TEST_F(RolesTest, PauseOfTheTherapist_HoldsUntilTheTherapistEndsIt) {
   EXPECT_EQ(ask(*plays, action(2, fb::Act::Resume)).refusal, fb::Refusal::TherapistPaused);
   EXPECT_TRUE(ask(*leads, action(2, fb::Act::Resume)).accepted);
   EXPECT_TRUE(ask(*plays, action(3, fb::Act::Next)).accepted);
+  EXPECT_TRUE(ask(*leads, action(3, fb::Act::Pause)).accepted);
+  show(RunState::kRendering, 1, false, 2);
+  EXPECT_TRUE(ask(*plays, action(4, fb::Act::Resume)).accepted) << "the next session is not paused";
 }
 
 TEST_F(RolesTest, Watcher_SeesEverythingAndMayOnlyStop) {

@@ -99,6 +99,7 @@ TEST_F(StopNotSeen, FaultWhileAnArmWaits_UndoesIt) {
   std::shared_future<void> released = faulted.get_future().share();
   const auto busy = std::make_shared<std::atomic<bool>>(false);
   const auto may = std::make_shared<std::atomic<bool>>(false);
+  config.now = [] { return Clock::time_point(); };  // it waits for no time at all
   config.make_player = [may](const Models& models) {
     return std::make_unique<Startled>(models.device.axisCount(), may);
   };

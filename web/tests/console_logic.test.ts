@@ -368,6 +368,8 @@ describe('what the state means', () => {
     expect(statusOf('open', { ...stopped, faults: 0b01 }, false, names, en).cause).toBe(en.safety.stopped);
     const armed = { runState: RunState.Rendering, latchedFaults: 0, faults: 0, safetyState: SafetyState.Armed };
     expect(statusOf('open', armed, false, names, en)).toMatchObject({ name: 'rendering', cause: en.safety.armed });
+    expect(statusOf('open', { ...armed, rehearsedTicks: 7 }, false, names, en).cause, 'the next level is rehearsed').toBe(en.safety.armed);
+    expect(statusOf('open', { runState: RunState.Disarmed, latchedFaults: 0, rehearsedTicks: 1234 }, false, names, en)).toMatchObject({ name: 'disarmed', cause: en.safety.rehearsing, did: '1234 ticks so far. It starts when all are fast enough.' });
   });
 
   it('without a connection nothing of the state is believed', () => {

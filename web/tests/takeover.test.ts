@@ -64,11 +64,16 @@ test('Press_OnAPictureFromBeforeAStop_HoldsNoMore', async () => {
   expect(asked).toEqual(['take', 'release']);
 });
 
-test('LetProgramPlay_OnAPageThatHangsAfterIt_HasSentAllItsOrders', () => {
-  const { asked, asConnection } = waitingProgram();
-  void letProgramPlay(asConnection, known, new Press(asConnection, 4));
-  // No answer has been read yet: the page draws.
-  expect(asked).toEqual(['take', 'arm 4', 'release']);
+test('LetProgramPlay_UntilItHasBegun_HoldsTheControls', async () => {
+  const { asked, connection, asConnection } = waitingProgram();
+  let begun: (answer: Answer) => void = () => {};
+  Object.assign(connection, { arm: () => new Promise<Answer>((settle) => { asked.push('arm'); begun = settle; }) });
+  const shown = letProgramPlay(asConnection, known, new Press(asConnection, 4));
+  await Promise.resolve();
+  expect(asked, 'what their holder asked for begins nothing once they are given back').toEqual(['take', 'arm']);
+  begun(YES);
+  await shown;
+  expect(asked).toEqual(['take', 'arm', 'release']);
 });
 
 test('LetProgramPlay_WhereAPlayerPausedAndLeft_GoesOn', async () => {

@@ -41,7 +41,7 @@ const OF_TIME = 'gap too long';
 
 /** The part of the state that says why it stopped. */
 export type Told = Pick<WorldStateT, 'runState' | 'latchedFaults'>
-  & Partial<Pick<WorldStateT, 'faults' | 'safetyState' | 'faultAxis' | 'faultValue' | 'faultLimit'>>;
+  & Partial<Pick<WorldStateT, 'faults' | 'safetyState' | 'faultAxis' | 'faultValue' | 'faultLimit' | 'rehearsedTicks'>>;
 
 /** A device's axis, as far as a limit of it is told. */
 export interface NamedAxis {
@@ -90,6 +90,7 @@ export function statusOf(
   const running = NAMES[state.runState] ?? 'faulted';
   const name = running === 'rendering' && paused ? 'paused' : running;
   const status = { name, step: STEPS[name], bad: name === 'faulted' };
+  if (state.rehearsedTicks && running !== 'rendering') return { ...status, cause: t.rehearsing, did: fill(t.rehearsingWhat, { ticks: String(state.rehearsedTicks) }) };
   switch (name) {
     case 'disarmed': return { ...status, cause: t.disarmed, did: t.disarmedWhat };
     case 'stopping': return { ...status, cause: t.stopping, did: t.stoppingWhat };

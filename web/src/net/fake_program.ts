@@ -151,7 +151,7 @@ export class FakeProgram {
       this.say(line, Payload.Controls, new ControlsT(true, true));
       return Refusal.None;
     }
-    if (!this.heldByClient) return Refusal.NotHolder;
+    if (!this.heldByClient && kind !== Order.Stop && kind !== Order.Rest) return Refusal.NotHolder;
     switch (kind) {
       case Order.ReleaseControls:
         this.heldByClient = false;
@@ -170,7 +170,7 @@ export class FakeProgram {
         return Refusal.None;
       case Order.Stop: return this.halt();
       case Order.Rest: {
-        const rests = this.runState === RunState.Rendering;
+        const rests = this.heldByClient && this.runState === RunState.Rendering;
         this.halt();
         this.rested = rests;
         return Refusal.None;

@@ -1,6 +1,6 @@
 # The connection to a running Wholehand program, by WebSocket: 60 states a second. It connects by itself, and again
-# after the program was gone. It keeps the controls only while the game's frames run: a game that hangs for 200 ms loses
-# them, and the exercise fades out.
+# after the program was gone. It keeps the controls only while the game's frames run: of a game that hangs for 200 ms
+# the exercise fades out, and after 1 s it has lost them.
 extends Node
 
 # Connected or not, and in words why.

@@ -6,7 +6,7 @@ namespace Wholehand.Unity
 {
     /// <summary>The connection to a running Wholehand program; one a scene is enough. It connects in its first frame,
     /// again after the program was gone, and ends when it is disabled. Every frame it takes the newest state and
-    /// raises the client's events on the main thread. While the game is paused or hangs for 200 ms, the program takes
+    /// raises the client's events on the main thread. When the game is paused or hangs for 1 s, the program takes
     /// the controls back.</summary>
     [AddComponentMenu("Wholehand/Wholehand Connection")]
     [DisallowMultipleComponent]

@@ -81,6 +81,7 @@ export const de: ConsoleTexts = {
     stopping: 'Die Kraft geht zu neutral', stoppingWhat: 'Das dauert höchstens eine Zehntelsekunde. Der Arm wird getragen.',
     stopped: 'Auf Wunsch angehalten', stoppedWhat: 'Die Kraft ist neutral, der Arm wird getragen. Neu starten, wenn alle bereit sind.',
     faultedWhat: 'Die Kraft ging innert 0,1 s zu neutral. Der Arm wird getragen.',
+    rehearsing: 'Probe vor der ersten Kraft', rehearsingWhat: 'Bisher {ticks} Takte. Es beginnt, wenn alle schnell genug sind.',
     armed: 'Scharf gestellt', armedWhat: 'Die Kraft wird eingeblendet.', emergency: 'Not-Halt wurde gedrückt', beyond: '{value}, Grenze {limit}',
     lost: 'Keine Verbindung zum Programm',
     lostWhat: 'Wenn das Programm läuft, klingt die Kraft der Übung von selbst ab. Die Zahlen hier sind von vorher.',

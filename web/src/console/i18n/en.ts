@@ -80,6 +80,7 @@ export const en = {
     stopping: 'Effort ramps to neutral', stoppingWhat: 'It ends within a tenth of a second. The arm is carried.',
     stopped: 'Stopped on request', stoppedWhat: 'Effort is at neutral, the arm is carried. Arm again when ready.',
     faultedWhat: 'Effort ramped to neutral within 0.1 s. The arm is carried.',
+    rehearsing: 'Rehearsal before the first force', rehearsingWhat: '{ticks} ticks so far. It starts when all are fast enough.',
     armed: 'Armed', armedWhat: 'The effort is being blended in.', emergency: 'Emergency stop was pressed', beyond: '{value}, limit {limit}',
     lost: 'No connection to the program',
     lostWhat: 'If the program runs, the exercise effort fades out by itself. The figures here are from before.',

@@ -81,6 +81,7 @@ export const fr: ConsoleTexts = {
     stopping: 'La force revient au neutre', stoppingWhat: 'Cela dure un dixième de seconde au plus. Le bras est porté.',
     stopped: 'Arrêté sur demande', stoppedWhat: 'La force est au neutre, le bras est porté. Réarmez quand tout est prêt.',
     faultedWhat: 'La force est revenue au neutre en 0,1 s. Le bras est porté.',
+    rehearsing: 'Répétition avant la première force', rehearsingWhat: '{ticks} cycles jusqu’ici. Le départ suit quand tous sont assez rapides.',
     armed: 'Armé', armedWhat: 'La force s’installe progressivement.', emergency: 'Arrêt d’urgence demandé', beyond: '{value}, limite {limit}',
     lost: 'Pas de connexion au programme',
     lostWhat: 'Si le programme tourne, la force de l’exercice s’éteint d’elle-même. Les chiffres ici datent d’avant.',

@@ -155,6 +155,8 @@ export const de: Texts = {
   'refusal.BodiesRefused': 'Körper wurden abgelehnt: {reason}',
   'refusal.Busy': 'Das Programm nimmt gerade nicht mehr an. Versuchen Sie es noch einmal.',
   'refusal.NoBodies': 'Diese Übung nimmt keine Körper eines Spiels.',
+  'refusal.WaitedTooLong': 'Es hat zu lange hinter anderen Aufträgen gewartet. Sehen Sie nach, wie es steht, und versuchen Sie es dann noch einmal.',
+  'refusal.RefusedBefore': 'Was Sie davor verlangt haben, wurde abgelehnt. Sehen Sie nach, warum, und versuchen Sie es dann noch einmal.',
   'line.none': 'Es besteht keine Verbindung.',
   'line.silent': 'Das Programm antwortet nicht.',
   'line.lost': 'Die Verbindung wurde unterbrochen.',

@@ -160,6 +160,8 @@ export const en = {
   'refusal.BodiesRefused': 'Some bodies were refused: {reason}',
   'refusal.Busy': 'The program takes no more just now. Try again.',
   'refusal.NoBodies': 'This exercise takes no bodies of a game.',
+  'refusal.WaitedTooLong': 'It waited too long behind other orders. Look at how things are, then ask again.',
+  'refusal.RefusedBefore': 'What you asked for before it was refused. See why, then ask again.',
   'line.none': 'There is no connection.',
   'line.silent': 'The program does not answer.',
   'line.lost': 'The connection was lost.',

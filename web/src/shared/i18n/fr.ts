@@ -155,6 +155,8 @@ export const fr: Texts = {
   'refusal.BodiesRefused': 'Des corps ont été refusés : {reason}',
   'refusal.Busy': 'Le programme n’en prend pas plus pour l’instant. Réessayez.',
   'refusal.NoBodies': 'Cet exercice n’accepte pas de corps d’un jeu.',
+  'refusal.WaitedTooLong': 'L’ordre a attendu trop longtemps derrière d’autres. Voyez où en sont les choses, puis réessayez.',
+  'refusal.RefusedBefore': 'Ce que vous aviez demandé avant a été refusé. Voyez pourquoi, puis réessayez.',
   'line.none': 'Il n’y a pas de connexion.',
   'line.silent': 'Le programme ne répond pas.',
   'line.lost': 'La connexion a été perdue.',

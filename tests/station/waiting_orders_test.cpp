@@ -1,0 +1,530 @@
+// Orders that wait: to arm, to load, to save. What their client was allowed when it asked must hold
+// in the moment of starting, and they wait for 3 s at most, on a clock that the test moves.
+#include "server/client_words.hpp"
+#include "server/fake_program.hpp"
+#include "station/profiles.hpp"
+#include "station/station_bench.hpp"
+#include "support/figure.hpp"
+#include "support/resting_device.hpp"
+#include "support/seed.hpp"
+
+#include <functional>
+
+namespace wholehand::test {
+namespace {
+
+/// What became of the devices of a station.
+struct Devices {
+  std::atomic<int> opened{0}, open{0};
+};
+
+/// Moves nobody, and says whether it is open.
+class ToldDevice final : public RestingDevice {
+ public:
+  ToldDevice(Devices& devices, const AxisPosition& at) : RestingDevice(at), devices_(devices) {}
+  [[nodiscard]] Expected<Done> open() override {
+    ++devices_.opened;
+    ++devices_.open;
+    open_ = true;
+    return Done{};
+  }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
+  void close() noexcept override {
+    if (std::exchange(open_, false)) --devices_.open;
+  }
+
+ private:
+  Devices& devices_;
+  bool open_ = false;
+};
+
+/// A client as the server knows it.
+struct Person {
+  std::uint32_t number = 0, claim = 0;
+  std::shared_ptr<Asker> asker = std::make_shared<Asker>();
+  [[nodiscard]] Order asks(Order order) const {
+    order.client = number;
+    order.claim = claim;
+    order.asker = asker;
+    return order;
+  }
+  void takes(std::uint32_t with_claim) {
+    claim = with_claim;
+    asker->claim = with_claim;
+  }
+};
+
+class WaitingOrders : public Bar {
+ protected:
+  void begin(bool arm_at_once = false) {
+    StationConfig config = barConfig();
+    config.files.exercise = kRoot + "/config/exercises/free-grasping.toml";
+    config.recordings_folder.clear();
+    config.profiles_folder = folder_ + "/profiles";
+    config.rehearse = false;
+    config.now = [this] { return Clock::time_point(std::chrono::milliseconds(now_ms_)); };
+    config.make_device = [this](const DeviceModel& device) {
+      if (while_it_is_built) while_it_is_built();
+      return Expected<std::unique_ptr<HapticDevice>>(
+          std::make_unique<ToldDevice>(devices, AxisPosition(device.axisCount())));
+    };
+    config.make_player = [this](const Models& models) {
+      if (when_it_begins) when_it_begins();
+      return std::make_unique<ScriptedPlayer>(
+          Intention::throughWaypoints({{0.0, AxisPosition(models.device.axisCount())}}));
+    };
+    load(config);
+    run(arm_at_once);
+  }
+  Person person() { return {++persons_, 0, std::make_shared<Asker>()}; }
+
+  /// The station's thread answers somebody who does not take the answer until release().
+  void hold() {
+    released_ = std::promise<void>();
+    auto reached = std::make_shared<std::promise<void>>();
+    Order unknown = of(OrderType::kLoadExercise);
+    unknown.name = "none-of-that-name";
+    station_->order(person().asks(unknown),
+                    [reached, may = released_.get_future().share()](const OrderReply&) {
+                      reached->set_value();
+                      may.wait();
+                    });
+    reached->get_future().wait();
+  }
+  void release() { released_.set_value(); }
+  void passes(std::int64_t ms) { now_ms_ += ms; }
+  OrderReply stopAndWait() {
+    OrderReply reply = ask(OrderType::kEmergencyStop);
+    EXPECT_TRUE(becomes([&] { return devices.open == 0; }));
+    EXPECT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
+    return reply;
+  }
+  Order parameter(const char* name, double value) const {
+    Order order = of(OrderType::kSetParameter);
+    order.name = name;
+    order.value = value;
+    return order;
+  }
+  Order profile(OrderType type, const char* name) const {
+    Order order = of(type);
+    order.name = name;
+    return order;
+  }
+  Order level(int number) const {
+    Order order = of(OrderType::kLoadExercise);
+    order.level = number;
+    return order;
+  }
+  double value(const char* name) {
+    const auto scene = station_->scene();
+    for (std::size_t i = 0; i < scene->parameters.size(); ++i) {
+      if (scene->parameters[i].name == std::string(name)) return station_->status().parameters[i];
+    }
+    return std::nan("");
+  }
+
+  Devices devices;
+  std::function<void()> when_it_begins, while_it_is_built;  ///< in the station's thread
+
+ private:
+  std::atomic<std::int64_t> now_ms_{1000};
+  std::uint32_t persons_ = 0;
+  std::promise<void> released_;
+};
+
+/// What happens to an order to arm, drawn; and whether it may start by the law below.
+struct Fate {
+  bool may = true;
+  std::string what;
+};
+
+class ArmAmidOthers : public WaitingOrders {
+ protected:
+  /// While it waits, while it begins, or while the loop is built.
+  void happens(unsigned percent) {
+    const auto chance = [&](unsigned of_100) { return random() % 100 < of_100; };
+    const auto ends = [&](bool it, const char* what) {
+      if (it) fate.may = false;
+      fate.what += what;
+    };
+    if (chance(percent)) {
+      asks.asker->connected = false;
+      ends(true, " gone");
+    }
+    if (chance(percent)) {
+      asks.asker->claim = 0;
+      ends(asks.claim != 0, " lost");
+    }
+    if (chance(percent)) {
+      other.takes(++claims);
+      asks.asker->claim = 0;
+      EXPECT_TRUE(ask(other.asks(parameter("effort_limit_arm_n", 3.0))).accepted);
+      ends(asks.claim != 0, " later holder");
+    }
+    if (chance(percent)) {
+      EXPECT_TRUE(ask(other.asks(of(OrderType::kStop))).accepted);
+      ends(true, " stop");
+    }
+    if (chance(percent)) {
+      EXPECT_TRUE(ask(other.asks(of(OrderType::kEmergencyStop))).accepted);
+      ends(true, " emergency stop");
+    }
+  }
+  void drawCase() {
+    const auto chance = [&](unsigned of_100) { return random() % 100 < of_100; };
+    asks = person();
+    other = person();
+    fate = {};
+    if (chance(60)) asks.takes(++claims);
+    hold();
+    if (chance(20)) (void)askLater(other.asks(profile(OrderType::kLoadProfile, "nobody")));
+    if (chance(15)) {
+      (void)askLater(asks.asks(profile(OrderType::kLoadProfile, "nobody")));
+      fate = {false, " refused before"};
+    }
+    armed = askLater(asks.asks(of(OrderType::kArm)));
+    if (chance(20)) (void)askLater(asks.asks(profile(OrderType::kLoadProfile, "nobody")));
+    waits_ms = static_cast<std::int64_t>(random() % (chance(70) ? 3001 : 60'001));
+    passes(waits_ms);
+    if (waits_ms > 3000) fate = {false, fate.what + " waited"};
+    happens(6);
+    when_it_begins = [this] { itsOwnWork(); };
+    while_it_is_built = [this] { itsOwnWork(); };
+  }
+  void itsOwnWork() {
+    passes(static_cast<std::int64_t>(random() % 60'001));
+    happens(3);
+  }
+  void judge() {
+    const std::uint64_t before = records_;
+    const std::uint32_t session = station_->status().session;
+    const int opened = devices.opened;
+    const bool may_begin = fate.may;
+    release();
+    const OrderReply reply = armed.get();
+    when_it_begins = while_it_is_built = nullptr;
+    ASSERT_EQ(reply.accepted, fate.may) << fate.what << ", " << waits_ms << " ms: " << reply.reason;
+    if (!may_begin) {
+      EXPECT_EQ(devices.opened, opened) << "not even the device is opened";
+    }
+    if (fate.may) {
+      ++started;
+      longest_ms = std::max(longest_ms, waits_ms);
+      EXPECT_TRUE(becomes([&] { return records_ > before; }));
+      EXPECT_TRUE(stopAndWait().accepted);
+    } else {
+      EXPECT_EQ(devices.open, 0);
+      EXPECT_EQ(records_, before);
+      EXPECT_EQ(station_->status().session, session);
+      EXPECT_NE(station_->status().run_state, RunState::kRendering);
+    }
+  }
+
+  std::mt19937_64 random = seededRandom(3401);
+  std::uint32_t claims = 1;
+  Person asks, other;
+  Fate fate;
+  std::future<OrderReply> armed;
+  std::int64_t waits_ms = 0, longest_ms = 0;
+  int started = 0;
+};
+
+// Law: an order to arm starts if and only if its client is there, has lost no controls that it
+// asked with, nothing has ended since, nothing that it asked for before was refused while it
+// waited, and it waited for 3 s at most behind others; its own work may take as long as it takes.
+TEST_F(ArmAmidOthers, InRandomInterleavings_StartsForWhoMayAndNobodyElse) {
+  begin();
+  const int drawn = cases(1000);
+  for (int i = 0; i < drawn && !HasFailure(); ++i) {
+    SCOPED_TRACE("case " + std::to_string(i));
+    drawCase();
+    judge();
+  }
+  figure("orders to arm in random interleavings", drawn, "");
+  figure("of them started", started, "");
+  figure("longest wait of one that started", 1e-3 * static_cast<double>(longest_ms), "s");
+  if (kCountsTell) {
+    EXPECT_GT(started, drawn / 10);
+    EXPECT_LT(started, drawn * 9 / 10);
+  }
+}
+
+TEST_F(WaitingOrders, ArmRefused_SaysWhy) {
+  begin();
+  Person asks = person();
+  asks.takes(7);
+  const auto armedAfter = [&](const std::function<void()>& happens) {
+    hold();
+    auto armed = askLater(asks.asks(of(OrderType::kArm)));
+    happens();
+    release();
+    return armed.get();
+  };
+  const OrderReply late = armedAfter([&] { passes(12'000); });
+  EXPECT_EQ(late.refusal, Refusal::kWaitedTooLong);
+  EXPECT_NE(late.reason.find("12.0 s"), std::string::npos) << late.reason;
+  EXPECT_EQ(armedAfter([&] { asks.asker->claim = 8; }).refusal, Refusal::kNotHolder);
+  asks.takes(9);
+  EXPECT_EQ(armedAfter([&] { (void)ask(OrderType::kStop); }).refusal, Refusal::kStopCame);
+  hold();
+  (void)askLater(asks.asks(profile(OrderType::kLoadProfile, "nobody")));
+  auto armed = askLater(asks.asks(of(OrderType::kArm)));
+  release();
+  EXPECT_EQ(armed.get().refusal, Refusal::kRefusedBefore);
+  EXPECT_EQ(devices.opened, 0);
+}
+
+// A load goes on with what rendered by the same law, and else leaves it stopped, or untouched.
+TEST_F(WaitingOrders, LoadWhileRendering_GoesOnOnlyForWhoMay) {
+  begin(true);
+  ASSERT_TRUE(rendersOn());
+  const Person stays = person(), leaves = person();
+  ASSERT_TRUE(ask(stays.asks(level(1))).accepted);
+  EXPECT_EQ(station_->status().session, 2U);
+  ASSERT_TRUE(rendersOn());
+  hold();
+  auto loaded = askLater(leaves.asks(level(1)));
+  leaves.asker->connected = false;
+  release();
+  EXPECT_FALSE(loaded.get().accepted);
+  EXPECT_EQ(station_->status().session, 2U) << "what renders is not touched";
+  ASSERT_TRUE(rendersOn());
+  const std::uint32_t seen = station_->status().endings;
+  Person loses = person();
+  loses.takes(5);
+  when_it_begins = [&] { loses.asker->claim = 0; };  // what rendered has stopped by then
+  loaded = askLater(loses.asks(level(1)));
+  EXPECT_EQ(loaded.get().refusal, Refusal::kNotHolder);
+  when_it_begins = nullptr;
+  staysAt(RunState::kStopped);
+  EXPECT_GT(station_->status().endings, seen) << "it has ended, and that is said";
+  EXPECT_EQ(devices.open, 0);
+}
+
+TEST_F(WaitingOrders, SaveProfile_WritesTheValuesOfTheMomentWhenItWasAsked) {
+  begin();
+  ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 8.0)).accepted);
+  hold();
+  auto saved = askLater(person().asks(profile(OrderType::kSaveProfile, "p-1")));
+  Order help = of(OrderType::kSetHelp);
+  help.help = Help::kNone;
+  ASSERT_TRUE(ask(help).accepted);
+  ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 12.0)).accepted);
+  release();
+  ASSERT_TRUE(saved.get().accepted);
+  const auto written = Profiles(folder_ + "/profiles").load("p-1");
+  ASSERT_TRUE(written) << format(written.errors());
+  EXPECT_EQ(written->parameters.at("effort_limit_arm_n"), 8.0);
+  EXPECT_EQ(written->help, Help::kUnsaid);
+}
+
+// Saved as p-1 while p-2's order to load waits before it: what holds then is p-2's.
+TEST_F(WaitingOrders, SaveProfileBehindAnotherPersons_KeepsTheHandAndClaimsNothing) {
+  begin();
+  ASSERT_TRUE(ask(profile(OrderType::kSaveProfile, "p-2")).accepted);
+  Order other_hand = of(OrderType::kLoadExercise);
+  other_hand.hand = "woman-p05-left";
+  ASSERT_TRUE(ask(other_hand).accepted);
+  hold();
+  auto loaded = askLater(person().asks(profile(OrderType::kLoadProfile, "p-2")));
+  auto saved = askLater(person().asks(profile(OrderType::kSaveProfile, "p-1")));
+  release();
+  ASSERT_TRUE(loaded.get().accepted);
+  ASSERT_TRUE(saved.get().accepted);
+  EXPECT_EQ(Profiles(folder_ + "/profiles").load("p-1")->hand, "woman-p05-left");
+  EXPECT_EQ(station_->scene()->profile, "p-2");
+}
+
+TEST_F(WaitingOrders, LoadProfile_OverwritesNothingThatWasSetLater) {
+  begin();
+  ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 15.0)).accepted);
+  ASSERT_TRUE(ask(parameter("effort_limit_hand_tip_n", 5.0)).accepted);
+  ASSERT_TRUE(ask(profile(OrderType::kSaveProfile, "p-1")).accepted);
+  ASSERT_TRUE(ask(parameter("effort_limit_hand_tip_n", 2.0)).accepted);
+  hold();
+  Order load = person().asks(profile(OrderType::kLoadProfile, "p-1"));
+  load.may_raise_limits = true;
+  auto loaded = askLater(load);
+  ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 3.0)).accepted);
+  release();
+  ASSERT_TRUE(loaded.get().accepted);
+  EXPECT_EQ(value("effort_limit_arm_n"), 3.0) << "the therapist was told \"accepted\"";
+  EXPECT_EQ(value("effort_limit_hand_tip_n"), 5.0);
+}
+
+// Nothing of the earlier patient outlives a change of hand, side or person; a limit rises only by
+// the press of somebody who may set it.
+TEST_F(WaitingOrders, ChangeOfThePerson_SetsEverythingToItsDefault) {
+  begin();
+  const auto scene = station_->scene();
+  auto random = seededRandom(3402);
+  const std::vector<std::string> hands = {"man-p95-right", "woman-p05-left", "woman-p05-right",
+                                          "man-p95-left"};
+  for (int i = 0; i < cases(40); ++i) {
+    const auto before = station_->scene()->parameters;
+    std::map<std::string, double> set;
+    for (const PublishedParameter& p : before) {
+      if (random() % 3 == 0) continue;
+      set[p.name] = uniform(random, p.lower, p.upper);
+      ASSERT_TRUE(ask(parameter(p.name.c_str(), set[p.name])).accepted);
+    }
+    Order help = of(OrderType::kSetHelp);
+    help.help = Help::kFull;
+    ASSERT_TRUE(ask(help).accepted);
+    const bool therapist = random() % 2 == 0;
+    Order change = of(OrderType::kLoadExercise);
+    change.hand = hands[static_cast<std::size_t>(i) % hands.size()];
+    change.may_raise_limits = therapist;
+    ASSERT_TRUE(ask(person().asks(change)).accepted);
+    const auto after = station_->scene()->parameters;
+    EXPECT_EQ(station_->status().help, Help::kUnsaid);
+    EXPECT_EQ(station_->scene()->profile, "");
+    for (const PublishedParameter& p : after) {
+      const bool limit = p.name.starts_with("effort_limit_");
+      const bool stays = limit && !therapist && set.contains(p.name);
+      EXPECT_EQ(value(p.name.c_str()), stays ? set[p.name] : p.initial) << p.name << therapist;
+      if (limit && !therapist) set.erase(p.name);
+    }
+    if (!therapist) {  // for the next case
+      Order back = change;
+      back.hand = "adult-median-right";
+      back.may_raise_limits = true;
+      ASSERT_TRUE(ask(person().asks(back)).accepted);
+    }
+  }
+}
+
+TEST_F(WaitingOrders, AnotherExerciseOfTheSamePerson_KeepsTheSettings) {
+  begin();
+  ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 4.0)).accepted);
+  ASSERT_TRUE(ask(person().asks(level(1))).accepted);
+  EXPECT_EQ(value("effort_limit_arm_n"), 4.0);
+}
+
+TEST_F(WaitingOrders, RestOfTheEarlierPerson_IsNoRestOfTheNext) {
+  begin(true);
+  ASSERT_TRUE(rendersOn());
+  Order rest = of(OrderType::kStop);
+  rest.rest = true;
+  ASSERT_TRUE(ask(rest).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  ASSERT_TRUE(station_->status().rested);
+  Order other_hand = of(OrderType::kLoadExercise);
+  other_hand.hand = "woman-p05-left";
+  ASSERT_TRUE(ask(other_hand).accepted);
+  EXPECT_FALSE(station_->status().rested);
+}
+
+// ---- over a line, with a rehearsal
+
+class ArmOverALine : public Bar {
+ protected:
+  void open() {
+    load(barConfig());
+    ServerOptions options;
+    options.port = 0;
+    server_ = orThrow(Server::open(*station_, options, controls_));
+    run(false);
+  }
+  void TearDown() override {
+    Bar::TearDown();
+    server_.reset();
+  }
+  /// A therapist, who needs no controls, and who is shown how far it is.
+  std::unique_ptr<WebSocket> armsAndSeesTheRehearsal() {
+    auto client =
+        std::make_unique<WebSocket>(server_->port(), "", std::string("/ws?role=therapist"));
+    client->say(words::armHavingSeen(station_->status().endings, 1));
+    std::uint32_t rehearsed = 0;
+    for (const auto until = Clock::now() + kHang; rehearsed == 0 && Clock::now() < until;) {
+      const auto frame = replies::next(*client, replies::fb::Payload::WorldState);
+      if (!frame) break;
+      rehearsed = replies::message(*frame).payload_as_WorldState()->rehearsed_ticks();
+    }
+    EXPECT_GT(rehearsed, 0U);
+    return client;
+  }
+
+  ControlsArbiter controls_;
+  std::unique_ptr<Server> server_;
+};
+
+TEST_F(ArmOverALine, ThatEndsDuringTheRehearsal_StartsNothing) {
+  open();
+  armsAndSeesTheRehearsal().reset();
+  EXPECT_TRUE(becomes([&] { return station_->status().rehearsed_ticks == 0; }));
+  staysAt(RunState::kDisarmed);
+  EXPECT_EQ(records_, 0U);
+  EXPECT_EQ(station_->status().session, 0U);
+}
+
+TEST_F(ArmOverALine, ThatStays_Starts) {
+  open();
+  const auto client = armsAndSeesTheRehearsal();
+  EXPECT_TRUE(replies::answer(*client).accepted);
+  EXPECT_TRUE(rendersOn());
+}
+
+// ---- stops in every state
+
+// A game that repeats its stop every 10 ms must not keep everybody from naming the last ending.
+TEST_F(WaitingOrders, StopsThatAreRepeated_CountOnceUntilSomebodyArms) {
+  begin();
+  const Person game = person(), other = person();
+  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+    const std::uint32_t shown = station_->status().endings;
+    for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(game.asks(of(stop))).accepted);
+    EXPECT_EQ(station_->status().endings, shown + 1);
+    ASSERT_TRUE(ask(other.asks(of(stop))).accepted);
+    EXPECT_EQ(station_->status().endings, shown + 2) << "somebody else's is none";
+    ASSERT_TRUE(ask(OrderType::kArm).accepted);
+    EXPECT_TRUE(rendersOn());
+    const std::uint32_t armed = station_->status().endings;
+    for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(game.asks(of(stop))).accepted);
+    ASSERT_TRUE(becomes(RunState::kStopped));
+    EXPECT_EQ(station_->status().endings, armed + 2) << "the stop, and the end of the session";
+  }
+}
+
+TEST_F(WaitingOrders, StopThatIsRepeatedWhileAnArmWaits_UndoesItAndCounts) {
+  begin();
+  const Person game = person();
+  ASSERT_TRUE(ask(game.asks(of(OrderType::kStop))).accepted);
+  hold();
+  auto armed = askLater(person().asks(of(OrderType::kArm)));
+  const std::uint32_t shown = station_->status().endings;
+  ASSERT_TRUE(ask(game.asks(of(OrderType::kStop))).accepted);
+  EXPECT_EQ(station_->status().endings, shown + 1);
+  release();
+  EXPECT_EQ(armed.get().refusal, Refusal::kStopCame);
+}
+
+// Law: in every state, of whomever, a stop is accepted and leads to neutral; nothing renders after.
+TEST_F(WaitingOrders, StopInEveryState_LeadsToNeutral) {
+  begin();
+  auto random = seededRandom(3403);
+  enum { kDisarmed, kArming, kRendering, kRampingDown, kStopped, kStates };
+  for (int i = 0; i < cases(200) && !HasFailure(); ++i) {
+    const int state = static_cast<int>(random() % kStates);
+    SCOPED_TRACE("state " + std::to_string(state));
+    const Person stops = person();
+    Order stop = of(random() % 2 == 0 ? OrderType::kStop : OrderType::kEmergencyStop);
+    stop.rest = stop.type == OrderType::kStop && random() % 2 == 0;
+    OrderReply reply;
+    const auto press = [&] { reply = ask(stops.asks(stop)); };
+    if (state == kArming) while_it_is_built = press;
+    if (state != kDisarmed && state != kStopped) {
+      EXPECT_EQ(ask(person().asks(of(OrderType::kArm))).accepted, state != kArming);
+    }
+    while_it_is_built = nullptr;
+    if (state == kRampingDown) (void)ask(OrderType::kStop);
+    if (state != kArming) press();
+    EXPECT_TRUE(reply.accepted);
+    EXPECT_TRUE(becomes([&] { return devices.open == 0; }));
+    EXPECT_TRUE(becomes(RunState::kStopped));
+    expectNeutral();
+  }
+}
+
+}  // namespace
+}  // namespace wholehand::test
