@@ -127,7 +127,7 @@ Expected<Done> Bench::enable() {
   if (!nobody_attached_) {
     return no("", "nobody has confirmed that nobody is attached", "do the step `home` first");
   }
-  if (auto done = driver_->control(WH_ENABLE, 0.0); !done) {
+  if (auto done = driver_->enable(neutralOf(config_)); !done) {
     (void)driver_->control(WH_DISABLE, 0.0);  // it may be partly enabled
     return done;
   }

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <exception>
 #include <string>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -194,17 +195,9 @@ void DeviceHost::carryOut(const HostRequest& request, HostAnswer& answer) {
   answer.session = guard_.session;
 }
 
-wh_command DeviceHost::neutral() const noexcept {
-  wh_command out{};
-  out.size = sizeof(out);
-  out.axes = static_cast<std::uint32_t>(config_.neutral.size());
-  std::copy(config_.neutral.begin(), config_.neutral.end(), std::begin(out.effort));
-  return out;
-}
-
 Expected<Done> DeviceHost::enable() {
   if (std::exchange(held_, false)) return Done{};
-  return driver_.enable(neutral());
+  return driver_.enable(neutralOf(config_));
 }
 
 Expected<Done> DeviceHost::disable() {

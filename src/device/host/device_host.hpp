@@ -73,7 +73,6 @@ class DeviceHost {
   void carryOut(const HostRequest& request, HostAnswer& answer);
   [[nodiscard]] Expected<Done> enable();
   [[nodiscard]] Expected<Done> disable();
-  [[nodiscard]] wh_command neutral() const noexcept;
 
   DeviceDriver& driver_;
   SharedFrame& frame_;

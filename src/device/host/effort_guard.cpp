@@ -3,6 +3,7 @@
 #include "safety/force_limiter.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace wholehand {
 namespace {
@@ -52,6 +53,14 @@ void letGo(GuardState& s, HostReason why, const GuardConfig& config) noexcept {
 }
 
 }  // namespace
+
+wh_command neutralOf(const GuardConfig& config) noexcept {
+  wh_command out{};
+  out.size = sizeof(out);
+  out.axes = static_cast<std::uint32_t>(config.neutral.size());
+  std::copy(config.neutral.begin(), config.neutral.end(), std::begin(out.effort));
+  return out;
+}
 
 GuardState beginSession(std::uint64_t session, std::int64_t now_ns,
                         const GuardConfig& config) noexcept {

@@ -23,6 +23,9 @@ struct GuardConfig {
   NeutralRampConfig ramp;
 };
 
+/// The command to enable with.
+[[nodiscard]] wh_command neutralOf(const GuardConfig& config) noexcept;
+
 /// State of the guard in one session.
 struct GuardState {
   HostPhase phase = HostPhase::kIdle;
