@@ -134,8 +134,8 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
     if (reply.accepted) {
       auto begun = live_->begin();
       if (begun) return sessionRuns(std::move(reply), record);
-      reply = stoppedSince(asked) ? stopCame()
-                                  : refused(Refusal::kCannotStart, format(begun.errors()));
+      reply = stillDo(task);  // a stop came while the device was enabled
+      if (reply.accepted) reply = refused(Refusal::kCannotStart, format(begun.errors()));
     }
   } else {
     reply = refused(Refusal::kCannotStart, format(prepared.errors()));
