@@ -11,7 +11,8 @@ namespace {
 
 using std::chrono::days;
 
-std::string refusal(const Expected<Passport>& passport) {
+template <class Value>
+std::string refusal(const Expected<Value>& passport) {
   return passport.ok() ? "" : format(passport.errors());
 }
 
