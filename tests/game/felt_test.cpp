@@ -204,7 +204,7 @@ TEST(DrivenBodies, AgainstTheHand_PushWithABoundedForceAndEnergy) {
 TEST(DrivenBodies, ManyAgainstTheHand_PushTogetherWithTheForceOfOne) {
   auto random = seededRandom(4303);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  double largest_n = 0.0;
+  double largest_n = 0.0, longest_above_s = 0.0;
   for (int n = 0; n < cases(10); ++n) {
     SCOPED_TRACE(n);
     Game game(gameModels(), atRest());
@@ -224,23 +224,29 @@ TEST(DrivenBodies, ManyAgainstTheHand_PushTogetherWithTheForceOfOne) {
       order.mass_kg = 0.3;
       game.order(spawnCommand(order));
     }
+    double mean_n = 0.0, above_s = 0.0;
     for (int k = 0; k < 4000; ++k) {
       if (k % 32 == 0) {
         for (int slot = 0; slot < count; ++slot) {
           game.order(
-              bodyTargetCommand(slot, 1, poseAt(place(slot, 0.2 - 1e-4 * std::min(k, 3500)))));
+              bodyTargetCommand(slot, 1, poseAt(place(slot, 0.2 - 1e-4 * std::min(k, 2500)))));
         }
       }
       game.tick();
       Eigen::Vector3d force = Eigen::Vector3d::Zero();
       for (int slot = 0; slot < count; ++slot) force += game.forceOf(slot);
-      if (k > 3000)
-        largest_n = std::max(largest_n, force.norm());  // they press, and strike no more
+      // A strike is over in 20 ms; what presses is the mean over a fifth of a second.
+      above_s = force.norm() > 1.1 * kDrivenForce_n ? above_s + 1e-3 : 0.0;
+      longest_above_s = std::max(longest_above_s, above_s);
+      mean_n += 0.005 * (force.norm() - mean_n);
+      largest_n = std::max(largest_n, mean_n);
     }
   }
-  figure("24 driven bodies together", largest_n, "N");
-  EXPECT_LE(largest_n, 1.1 * kDrivenForce_n);
-  EXPECT_GT(largest_n, 0.5 * kDrivenForce_n) << "they pressed";
+  figure("24 driven bodies together, mean over 0.2 s", largest_n, "N");
+  figure("their longest time above 1.1 F_max", 1e3 * longest_above_s, "ms");
+  EXPECT_LE(largest_n, kDrivenForce_n);
+  EXPECT_LE(longest_above_s, tolerance(0.02));
+  EXPECT_GT(largest_n, 0.3 * kDrivenForce_n) << "they pressed";
 }
 
 }  // namespace

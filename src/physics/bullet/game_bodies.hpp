@@ -117,7 +117,8 @@ class GameBodies final : public BodyPool {
   std::array<Pull, kMaxSlots> pulls_{};  ///< valid while drive() runs
   int ghosts_ = 0, used_ = 0;
   bool alive_ = true;
-  double step_s_ = 1e-3;  ///< of the last step
+  bool hand_touches_ = false;  ///< anything, in the last step
+  double step_s_ = 1e-3;       ///< of the last step
   double silent_s_ = 0.0;
   double force_share_ = 1.0;  ///< of the driven bodies' force: falls while the game is silent
   unsigned version_ = 0;

@@ -39,7 +39,7 @@ void GameBodies::drive(double step_s) noexcept {
     together_n += pulls_[slot].size_n;
   }
   const double most_n = kMostForce_n * force_share_;
-  const bool shared = solver_.contactCount() > 0 && together_n > most_n;
+  const bool shared = hand_touches_ && together_n > most_n;
   const double share = shared ? most_n / together_n : 1.0;
   for (int slot = 0; slot < count(); ++slot) {
     if (!isDriven(slot) || slots_[slot].state == SlotState::kGhost) continue;

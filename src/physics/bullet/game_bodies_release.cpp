@@ -60,6 +60,7 @@ void GameBodies::fade(int index, double step_s) noexcept {
 }
 
 void GameBodies::finish(double step_s) noexcept {
+  hand_touches_ = solver_.contactCount() > 0;
   watchSilence(step_s);
   if (used_ == 0) return;
   for (int index = 0; index < count(); ++index) {
