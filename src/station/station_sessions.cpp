@@ -17,7 +17,6 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr auto kPoll = std::chrono::milliseconds(20);
 constexpr auto kStatusEvery = std::chrono::milliseconds(200);
 constexpr const char* kLevelDone = "level_done";  // event that ends a level (docs/exercises.md)
 constexpr auto kStopWithin = std::chrono::seconds(10);
@@ -261,42 +260,6 @@ void Station::Core::refreshStatus() {
   if (config_.status) config_.status(state, summary);
 }
 
-// The order whose turn it is. The others see whether it was refused: what its client asked for next
-// builds on it.
-void Station::Core::runTask() {
-  Task task;
-  {
-    std::unique_lock lock(mutex_);
-    wake_.wait_for(lock, kPoll, [this] { return quit_ || !tasks_.empty(); });
-    if (tasks_.empty()) return;
-    task = std::move(tasks_.front());
-    tasks_.pop_front();
-  }
-  OrderReply reply;
-  try {
-    reply = carryOutTask(task);
-  } catch (const std::exception& error) {  // a running loop continues
-    reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
-    say("an order " + reply.reason);
-  }
-  if (!reply.accepted && task.order.client != 0) {
-    const std::lock_guard lock(mutex_);
-    for (Task& next : tasks_) next.refused_before |= next.order.client == task.order.client;
-  }
-  task.done(reply);
-}
-
-// Answers every waiting task, so that no client waits for ever.
-void Station::Core::endTasks() {
-  std::deque<Task> tasks;
-  {
-    const std::lock_guard lock(mutex_);
-    over_ = true;
-    tasks.swap(tasks_);
-  }
-  for (const Task& task : tasks) task.done(refused(Refusal::kEnding, "the program is ending"));
-}
-
 // Where nobody steers, the virtual patient plays a finished level again, also one that a person
 // finished and left.
 void Station::Core::restartLevel() {
@@ -337,8 +300,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
     first.starts = true;
     const OrderReply reply = arm(first, config_.record, duration_ticks, false);
     // Whoever stopped may arm.
-    const bool stopped =
-        reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
+    const bool stopped = reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
     if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {
       return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};
     }

@@ -2,6 +2,8 @@
 // in the moment of starting, and they wait for 3 s at most, on a clock that the test moves.
 #include "server/client_words.hpp"
 #include "server/fake_program.hpp"
+#include "server/udp_bridge.hpp"
+#include "server/udp_test_game.hpp"
 #include "station/profiles.hpp"
 #include "station/station_bench.hpp"
 #include "support/figure.hpp"
@@ -188,12 +190,12 @@ class ArmAmidOthers : public WaitingOrders {
     passes(waits_ms);
     if (waits_ms > 3000) fate = {false, fate.what + " waited"};
     happens(6);
-    when_it_begins = [this] { itsOwnWork(); };
-    while_it_is_built = [this] { itsOwnWork(); };
+    when_it_begins = [this] { itsOwnWork(3); };
+    while_it_is_built = [this] { itsOwnWork(8); };
   }
-  void itsOwnWork() {
+  void itsOwnWork(unsigned percent) {
     passes(static_cast<std::int64_t>(random() % 60'001));
-    happens(3);
+    happens(percent);
   }
   void judge() {
     const std::uint64_t before = records_;
@@ -497,6 +499,32 @@ TEST_F(WaitingOrders, StopThatIsRepeatedWhileAnArmWaits_UndoesItAndCounts) {
   EXPECT_EQ(station_->status().endings, shown + 1);
   release();
   EXPECT_EQ(armed.get().refusal, Refusal::kStopCame);
+}
+
+// A game that numbers nothing: every one of its stops is obeyed, and they count as one.
+TEST_F(WaitingOrders, EmergencyStopsWithId0ByDatagram_AreObeyedAndCountOnce) {
+  begin(true);
+  ASSERT_TRUE(rendersOn());
+  constexpr std::uint64_t kKey = 0x1234;
+  constexpr UdpEndpoint kAnyPort{0x7F000001, 0};
+  ControlsArbiter controls;
+  UdpBridge bridge(*station_, controls);
+  (void)orThrow(bridge.start({kAnyPort, kKey}));
+  bridge.admitStandalone(controls.newClient());
+  UdpSocket socket;
+  (void)orThrow(socket.open(kAnyPort));
+  TestGame game([&](const TestGame::Bytes& d) { (void)socket.send(bridge.local(), d); });
+  game.key = kKey;
+  const std::uint32_t shown = station_->status().endings;
+  for (std::uint64_t said = 1; said <= 20; ++said) {
+    EXPECT_TRUE(becomes([&] {
+      game.say(words::emergencyStop(0));
+      return bridge.counters().stops >= said;
+    }));
+  }
+  EXPECT_TRUE(becomes(RunState::kStopped));
+  expectNeutral();
+  EXPECT_EQ(station_->status().endings, shown + 2) << "the stop, and the end of the session";
 }
 
 // Law: in every state, of whomever, a stop is accepted and leads to neutral; nothing renders after.

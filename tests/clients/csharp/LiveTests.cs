@@ -220,6 +220,7 @@ public static class LiveTests
             // Its main thread hangs; its other threads go on receiving.
             Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "silent");
             Check.True(game.Connected, "it is connected all the same");
+            Thread.Sleep(1500);  // after a second the controls are lost
             for (int i = 0; i < 30; ++i)
             {
                 game.Poll();

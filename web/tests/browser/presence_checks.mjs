@@ -124,7 +124,7 @@ export async function hiddenPageLetsGoOnce(t, hidden_s) {
   const seen = await switches();
   expectSwitches(seen, 1);
   const [free_ms, out_ms] = [(await switches.free_ms()) - left_ms, seen[0].at_ms - left_ms];
-  // 200 ms and a frame on an idle machine; ControlDeskTest.BeatsTooSeldom_TheEffortChangesOnce gates it in time that it
+  // 200 ms and a frame on an idle machine; ControlDeskTest.SilentHolder_IsSuspendedAfter200msAndGoesOnWithinASecond gates it in time that it
   // makes. Here it is only told from the 5 s after which nobody holds them in any case.
   expect(free_ms <= 4000 && out_ms <= 4000, `controls free after ${free_ms} ms, effort out after ${out_ms} ms`);
   const told = `controls free after ${free_ms} ms, effort out after ${out_ms} ms and not back in ${hidden_s} s; "${words}"`;
