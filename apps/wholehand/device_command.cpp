@@ -106,6 +106,8 @@ void addConform(CLI::App& device, DeviceOptions& o, int& code) {
       ->add_flag("--allow-beyond-limit", o.conformance.allow_beyond_limit,
                  "Also ask for 1.5 times the limit for 5 ms, which a good drive clips")
       ->needs(effort);
+  conform->add_option("--device", o.device,
+                      "Device file: its masses and neutral efforts are used, too");
   conform->add_option("--json", o.json, "Write the findings to this file");
   conform->footer(
       "Exit code 0: no check failed; 1: one did; 2: the arguments are wrong.\n"

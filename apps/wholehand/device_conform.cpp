@@ -2,9 +2,11 @@
 #include "core/printable.hpp"
 #include "device_command.hpp"
 #include "exit_code.hpp"
+#include "model/device_model.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 
@@ -88,6 +90,14 @@ int deviceConformCommand(const DeviceOptions& options) {
   }
   ConformanceOptions asked = options.conformance;
   asked.driver = options.driver;
+  if (!options.device.empty()) {
+    const auto model = loadDeviceFile(options.device);
+    if (!model) return refuse(model.errors());
+    for (const DeviceAxis& axis : model->axes) {
+      asked.known.push_back({std::string(axis.name), axis.mass, axis.neutral_effort});
+    }
+  }
+  const auto began = std::chrono::steady_clock::now();
   const std::vector<CheckResult> results = conform(asked);
   if (results.empty()) {
     return no("--only", asked.only, "is the beginning of no check",
@@ -107,8 +117,9 @@ int deviceConformCommand(const DeviceOptions& options) {
         asked.allow_effort ? "--allow-beyond-limit" : "--allow-effort, with nobody attached");
   }
   const Counts counts = count(results);
-  std::printf("%zu checks: %d passed, %d failed, %d not run\n", results.size(), counts.passed,
-              counts.failed, counts.not_run);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  std::printf("%zu checks in %.0f s: %d passed, %d failed, %d not run\n", results.size(),
+              took.count(), counts.passed, counts.failed, counts.not_run);
   if (const int code = writeJson(options.json, jsonOf(options, results)); code != kExitDone) {
     return code;
   }

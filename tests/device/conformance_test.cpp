@@ -4,6 +4,7 @@
 #include "realtime/allocation_counter.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
+#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,6 +39,18 @@ std::string failures(const std::vector<CheckResult>& results) {
   return out;
 }
 
+// The finding of one check. Where this machine kept a check waiting, times excuse the driver: it is
+// asked again, up to `times`.
+CheckFinding judgedBy(const std::string& id, const ConformanceOptions& options, int times = 5) {
+  CheckFinding found;
+  for (int k = 0; k < times && found.outcome != Outcome::kFailed; ++k) {
+    for (const CheckResult& r : conform(options)) {
+      if (id == r.check->id) found = r.finding;
+    }
+  }
+  return found;
+}
+
 std::string groupOf(const std::string& id) {
   return id.substr(0, id.find('.') + 1);
 }
@@ -57,22 +70,13 @@ TEST_P(OneRuleBroken, IsFoundByTheCheckThatIsMeantForIt) {
   const DriverLocation driver =
       GetParam().is_object ? builtAt(GetParam().name) : builtAt("broken", GetParam().name);
   const bool uncounted = id == "time.read_allocations" && !allocationCountingAvailable();
-  std::vector<CheckResult> results;
-  auto meant = results.end();
-  // Where the machine kept a check waiting, times excuse the driver: it is asked again.
-  for (int k = 0; k < (uncounted ? 1 : 5) && (k == 0 || meant->finding.outcome != Outcome::kFailed);
-       ++k) {
-    results = conform(with(driver, id, 1.5));
-    meant = std::find_if(results.begin(), results.end(),
-                         [&](const CheckResult& r) { return id == r.check->id; });
-    ASSERT_NE(meant, results.end());
-  }
+  const CheckFinding found = judgedBy(id, with(driver, id, 1.5), uncounted ? 1 : 5);
   if (uncounted) {
-    EXPECT_EQ(meant->finding.outcome, Outcome::kSkipped) << "a sanitizer owns malloc";
+    EXPECT_EQ(found.outcome, Outcome::kSkipped) << "a sanitizer owns malloc";
     return;
   }
-  EXPECT_EQ(meant->finding.outcome, Outcome::kFailed) << failures(results);
-  EXPECT_FALSE(meant->finding.text.empty());
+  EXPECT_EQ(found.outcome, Outcome::kFailed) << found.text;
+  EXPECT_FALSE(found.text.empty());
 }
 const std::vector<Broken> kBroken = {{"exits", "lifecycle.open"},
                                      {"mute", "faults.open_says"},
@@ -131,6 +135,89 @@ const std::vector<Broken> kBroken = {{"exits", "lifecycle.open"},
 INSTANTIATE_TEST_SUITE_P(Kinds, OneRuleBroken, testing::ValuesIn(kBroken),
                          [](const auto& tested) { return tested.param.name; });
 
+/// One thing that is wrong with one axis of broken_rails.c, and the check that is meant for it.
+struct BrokenRail {
+  const char* defect;
+  const char* check;
+  const char* axis = "y";
+  bool of_all = false;  ///< of both axes
+};
+
+class OneAxisBroken : public testing::TestWithParam<BrokenRail> {};
+
+TEST_P(OneAxisBroken, IsFoundByTheCheckThatIsMeantForItAndNamed) {
+  const auto& [defect, id, axis, of_all] = GetParam();
+  ConformanceOptions options =
+      with(builtAt("broken_rails", std::string(defect) + " " + axis), id, 5.0);
+  options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}};
+  const CheckFinding found = judgedBy(id, options, 3);
+  EXPECT_EQ(found.outcome, Outcome::kFailed) << found.text;
+  if (!of_all) EXPECT_TRUE(says(found.text, axis)) << found.text;
+}
+// These passed a suite that looked at bits, at measured efforts and at the first axis.
+const std::vector<BrokenRail> kBrokenRails = {
+    {"late", "motion.delay"},           {"halved", "motion.measured"},
+    {"turned", "motion.sign"},          {"holds", "commands.neutral_again"},
+    {"watchdog_bit", "motion.silence"}, {"pushes", "motion.neutral"},
+    {"nan_taken", "commands.nan"},      {"unlimited", "commands.beyond_limit"},
+    {"repeats", "motion.jumps"},        {"old", "samples.age", "y", true},
+    {"disable_bit", "motion.disable"},
+};
+// The same on the first axis, and what is said otherwise than done.
+const std::vector<BrokenRail> kMoreBrokenRails = {{"turned", "motion.sign", "x"},
+                                                  {"watchdog_bit", "motion.silence", "x"},
+                                                  {"disable_bit", "motion.disable", "x"},
+                                                  {"holds", "motion.released"},
+                                                  {"holds", "watchdog.neutral"},
+                                                  {"holds", "commands.disabled_neutral"},
+                                                  {"keeps_saying", "commands.disabled_neutral"},
+                                                  {"ignores_neutral", "motion.released"},
+                                                  {"halved_unsaid", "motion.mass"},
+                                                  {"millinewton", "motion.moves"},
+                                                  {"millimetre", "motion.within"},
+                                                  {"old_unsaid", "motion.delay"},
+                                                  {"fast_clock", "samples.clock_rate", "y", true},
+                                                  {"unlimited_unsaid", "motion.limit"},
+                                                  {"unlimited_back", "commands.beyond_limit"},
+                                                  {"limits_sum", "commands.beyond_limit", "x"},
+                                                  {"clips_unsaid", "commands.beyond_limit"},
+                                                  {"encoder_turned", "motion.sign"},
+                                                  {"swapped", "motion.alone", "x"},
+                                                  {"positions_swapped", "motion.alone", "x"},
+                                                  {"coupled", "motion.alone"},
+                                                  {"dead", "motion.moves"},
+                                                  {"weak", "motion.proportional"},
+                                                  {"one_sided", "motion.proportional"},
+                                                  {"both_one_way", "motion.proportional"},
+                                                  {"lame_back", "motion.proportional"},
+                                                  {"dead_zone", "motion.proportional"},
+                                                  {"smoothed", "motion.delay"},
+                                                  {"slewed", "motion.delay"},
+                                                  {"integrated", "motion.follows"},
+                                                  {"forgets", "motion.enable"},
+                                                  {"remembers", "motion.enable"},
+                                                  {"rezeroes", "motion.enable"},
+                                                  {"outlives", "motion.close"},
+                                                  {"tardy_off", "motion.disable"},
+                                                  {"once", "motion.silence", "y", true},
+                                                  {"patient", "motion.silence", "y", true},
+                                                  {"sticky_bit", "watchdog.enable", "y", true},
+                                                  {"sulks", "commands.after_bad", "y", true},
+                                                  {"says_turned", "commands.sign"},
+                                                  {"says_other", "motion.measured"},
+                                                  {"says_gram", "motion.measured"},
+                                                  {"drifts", "motion.rests"},
+                                                  {"tenth", "motion.jumps"}};
+std::string nameOfRail(const testing::TestParamInfo<BrokenRail>& tested) {
+  const BrokenRail& rail = tested.param;
+  std::string name = std::string(rail.defect) + "_" + rail.axis + "_" + rail.check;
+  std::replace(name.begin(), name.end(), '.', '_');
+  return name;
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, OneAxisBroken, testing::ValuesIn(kBrokenRails), nameOfRail);
+INSTANTIATE_TEST_SUITE_P(More, OneAxisBroken, testing::ValuesIn(aTenth(kMoreBrokenRails)),
+                         nameOfRail);
+
 TEST(Conformance, DriverThatCrashes_FailsTheCheckUnderWayAndNoOtherGroup) {
   const auto results = conform(with(builtAt("broken", "crashes"), "samples."));
   EXPECT_TRUE(says(failures(results), "samples.succeed: the driver ended the process"));
@@ -144,8 +231,18 @@ TEST(Conformance, DriverThatHangs_IsEndedAndToldOf) {
 }
 
 TEST(Conformance, GoodDrivers_FailNothing) {
-  EXPECT_EQ(failures(conform(with(builtAt("broken", "moving"), ""))), "");
+  EXPECT_EQ(failures(conform(with(builtAt("broken", "moving"), "samples."))), "");
   EXPECT_EQ(failures(conform(with(builtAt("rails"), ""))), "");
+}
+
+// Sound, with a weight that the driver carries and a brake holds, with dry friction, and without a
+// measured effort.
+TEST(Conformance, GoodRails_FailNothing) {
+  for (const std::string& kind : aTenth<std::string>({"", "weighs", "rubs", "silent"})) {
+    ConformanceOptions options = with(builtAt("broken_rails", kind), "");
+    options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}};
+    EXPECT_EQ(failures(conform(options)), "") << kind;
+  }
 }
 
 // It may wait, has no watchdog of its own and moves by itself: what it does without effort.

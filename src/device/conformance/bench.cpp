@@ -1,5 +1,6 @@
 #include "device/conformance/bench.hpp"
 
+#include "device/conformance/pushes.hpp"
 #include "device/plugin/loader_problem.hpp"
 #include "realtime/monotonic_clock.hpp"
 
@@ -41,7 +42,8 @@ void everyMillisecond(double seconds, const std::function<bool()>& step) {
   }
 }
 
-DriverBench::DriverBench(DriverLocation location) : location_(std::move(location)) {
+DriverBench::DriverBench(DriverLocation location, std::vector<KnownAxis> known)
+    : location_(std::move(location)), known_(std::move(known)) {
   host_.size = sizeof(host_);
   host_.context = this;
   host_.say = &DriverBench::take;
@@ -118,7 +120,6 @@ std::string DriverBench::open() {
 std::string DriverBench::enable() {
   calm();
   sequence_ = 0;
-  written_ns_ = longest_gap_ns_ = 0;
   if (control(WH_ENABLE) < 0) return "the device cannot be enabled";
   enabled_ = true;
   bool says_so = false;
@@ -146,7 +147,8 @@ std::string DriverBench::reopen() {
   return open();
 }
 
-int DriverBench::control(std::uint32_t verb) const {
+int DriverBench::control(std::uint32_t verb) {
+  if (verb == WH_ENABLE) written_ns_ = longest_gap_ns_ = 0;
   return plugin_->control(device_, verb, 0.0);
 }
 
@@ -172,27 +174,63 @@ int DriverBench::write(const std::array<double, WH_MAX_AXES>& effort, std::uint3
   return plugin_->write(device_, &command);
 }
 
-bool DriverBench::stalled() const noexcept {
+double DriverBench::patience_s() const noexcept {
   double shortest_s = 1.0;
   for (const wh_axis& axis : axes_) {
     if (axis.silence_s > 0.0) shortest_s = std::min(shortest_s, axis.silence_s);
   }
-  return static_cast<double>(longest_gap_ns_) * 1e-9 > 0.5 * shortest_s;
+  return shortest_s;
+}
+
+bool DriverBench::stalled() const noexcept {
+  return static_cast<double>(longest_gap_ns_) * 1e-9 > 0.5 * patience_s();
+}
+
+const KnownAxis* DriverBench::known(std::size_t axis) const {
+  const auto found = std::find_if(known_.begin(), known_.end(), [&](const KnownAxis& k) {
+    return k.name == axes_.at(axis).name;
+  });
+  return found != known_.end() ? &*found : nullptr;
+}
+
+double DriverBench::neutral(std::size_t axis) const {
+  const KnownAxis* const k = known(axis);
+  return k != nullptr ? k->neutral_effort : 0.0;
+}
+
+double DriverBench::mass(std::size_t axis) const {
+  const KnownAxis* const k = known(axis);
+  return k != nullptr ? k->mass : 0.0;
 }
 
 int DriverBench::writeNeutral() {
-  return write({});
+  return writeShares({});
+}
+
+int DriverBench::writeShares(const std::array<double, WH_MAX_AXES>& shares) {
+  std::array<double, WH_MAX_AXES> effort{};
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    effort.at(a) = neutral(a) + shares.at(a) * axes_[a].effort_limit;
+  }
+  return write(effort);
 }
 
 int DriverBench::writeShare(std::size_t axis, double share) {
-  std::array<double, WH_MAX_AXES> effort{};
-  effort.at(axis) = share * axes_.at(axis).effort_limit;
-  return write(effort);
+  std::array<double, WH_MAX_AXES> shares{};
+  shares.at(axis) = share;
+  return writeShares(shares);
 }
 
 const std::vector<Sampled>& DriverBench::samples() {
   if (samples_.empty()) samples_ = idle(static_cast<int>(kSamplesFor_s * 1e3), false);
   return samples_;
+}
+
+const std::vector<PushedAxis>& DriverBench::pushed() {
+  if (pushed_ == nullptr) {
+    pushed_ = std::make_shared<const std::vector<PushedAxis>>(pushEveryAxis(*this));
+  }
+  return *pushed_;
 }
 
 std::vector<Sampled> DriverBench::idle(int milliseconds, bool writing) {

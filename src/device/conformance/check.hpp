@@ -39,6 +39,7 @@ struct CheckGroup {
 [[nodiscard]] std::span<const Check> lifecycleChecks();
 [[nodiscard]] std::span<const Check> sampleChecks();
 [[nodiscard]] std::span<const Check> commandChecks();
+[[nodiscard]] std::span<const Check> motionChecks();
 [[nodiscard]] std::span<const Check> timeChecks();
 [[nodiscard]] std::span<const Check> watchdogChecks();
 [[nodiscard]] std::span<const Check> faultChecks();

@@ -2,8 +2,10 @@
 // limit, except in commands.beyond_limit.
 #include "device/conformance/check.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace wholehand {
 namespace {
@@ -55,47 +57,61 @@ CheckFinding longerCommand(DriverBench& bench) {
   return accepted(bench.plugin().write(bench.device(), &longer.command), "a longer command");
 }
 
-// Sends a command that must be refused; `effort` is its effort on axis 0.
-CheckFinding refused(DriverBench& bench, double effort, std::uint32_t axes, const char* what) {
+// Sends a command that must be refused; `effort` is its effort on one axis. Returns what is wrong.
+std::string refused(DriverBench& bench, std::size_t axis, double effort, std::uint32_t axes,
+                    const std::string& what) {
   (void)bench.writeNeutral();
   std::array<double, WH_MAX_AXES> efforts{};
-  efforts[0] = effort;
+  efforts.at(axis) = effort;
   const int result = bench.write(efforts, axes);
   const Sampled now = bench.read();
   (void)bench.writeNeutral();
-  if (now.result < 0) return failed(std::string("no sample comes after ") + what);
-  if (!std::isfinite(now.sample.position[0]))
-    return failed(std::string(what) + " reaches the position");
-  if (result < 0) return passed("is refused");
-  const double given = now.sample.effort[0];
-  if (std::isfinite(given) && given == 0.0) return passed("is without effect");
-  return failed(std::string(what) + " is taken");
+  if (now.result < 0) return "no sample comes after " + what;
+  if (!std::isfinite(now.sample.position[axis])) return what + " reaches the position";
+  if (result < 0) return {};
+  const double given = now.sample.effort[axis];
+  return std::isfinite(given) && given == 0.0 ? std::string() : what + " is taken";
 }
 
 CheckFinding fewerAxes(DriverBench& bench) {
   const auto axes = static_cast<std::uint32_t>(bench.axes().size());
   if (axes < 2) return skipped("has one axis");
-  return refused(bench, 0.5 * kEffortShare * bench.axes()[0].effort_limit, axes - 1,
-                 "a command of one axis too few");
+  return unless(refused(bench, 0, 0.5 * kEffortShare * bench.axes()[0].effort_limit, axes - 1,
+                        "a command of one axis too few"));
 }
 
 CheckFinding moreAxes(DriverBench& bench) {
   const auto axes = static_cast<std::uint32_t>(bench.axes().size());
-  return refused(bench, 0.5 * kEffortShare * bench.axes()[0].effort_limit, axes + 1,
-                 "a command of one axis too many");
+  return unless(refused(bench, 0, 0.5 * kEffortShare * bench.axes()[0].effort_limit, axes + 1,
+                        "a command of one axis too many"));
+}
+
+// Fails with the first axis that takes efforts for which `wrong` returns a text.
+template <class Wrong>
+CheckFinding eachEffort(DriverBench& bench, Wrong wrong) {
+  for (std::size_t a = 0; a < bench.axes().size(); ++a) {
+    if (bench.axes()[a].effort_meaning != WH_EFFORT) continue;
+    const std::string text = wrong(a);
+    if (!text.empty()) return failed(std::string(bench.axes()[a].name) + ": " + text);
+  }
+  return passed();
 }
 
 CheckFinding notANumber(DriverBench& bench) {
-  return refused(bench, std::numeric_limits<double>::quiet_NaN(), 0, "NaN");
+  return eachEffort(bench, [&](std::size_t a) {
+    return refused(bench, a, std::numeric_limits<double>::quiet_NaN(), 0, "NaN");
+  });
 }
 
 CheckFinding infinite(DriverBench& bench) {
-  return refused(bench, std::numeric_limits<double>::infinity(), 0, "infinity");
+  return eachEffort(bench, [&](std::size_t a) {
+    return refused(bench, a, std::numeric_limits<double>::infinity(), 0, "infinity");
+  });
 }
 
 CheckFinding stillThereAfterBad(DriverBench& bench) {
   std::array<double, WH_MAX_AXES> efforts{};
-  efforts[0] = std::numeric_limits<double>::quiet_NaN();
+  efforts.at(bench.axes().size() - 1) = std::numeric_limits<double>::quiet_NaN();
   (void)bench.write(efforts);
   const int result = bench.writeNeutral();
   const Sampled now = bench.read();
@@ -138,7 +154,7 @@ CheckFinding measuredSign(DriverBench& bench) {
     const double measured = answerTo(bench, a, kEffortShare);
     if (std::isnan(measured)) continue;
     known = true;
-    if (measured <= 0.0) {
+    if (!(measured > 0.0)) {
       return failed(std::string(bench.axes()[a].name) + " measures " + number(measured) + " for " +
                     number(kEffortShare * bench.axes()[a].effort_limit));
     }
@@ -146,55 +162,85 @@ CheckFinding measuredSign(DriverBench& bench) {
   return known ? passed() : skipped("efforts are not measured");
 }
 
-CheckFinding neutralReturns(DriverBench& bench) {
-  const double measured = answerTo(bench, 0, kEffortShare);
-  if (std::isnan(measured)) return skipped("efforts are not measured");
-  double left = measured;
-  everyMillisecond(kSoon_s, [&] {
-    (void)bench.writeNeutral();
-    left = bench.read().sample.effort[0];
-    return std::abs(left) > 0.1 * std::abs(measured);
+// Judges the effort measured on each axis after it was pushed. Passes where all that are measured
+// are right.
+template <class Wrong>
+CheckFinding eachMeasured(DriverBench& bench, Wrong wrong) {
+  bool known = false;
+  CheckFinding out = eachEffort(bench, [&](std::size_t a) -> std::string {
+    const double measured = answerTo(bench, a, kEffortShare);
+    if (std::isnan(measured)) return {};
+    known = true;
+    return wrong(a, measured);
   });
-  return std::abs(left) <= 0.1 * std::abs(measured) ? passed()
-                                                    : failed("measures " + number(left) + " then");
+  return known || out.outcome == Outcome::kFailed ? out : skipped("efforts are not measured");
+}
+
+// Effort that may be measured where none is asked for.
+double mostLeft(const DriverBench& bench, std::size_t a) {
+  return std::abs(bench.neutral(a)) + 0.02 * bench.axes()[a].effort_limit;
+}
+
+CheckFinding neutralReturns(DriverBench& bench) {
+  return eachMeasured(bench, [&](std::size_t a, double measured) {
+    double left = measured;
+    const double most = std::abs(bench.neutral(a)) + 0.1 * std::abs(measured);
+    everyMillisecond(kSoon_s, [&] {
+      (void)bench.writeNeutral();
+      left = bench.read().sample.effort[a];
+      return std::abs(left) > most;
+    });
+    return std::abs(left) <= most ? std::string()
+                                  : "measures " + number(left) + " after a command of zeros";
+  });
 }
 
 CheckFinding disabledIsNeutral(DriverBench& bench) {
-  (void)bench.writeShare(0, kEffortShare);
-  if (bench.control(WH_DISABLE) < 0) return failed("WH_DISABLE fails");
-  const double left = bench.read().sample.effort[0];
-  if (std::isnan(left)) return skipped("efforts are not measured");
-  const double most = 0.02 * bench.axes()[0].effort_limit;
-  return std::abs(left) <= most ? passed() : failed("measures " + number(left) + " then");
+  return eachMeasured(bench, [&](std::size_t a, double) -> std::string {
+    (void)bench.writeShare(a, kEffortShare);
+    if (bench.control(WH_DISABLE) < 0) return "WH_DISABLE fails";
+    const double left = bench.read().sample.effort[a];
+    if (bench.control(WH_ENABLE) < 0) return "is not enabled again";
+    return std::abs(left) <= mostLeft(bench, a) ? std::string()
+                                                : "measures " + number(left) + " then";
+  });
 }
 
 CheckFinding enabledIsNeutral(DriverBench& bench) {
-  (void)bench.writeShare(0, kEffortShare);
-  if (bench.control(WH_DISABLE) < 0 || bench.control(WH_ENABLE) < 0) {
-    return failed("is not enabled again");
-  }
-  const double left = bench.read().sample.effort[0];
-  if (std::isnan(left)) return skipped("efforts are not measured");
-  const double most = 0.02 * bench.axes()[0].effort_limit;
-  return std::abs(left) <= most ? passed() : failed("begins with " + number(left));
+  return eachMeasured(bench, [&](std::size_t a, double) -> std::string {
+    (void)bench.writeShare(a, kEffortShare);
+    if (bench.control(WH_DISABLE) < 0 || bench.control(WH_ENABLE) < 0) {
+      return "is not enabled again";
+    }
+    const double left = bench.read().sample.effort[a];
+    return std::abs(left) <= mostLeft(bench, a) ? std::string() : "begins with " + number(left);
+  });
 }
 
-CheckFinding beyondLimit(DriverBench& bench) {
-  const wh_axis& axis = bench.axes()[0];
+// Asks one axis for more than its limit. Returns what is wrong.
+std::string beyond(DriverBench& bench, std::size_t a, double share) {
   bool told = false;
   double most = 0.0;
   everyMillisecond(kBeyond_s, [&] {
-    if (bench.writeShare(0, kBeyond) < 0) return false;
+    if (bench.writeShare(a, share) < 0) return false;
     const Sampled now = bench.read();
     told = told || (now.sample.status & WH_SATURATED) != 0;
-    if (std::isfinite(now.sample.effort[0])) most = std::max(most, now.sample.effort[0]);
+    const double given = std::abs(now.sample.effort[a]);
+    if (std::isfinite(given)) most = std::max(most, given);
     return true;
   });
-  const bool refuses = bench.writeShare(0, kBeyond) < 0;
+  const bool refuses = bench.writeShare(a, share) < 0;
   (void)bench.writeNeutral();
-  if (refuses) return passed("is refused");
-  if (most > kClipped * axis.effort_limit) return failed("gives " + number(most));
-  return told ? passed("is clipped") : failed("no sample says WH_SATURATED");
+  if (refuses) return {};
+  if (most > kClipped * bench.axes()[a].effort_limit) return "gives " + number(most);
+  return told ? std::string() : "no sample says WH_SATURATED";
+}
+
+CheckFinding beyondLimit(DriverBench& bench) {
+  return eachEffort(bench, [&](std::size_t a) {
+    std::string forth = beyond(bench, a, kBeyond);
+    return forth.empty() ? beyond(bench, a, -kBeyond) : forth;
+  });
 }
 
 constexpr const char* kFinite = "return WH_FAILED from write for what is not finite";

@@ -24,11 +24,12 @@ bool isAskedFor(const Check& check, const std::string& only) {
 }  // namespace
 
 std::span<const CheckGroup> checkGroups() {
-  static const std::array<CheckGroup, 8> kGroups = {{{"boundary", boundaryChecks()},
+  static const std::array<CheckGroup, 9> kGroups = {{{"boundary", boundaryChecks()},
                                                      {"description", descriptionChecks()},
                                                      {"lifecycle", lifecycleChecks()},
                                                      {"samples", sampleChecks()},
                                                      {"commands", commandChecks()},
+                                                     {"motion", motionChecks()},
                                                      {"time", timeChecks()},
                                                      {"watchdog", watchdogChecks()},
                                                      {"faults", faultChecks()}}};
@@ -53,7 +54,7 @@ std::vector<CheckResult> conform(const ConformanceOptions& options) {
       continue;
     }
     const std::vector<CheckFinding> findings =
-        runInProcess(options.driver, checks, options.longest_check_s);
+        runInProcess(options.driver, options.known, checks, options.longest_check_s);
     for (std::size_t i = 0; i < to_run.size(); ++i) results[to_run[i]].finding = findings[i];
     out.insert(out.end(), results.begin(), results.end());
   }

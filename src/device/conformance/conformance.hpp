@@ -10,6 +10,7 @@ namespace wholehand {
 
 struct ConformanceOptions {
   DriverLocation driver;
+  std::vector<KnownAxis> known;     ///< of the device file; empty: none is given
   std::string only;                 ///< only checks whose id begins with this; empty: all
   bool allow_effort = false;        ///< nobody is attached: allows Effect::kMoves
   bool allow_beyond_limit = false;  ///< also allows Effect::kOverreaches

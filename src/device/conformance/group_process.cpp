@@ -46,21 +46,21 @@ void limit(int what, rlim_t value) {
 }
 
 // A stall of this machine between two commands triggers the watchdog. A check that failed then is
-// repeated.
+// repeated; where the machine never keeps up it is not judged.
 CheckFinding lookAt(DriverBench& bench, const Check& check) {
   CheckFinding finding;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     if (std::string why = bench.reach(check.before); !why.empty()) return skipped(std::move(why));
     finding = check.look(bench);
-    bench.calm();
     const bool judged = finding.outcome != Outcome::kFailed || !bench.stalled();
-    if (judged || check.before != DriverStage::kEnabled) break;
+    bench.calm();
+    if (judged || check.before != DriverStage::kEnabled) return finding;
   }
-  return finding;
+  return skipped("this machine stood still between two commands: " + finding.text);
 }
 
-[[noreturn]] void carryOut(const DriverLocation& driver, const std::vector<const Check*>& checks,
-                           int pipe) {
+[[noreturn]] void carryOut(const DriverLocation& driver, const std::vector<KnownAxis>& known,
+                           const std::vector<const Check*>& checks, int pipe) {
   const pid_t self = ::getpid();
   (void)::setpgid(0, 0);
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -72,10 +72,11 @@ CheckFinding lookAt(DriverBench& bench, const Check& check) {
   if (!WHOLEHAND_SANITIZED) limit(RLIMIT_AS, kMostMemory_bytes);  // sanitizers reserve far more
   (void)::dup2(STDERR_FILENO, STDOUT_FILENO);  // keeps the driver's printf out of our results
   {
-    DriverBench bench(driver);
+    DriverBench bench(driver, known);
     for (std::size_t i = 0; i < checks.size(); ++i) {
       Message message{static_cast<std::uint32_t>(i), 1, 0, {}};
       send(pipe, self, message);
+      bench.onAlive([&] { send(pipe, self, message); });
       const CheckFinding finding = lookAt(bench, *checks[i]);
       message.begins = 0;
       message.outcome = static_cast<std::uint32_t>(finding.outcome);
@@ -170,6 +171,7 @@ class GroupProcess {
 }  // namespace
 
 std::vector<CheckFinding> runInProcess(const DriverLocation& driver,
+                                       const std::vector<KnownAxis>& known,
                                        const std::vector<const Check*>& checks,
                                        double longest_check_s) {
   std::array<int, 2> ends{};
@@ -183,7 +185,7 @@ std::vector<CheckFinding> runInProcess(const DriverLocation& driver,
   if (child < 0) return impossible("no process");
   if (child == 0) {
     ::close(ends[0]);
-    carryOut(driver, checks, ends[1]);
+    carryOut(driver, known, checks, ends[1]);
   }
   (void)::setpgid(child, child);  // in parent and child, whichever runs first
   ::close(ends[1]);

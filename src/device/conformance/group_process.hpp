@@ -10,6 +10,7 @@ namespace wholehand {
 /// check exceeds `longest_check_s`, the current check fails and the rest is not run. Processes that
 /// the driver leaves behind are killed.
 [[nodiscard]] std::vector<CheckFinding> runInProcess(const DriverLocation& driver,
+                                                     const std::vector<KnownAxis>& known,
                                                      const std::vector<const Check*>& checks,
                                                      double longest_check_s);
 

@@ -95,10 +95,14 @@ CheckFinding selfTest(DriverBench& bench) {
 
 CheckFinding writeDisabled(DriverBench& bench) {
   (void)bench.control(WH_DISABLE);
-  if (bench.writeShare(0, kEffortShare) < 0) return passed("is refused");
-  const double effort = bench.read().sample.effort[0];
-  if (std::isnan(effort)) return skipped("is taken, and efforts are not measured");
-  return effort == 0.0 ? passed("is without effect") : failed("gives " + number(effort));
+  for (std::size_t a = 0; a < bench.axes().size(); ++a) {
+    if (bench.writeShare(a, kEffortShare) < 0) continue;
+    const double effort = bench.read().sample.effort[a];
+    if (std::isnan(effort)) return skipped("is taken, and efforts are not measured");
+    if (effort != 0.0)
+      return failed(std::string(bench.axes()[a].name) + " gives " + number(effort));
+  }
+  return passed("is refused or without effect");
 }
 
 CheckFinding enable(DriverBench& bench) {

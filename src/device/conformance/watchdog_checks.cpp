@@ -1,5 +1,6 @@
 // Checks of the drive's watchdog.
 #include "device/conformance/check.hpp"
+#include "device/conformance/course.hpp"
 #include "realtime/monotonic_clock.hpp"
 
 #include <algorithm>
@@ -33,6 +34,7 @@ bool letGo(const Sampled& s) {
 std::string lateSilence(DriverBench& bench, bool writing) {
   const double latest_s = kLatest * silence_s(bench) + kLatestMore_s;
   const std::int64_t last_ns = monotonicNow_ns();
+  bench.fallSilent();
   bool late = false;
   everyMillisecond(kGiveUp_s, [&] {
     if (writing) (void)bench.writeNeutral();
@@ -84,13 +86,20 @@ CheckFinding silenced(DriverBench& bench) {
 }
 
 CheckFinding gone(DriverBench& bench) {
-  (void)bench.writeShare(0, kEffortShare);
+  Shares shares{};
+  std::fill_n(shares.begin(), bench.axes().size(), kEffortShare);
+  (void)bench.writeShares(shares);
   if (std::string late = lateSilence(bench, false); !late.empty())
     return skipped("does not let go");
-  const double left = bench.read().sample.effort[0];
-  if (std::isnan(left)) return skipped("efforts are not measured");
-  const double most = 0.02 * bench.axes()[0].effort_limit;
-  return std::abs(left) <= most ? passed() : failed("still measures " + number(left));
+  const wh_sample now = bench.read().sample;
+  bool known = false;
+  for (std::size_t a = 0; a < bench.axes().size(); ++a) {
+    if (bench.axes()[a].effort_meaning != WH_EFFORT || std::isnan(now.effort[a])) continue;
+    known = true;
+    if (std::abs(now.effort[a]) <= 0.02 * bench.axes()[a].effort_limit) continue;
+    return failed(std::string(bench.axes()[a].name) + " still measures " + number(now.effort[a]));
+  }
+  return known ? passed() : skipped("efforts are not measured");
 }
 
 CheckFinding latched(DriverBench& bench) {

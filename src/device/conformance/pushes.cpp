@@ -1,0 +1,326 @@
+#include "device/conformance/pushes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr double kMoved = 0.01, kMovedSteps = 30.0;  // share of the travel, steps of the encoder
+constexpr double kShortest_s = 0.008, kLongest_s = 0.15;
+constexpr double kBeyond = 0.02;  // share of the travel
+constexpr double kFar = 0.2;      // of the travel, from where a course began
+constexpr double kOthers = 4.0;   // times kMoved of another axis end a push
+constexpr double kLongestDelay_s = 0.08;
+constexpr double kFew = 0.75;  // shares from here on are whole pushes
+constexpr double kBring_hz = 2.5, kBring_s = 0.8;
+constexpr double kNear = 0.05, kSlow = 0.002, kSlowOver_s = 0.05;  // shares of the travel
+constexpr double kRests = 5e-4, kRestSteps = 3.0, kRestOver_s = 0.05, kRest_s = 1.0;
+constexpr double kPush_s = 0.04, kWindow_s = 0.06;
+constexpr double kRoom = 0.3;    // of the travel that a push which does not end may use
+constexpr double kEnds = 0.005;  // of the travel
+constexpr double kGap_s = 0.01;  // between two samples: a stall of this machine
+constexpr int kAttempts = 5;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+double travel(const wh_axis& axis) {
+  return axis.upper - axis.lower;
+}
+
+double middle(const wh_axis& axis) {
+  return 0.5 * (axis.lower + axis.upper);
+}
+
+double movedBy(const wh_axis& axis) {
+  return std::max(kMoved * travel(axis), kMovedSteps * axis.resolution);
+}
+
+bool takesEffort(const wh_axis& axis) {
+  return axis.effort_meaning == WH_EFFORT;
+}
+
+Shares only(std::size_t axis, double share) {
+  Shares out{};
+  out.at(axis) = share;
+  return out;
+}
+
+bool within(const DriverBench& bench, const Course& course) {
+  for (std::size_t a = 0; a < bench.axes().size(); ++a) {
+    const wh_axis& axis = bench.axes()[a];
+    const double out = std::max(course.position(a) - axis.upper, axis.lower - course.position(a));
+    if (out > kBeyond * travel(axis)) return false;
+  }
+  return true;
+}
+
+// Where every axis was when a course began.
+class Start {
+ public:
+  Start(const DriverBench& bench, const Course& course) : bench_(bench), course_(course) {
+    for (std::size_t j = 0; j < bench.axes().size(); ++j) places_.push_back(course.position(j));
+  }
+  [[nodiscard]] bool moved(std::size_t a, double times) const {
+    return gone(a) >= times * movedBy(bench_.axes()[a]);
+  }
+  // An axis that runs away is left alone, before it meets its end.
+  [[nodiscard]] bool far() const {
+    for (std::size_t j = 0; j < places_.size(); ++j) {
+      if (gone(j) > kFar * travel(bench_.axes()[j])) return true;
+    }
+    return false;
+  }
+
+ private:
+  [[nodiscard]] double gone(std::size_t a) const {
+    return std::abs(course_.position(a) - places_[a]);
+  }
+  const DriverBench& bench_;
+  const Course& course_;
+  std::vector<double> places_;
+};
+
+// One push until the axis has moved, or another one has far more. Returns how long it took; nothing
+// moved: 0.
+double pushUntilMoved(Course& course, const Start& start, std::size_t axes, std::size_t a,
+                      double share) {
+  const double began_s = course.now_s();
+  bool moved = false;
+  course.push(only(a, share), kLongest_s, [&] {
+    moved = start.moved(a, 1.0);
+    for (std::size_t j = 0; j < axes; ++j) moved = moved || start.moved(j, kOthers);
+    return (moved && course.now_s() - began_s >= kShortest_s) || start.far();
+  });
+  return moved ? course.now_s() - began_s : 0.0;
+}
+
+// To and fro with whole and half pushes, each returning to where it began; then slowly, and back.
+void pushToAndFro(Course& course, const Start& start, std::size_t a, double share, double push_s) {
+  const double half = 0.5 * share, half_s = 1.4 * push_s;
+  const std::pair<double, double> kPushes[] = {
+      {-share, push_s}, {-share, push_s},     {share, push_s},
+      {half, half_s},   {-half, half_s},      {-half, half_s},
+      {half, half_s},   {0.0, 0.02},          {0.1 * share, 3.0 * push_s},
+      {0.0, 0.2},       {-share, kShortest_s}};
+  for (const auto& [asked, seconds] : kPushes) {
+    if (!start.far()) course.push(only(a, asked), seconds, [&] { return start.far(); });
+  }
+  course.push({}, 0.03);
+}
+
+// How the measured effort follows the one asked for: at each lag, and at the best.
+void judgeMeasured(const DriverBench& bench, const Course& course, std::size_t a, PushedAxis& out) {
+  const double limit = bench.axes()[a].effort_limit;
+  double best = 0.0;
+  out.measured = kNan;
+  for (double lag_s = 0.0; lag_s <= kLongestDelay_s; lag_s += 0.001) {
+    double both = 0.0, asked = 0.0, told = 0.0;
+    for (const Sampled& s : course.samples()) {
+      const double e = s.sample.effort[a], u = limit * course.shareAt(a, course.timeOf(s) - lag_s);
+      if (!std::isfinite(e)) continue;
+      both += e * u;
+      asked += u * u;
+      told += e * e;
+    }
+    if (asked == 0.0) continue;
+    if (std::isnan(out.measured)) out.measured = both / asked;
+    const double alike = told > 0.0 ? std::abs(both) / std::sqrt(asked * told) : 0.0;
+    if (alike <= best) continue;
+    best = alike;
+    out.measured = both / asked;
+    out.measured_late_s = lag_s;
+  }
+  double asked = 0.0;
+  for (const Sampled& s : course.samples())
+    asked += std::pow(course.shareAt(a, course.timeOf(s)), 2);
+  for (std::size_t j = 0; j < bench.axes().size(); ++j) {
+    double told = 0.0;
+    for (const Sampled& s : course.samples()) {
+      const double e = s.sample.effort[j] / bench.axes()[j].effort_limit;
+      if (std::isfinite(e)) told += e * e;
+    }
+    out.measured_elsewhere.push_back(asked > 0.0 && j != a ? std::sqrt(told / asked) : 0.0);
+  }
+}
+
+PushedAxis pushAxis(DriverBench& bench, std::size_t a) {
+  PushedAxis out;
+  const wh_axis& axis = bench.axes()[a];
+  out.asked = takesEffort(axis);
+  if (!out.asked) return out;
+  Course course(bench);
+  course.push({}, 0.01);
+  const Start start(bench, course);
+  const std::size_t axes = bench.axes().size();
+  double share = course.position(a) <= middle(axis) ? kEffortShare : -kEffortShare;
+  double push_s = pushUntilMoved(course, start, axes, a, share);
+  if (push_s == 0.0) {
+    course.push({}, 0.02);
+    push_s = pushUntilMoved(course, start, axes, a, share = -share);
+  }
+  out.tried_s = push_s > 0.0 ? push_s : kLongest_s;
+  if (push_s > 0.0) pushToAndFro(course, start, a, share, push_s);
+  out.late = course.late();
+  out.within = within(bench, course);
+  bench.calm();  // what is computed from here on takes longer than the drive's patience
+  const PushTrace trace = course.trace(a, a);
+  const auto [least, most] =
+      std::minmax_element(trace.seen.begin(), trace.seen.end(),
+                          [](const auto& p, const auto& q) { return p.position < q.position; });
+  out.moved =
+      push_s > 0.0 && !trace.seen.empty() && most->position - least->position >= movedBy(axis);
+  judgeMeasured(bench, course, a, out);
+  out.response = findResponse(trace, kLongestDelay_s);
+  out.jump = largestJump(trace);
+  const auto gains = gainsByKind(trace, out.response.delay_s, 5, [&](double asked) {
+    if (std::abs(asked) < 0.4 * kEffortShare) return 4;  // the slow push
+    return (std::abs(asked) > kFew * kEffortShare ? 0 : 2) + (asked > 0.0 ? 0 : 1);
+  });
+  out.back = gains[1] / gains[0];
+  out.half_forth = gains[2] / gains[0];
+  out.half_back = gains[3] / gains[0];
+  for (std::size_t j = 0; j < bench.axes().size(); ++j) {
+    const PushTrace other = course.trace(a, j);
+    // At the delay of the pushed axis; where that does not move, at the other's own.
+    const double delay_s =
+        out.moved ? out.response.delay_s : findResponse(other, kLongestDelay_s).delay_s;
+    out.along.push_back(gainsByKind(other, delay_s, 1, [](double) { return 0; }).front());
+  }
+  return out;
+}
+
+// Share that moves the axis by no more than its room even where the push never ends.
+double roomyShare(const wh_axis& axis, const AxisResponse& response, double until_s) {
+  const double room = kRoom * travel(axis) / (0.5 * std::abs(response.gain) * until_s * until_s);
+  return std::min(kEffortShare, room);
+}
+
+}  // namespace
+
+std::vector<PushedAxis> pushEveryAxis(DriverBench& bench) {
+  std::vector<PushedAxis> out;
+  for (std::size_t a = 0; a < bench.axes().size(); ++a) {
+    PushedAxis axis;
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      bench.alive();
+      if (attempt > 0 && !bench.reach(DriverStage::kEnabled).empty()) break;
+      axis = pushAxis(bench, a);
+      if (!axis.late) break;
+    }
+    out.push_back(axis);
+    if (!bench.reach(DriverStage::kEnabled).empty()) break;
+    bringToMiddle(bench, out);
+  }
+  // Gains over the own gain of each axis: only now are they all known.
+  for (PushedAxis& axis : out) {
+    for (std::size_t j = 0; j < axis.along.size(); ++j) {
+      const double own = out[j].moved ? std::abs(out[j].response.gain) : 0.0;
+      const double least = movedBy(bench.axes()[j]);
+      const double seen = std::abs(axis.along[j]);
+      // An axis that does not follow its own effort is held against what moves it at all.
+      const double per = 2.0 * least / (kEffortShare * axis.tried_s * axis.tried_s + 1e-300);
+      axis.along[j] = seen / (own > 0.0 ? own : per);
+    }
+  }
+  return out;
+}
+
+void bringToMiddle(DriverBench& bench, const std::vector<PushedAxis>& axes) {
+  const double w = 2.0 * 3.141592653589793 * kBring_hz;
+  Course course(bench);
+  course.push({}, 0.008);
+  const double began_s = course.now_s();
+  while (course.now_s() - began_s < kBring_s) {
+    Shares shares{};
+    bool there = true;
+    for (std::size_t a = 0; a < axes.size(); ++a) {
+      const AxisResponse& r = axes[a].response;
+      if (!axes[a].moved || !(r.gain > 0.0)) continue;
+      const double off = course.position(a) - middle(bench.axes()[a]), v = course.speed(a);
+      const double range = travel(bench.axes()[a]);
+      there = there && std::abs(off) < kNear * range && std::abs(v) * kSlowOver_s < kSlow * range;
+      shares.at(a) =
+          std::clamp((-w * w * off - 2.0 * w * v) / r.gain - r.own, -kEffortShare, kEffortShare);
+    }
+    if (there) break;
+    course.push(shares, 0.001);
+  }
+  (void)bench.writeNeutral();
+}
+
+int awaitRest(DriverBench& bench) {
+  Course course(bench);
+  int moving = -1;
+  for (double waited_s = 0.0; waited_s < kRest_s; waited_s += kRestOver_s) {
+    course.watch(0.002);
+    const std::size_t from = course.samples().size();
+    course.watch(kRestOver_s);
+    if (from == 0 || course.samples().size() <= from) continue;
+    moving = -1;
+    const wh_sample& before = course.samples()[from - 1].sample;
+    for (std::size_t a = 0; a < bench.axes().size(); ++a) {
+      const wh_axis& axis = bench.axes()[a];
+      const double most = kRests * travel(axis) + kRestSteps * axis.resolution;
+      if (std::abs(course.position(a) - before.position[a]) > most) moving = static_cast<int>(a);
+    }
+    if (moving < 0) break;
+  }
+  return moving;
+}
+
+LeftOver leftAfter(DriverBench& bench, const std::vector<PushedAxis>& axes, double allow_s,
+                   bool writes, const std::function<std::string(Course&)>& stop) {
+  LeftOver out;
+  out.share.assign(axes.size(), 0.0);
+  out.own = out.pushed = out.share;
+  int attempts = 0;
+  for (int way = 0; way < 2;) {
+    const double sign = way == 0 ? 1.0 : -1.0;
+    bench.alive();
+    if (way > 0 || attempts > 0) out.not_judged = bench.reach(DriverStage::kEnabled);
+    if (!out.not_judged.empty()) return out;
+    bringToMiddle(bench, axes);
+    Course course(bench);
+    Shares shares{};
+    for (std::size_t a = 0; a < axes.size(); ++a) {
+      if (!axes[a].moved) continue;
+      out.pushed[a] = roomyShare(bench.axes()[a], axes[a].response, kPush_s + allow_s + kWindow_s);
+      shares.at(a) = sign * out.pushed[a];
+    }
+    course.push(shares, kPush_s);
+    const bool late = course.late();
+    if (out.not_judged = stop(course); !out.not_judged.empty()) return out;
+    course.askNothing();
+    const auto go_on = [&](double seconds) {
+      if (writes) course.push({}, seconds);
+      if (!writes) course.watch(seconds);
+    };
+    go_on(allow_s);
+    const double from_s = course.now_s();
+    go_on(kWindow_s);
+    if (late || course.longestGap_s(from_s) > kGap_s) {
+      if (++attempts < kAttempts) continue;
+      out.not_judged = "this machine stood still meanwhile";
+      return out;
+    }
+    attempts = 0;
+    ++way;
+    for (std::size_t a = 0; a < axes.size(); ++a) {
+      if (!axes[a].moved) continue;
+      const wh_axis& axis = bench.axes()[a];
+      const Parabola p = parabolaThrough(course.trace(a, a), from_s, course.now_s());
+      const double damping = std::max(0.0, axes[a].response.damping);
+      double left = (p.acceleration + damping * p.speed) / axes[a].response.gain;
+      const double end =
+          sign > 0.0 ? axis.upper - course.position(a) : course.position(a) - axis.lower;
+      if (end < kEnds * travel(axis)) left = sign * out.pushed[a];  // it ran on to its end
+      out.share[a] += 0.5 * sign * left / out.pushed[a];
+      out.own[a] += 0.5 * left;
+    }
+  }
+  return out;
+}
+
+}  // namespace wholehand

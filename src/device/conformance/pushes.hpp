@@ -1,0 +1,54 @@
+#pragma once
+
+#include "device/conformance/course.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// What was found by pushing one axis to and fro, by up to kEffortShare of its limit.
+struct PushedAxis {
+  bool asked = false;    ///< takes efforts; nothing else here counts otherwise
+  bool late = false;     ///< this machine stood still every time: nothing counts either
+  bool moved = false;    ///< the axis itself
+  bool within = true;    ///< no axis left its travel
+  double tried_s = 0.0;  ///< how long one push lasted
+  AxisResponse response;
+  double half_forth = 0.0, half_back = 0.0, back = 0.0;  ///< gains of smaller and of − pushes, over
+                                                         ///< that of whole + pushes
+  std::vector<double> along;     ///< response of each axis over its own, per share; 1 of itself
+  double jump = 0.0;             ///< largest jump of its position [m or rad]
+  double measured = 0.0;         ///< effort measured over the effort asked for; NaN: not measured
+  double measured_late_s = 0.0;  ///< lag at which the two agree best
+  std::vector<double> measured_elsewhere;  ///< RMS on other axes over the limit, over that asked
+};
+
+/// Pushes one axis after the other to and fro. @pre the device is enabled
+[[nodiscard]] std::vector<PushedAxis> pushEveryAxis(DriverBench& bench);
+
+/// Brings every axis whose response is known near the middle of its travel, and lets it rest there.
+void bringToMiddle(DriverBench& bench, const std::vector<PushedAxis>& axes);
+
+/// Waits until no axis moves. Returns the one that still does after a second; −1: none.
+[[nodiscard]] int awaitRest(DriverBench& bench);
+
+/// What is left of a push after it should be over, one an axis.
+struct LeftOver {
+  std::string not_judged;      ///< why; empty: the rest counts
+  std::vector<double> share;   ///< effort of the push that is left over the effort of the push
+  std::vector<double> pushed;  ///< effort of the push, share of the limit
+  std::vector<double> own;     ///< effort whichever way the push went, share of the limit
+};
+
+/// Pushes all axes at once, forth and then back, ends the push by `stop`, and measures from the
+/// motion after `allow_s` which effort is still there. What does not turn with the push, as a
+/// weight or friction, cancels out.
+/// @param stop ends the push; returns why it cannot
+/// @param writes neutral goes on being written
+[[nodiscard]] LeftOver leftAfter(DriverBench& bench, const std::vector<PushedAxis>& axes,
+                                 double allow_s, bool writes,
+                                 const std::function<std::string(Course&)>& stop);
+
+}  // namespace wholehand
