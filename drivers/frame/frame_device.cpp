@@ -133,7 +133,8 @@ Expected<Done> FrameDevice::control(std::uint32_t verb, double argument, const W
     Posted last{};
     if (posts_.take(last)) sent_number_ = last.number;  // nothing from before is sent
     muted_ = false;
-    commands_ = 0;
+    if (commands_ != 0) commands_ += WF_ENABLE_SKIP;
+    begun_at_ = commands_;
   }
   if (verb == WH_DISABLE) enabled_.store(false);
   wf_frame question = questionOf(WF_CONTROL, static_cast<std::uint8_t>(axes_.size()),
@@ -231,6 +232,7 @@ void FrameDevice::take(const wf_frame& frame, std::int64_t now_ns) noexcept {
 }
 
 std::int64_t FrameDevice::heardUntil_ns(std::uint32_t heard, std::int64_t now_ns) const noexcept {
+  if (wf_newer(begun_at_, heard)) heard = begun_at_;
   if (!wf_newer(commands_, heard)) return now_ns;  // all of them, or of an earlier session
   const std::uint32_t unheard = std::min<std::uint32_t>(commands_ - heard, sent_ns_.size());
   return sent_ns_[(commands_ - unheard + 1) % sent_ns_.size()];

@@ -94,7 +94,8 @@ class FrameDevice {
   std::uint32_t last_sample_ = 0;
   wh_sample sample_{};
   bool muted_ = false;                       ///< WH_DROP_WATCHDOG
-  std::uint32_t commands_ = 0;               ///< sent since WH_ENABLE
+  std::uint32_t commands_ = 0;               ///< sequence of the last one
+  std::uint32_t begun_at_ = 0;               ///< the same at WH_ENABLE: earlier ones do not count
   std::array<std::int64_t, 256> sent_ns_{};  ///< when; by number
   std::uint64_t sent_number_ = 0;
   std::atomic<std::uint32_t> broken_{0}, crc_errors_{0}, foreign_{0}, stale_{0};

@@ -24,6 +24,7 @@ class Firmware : public testing::Test {
     frame.axes = kind == WF_COMMAND ? static_cast<std::uint8_t>(efforts.size()) : 3;
     frame.index = index;
     frame.session = session;
+    if (kind == WF_CONTROL && index == WH_ENABLE && commands_ != 0) commands_ += WF_ENABLE_SKIP;
     frame.sequence = kind == WF_COMMAND ? ++commands_ : ++questions_;
     std::copy(efforts.begin(), efforts.end(), frame.effort);
     put(frame);
@@ -248,6 +249,64 @@ TEST_F(Firmware, EnableThatArrivesTwice_DropsNoEffort) {
   EXPECT_EQ(bench_.fw.phase, FW_RENDERING);
 }
 
+// The first one is answered; a line may hold its copies back until the watchdog has let go.
+TEST_F(Firmware, LateCopiesOfQuestions_UndoNoLatchAndMoveNothingTwice) {
+  render({6.0F, 0.0F, 0.0F});
+  const std::uint32_t enabled_by = questions_;
+  bench_.pass(150);
+  ASSERT_EQ(bench_.fw.phase, FW_LATCHED);
+  questions_ = 0;
+  tell(WF_HELLO);
+  questions_ = enabled_by - 1;
+  tell(WF_CONTROL, WH_ENABLE);
+  tell(WF_COMMAND, 0, {6.0F, 6.0F, 6.0F});
+  bench_.pass();
+  EXPECT_EQ(bench_.fw.phase, FW_LATCHED);
+  EXPECT_EQ(bench_.given[0], 0.0F);
+  EXPECT_EQ(newest(WF_ANSWER).sequence, enabled_by) << "it is answered all the same";
+  tell(WF_CONTROL, WH_IDENTIFY);
+  bench_.pass();
+  --questions_;
+  tell(WF_CONTROL, WH_IDENTIFY);
+  bench_.pass();
+  EXPECT_EQ(bench_.verbs, std::vector<int>{WH_IDENTIFY});
+  EXPECT_EQ(newest(WF_ANSWER).result, WH_OK);
+}
+
+// Wherever the sequence stands, its wrap included.
+TEST_F(Firmware, CommandFromBeforeWhEnable_IsNotHeardAfterIt) {
+  auto random = seededRandom(1212);
+  for (int k = 0; k < cases(200); ++k) {
+    bench_.pass(150);
+    tell(WF_HELLO, 0, {}, kSession);
+    // To anywhere: half of all numbers count as newer, so in two steps.
+    tell(WF_CONTROL, WH_ENABLE);
+    const auto far = static_cast<std::uint32_t>(random() % 0x7f000000U);
+    for (const std::uint32_t step : {far, k % 3 == 0 ? 0U - (commands_ + far) - 3U : 1U}) {
+      commands_ += step < 0x7f000000U ? step : 0x7f000000U;
+      tell(WF_COMMAND, 0, {6.0F, 0.0F, 0.0F});
+      bench_.pass();
+    }
+    ASSERT_EQ(bench_.given[0], 6.0F) << commands_;
+    const std::uint32_t last = commands_;
+    bench_.pass(150);
+    tell(WF_CONTROL, WH_ENABLE);
+    bench_.pass();
+    const std::uint32_t next = commands_;
+    // Heard before, on its way then, or held back for seconds.
+    for (const std::uint32_t old : {last, last - 3, last + 1, last + 1000, last + 20000}) {
+      commands_ = old - 1;
+      tell(WF_COMMAND, 0, {-6.0F, 0.0F, 0.0F});
+      bench_.pass();
+      ASSERT_EQ(bench_.given[0], 0.0F) << old;
+    }
+    commands_ = next;
+    tell(WF_COMMAND, 0, {1.0F, 0.0F, 0.0F});
+    bench_.pass();
+    ASSERT_EQ(bench_.given[0], 1.0F) << commands_;
+  }
+}
+
 TEST_F(Firmware, EnableThatNobodyFollows_IsWithdrawn) {
   enable();
   bench_.pass(1990);
@@ -282,6 +341,7 @@ TEST_F(Firmware, RandomFramesAndPauses_NeverPushBeyondTheLimitAndEndAtNeutral) {
                           0.5F};
     return some[random() % 8];
   };
+  std::uint32_t skipped = 0;
   for (int k = 0; k < cases(20'000); ++k) {
     wf_frame frame{};
     frame.kind =
@@ -290,6 +350,8 @@ TEST_F(Firmware, RandomFramesAndPauses_NeverPushBeyondTheLimitAndEndAtNeutral) {
     frame.index = static_cast<std::uint8_t>(random() % 8);
     frame.session = random() % 10 == 0 ? 6 : kSession;
     frame.sequence = static_cast<std::uint32_t>(k) + static_cast<std::uint32_t>(random() % 3);
+    if (frame.kind == WF_CONTROL && frame.index == WH_ENABLE) skipped += WF_ENABLE_SKIP;
+    if (frame.kind == WF_COMMAND) frame.sequence += skipped;
     for (float& effort : frame.effort) effort = random() % 50 == 0 ? number() : 4.0F;
     put(frame);
     if (random() % 4 == 0) bench_.wires->to_device.push_back(static_cast<std::uint8_t>(random()));

@@ -84,7 +84,7 @@ static void watch(firmware* fw, uint32_t now_us) {
 static void take_command(firmware* fw, const wf_frame* command, uint32_t now_us) {
   uint8_t i;
   if (fw->phase != FW_WAITING && fw->phase != FW_RENDERING) return;
-  if (!wf_newer(command->sequence, fw->heard)) {
+  if (!wf_newer(command->sequence, fw->passed)) {
     ++fw->counters.stale;
     return;
   }
@@ -102,12 +102,19 @@ static void take_command(firmware* fw, const wf_frame* command, uint32_t now_us)
     fw->effort[i] = asked > limit ? limit : asked < -limit ? -limit : asked;
     if (fw->effort[i] != asked) fw->saturated = 1;
   }
-  fw->heard = command->sequence;
+  fw->heard = fw->passed = command->sequence;
   fw->heard_us = now_us;
   fw->phase = FW_RENDERING;
 }
 
-/* A question is repeated until it is answered, so what takes time is answered when it is done. */
+static void answer_with(firmware* fw, wf_frame* answer, int32_t result) {
+  fw->answered = 1;
+  fw->result = answer->result = result;
+  send_frame(fw, answer);
+}
+
+/* A question is repeated until it is answered, so what takes time is answered when it is done. What
+ * is done is not done again: a copy may come late. */
 static void take_control(firmware* fw, const wf_frame* question, uint32_t now_us) {
   wf_frame answer = frame_of(fw, WF_ANSWER, question);
   const int again = question->sequence == fw->asked;
@@ -115,33 +122,41 @@ static void take_control(firmware* fw, const wf_frame* question, uint32_t now_us
     ++fw->counters.stale;
     return;
   }
+  if (again && fw->answered) {
+    answer_with(fw, &answer, fw->result);
+    return;
+  }
   fw->asked = question->sequence;
+  fw->answered = 0;
   if (question->index == WH_ENABLE) {
     if (fw->phase == FW_RENDERING && !again) let_go(fw, now_us, 0);
     if (fw->phase == FW_RENDERING || fw->phase == FW_RAMPING) return;
     to_neutral(fw, FW_WAITING);
-    fw->heard = 0;
+    /* What is still on its way is passed over, too. */
+    if (fw->passed != 0) fw->passed = fw->heard + WF_ENABLE_SKIP / 2;
     fw->heard_us = now_us;
+    answer_with(fw, &answer, WH_OK);
   } else if (question->index == WH_DISABLE) {
     if (fw->phase == FW_RAMPING) fw->to_off = 1;
     if (fw->phase != FW_OFF && fw->phase != FW_RAMPING) let_go(fw, now_us, 1);
-    if (fw->phase != FW_OFF) return;
+    if (fw->phase == FW_OFF) answer_with(fw, &answer, WH_OK);
   } else {
-    answer.result = WH_FAILED;
-    if (fw->phase != FW_RENDERING && fw->phase != FW_RAMPING) {
-      answer.result =
-          fw->board->control(fw->board->context, question->index, question->argument);
-    }
+    const int free = fw->phase != FW_RENDERING && fw->phase != FW_RAMPING;
+    answer_with(fw, &answer,
+                free ? fw->board->control(fw->board->context, question->index, question->argument)
+                     : WH_FAILED);
   }
-  send_frame(fw, &answer);
 }
 
 /* A program that renders is not cut off by another: the answer then names its session. */
 static void take_hello(firmware* fw, const wf_frame* hello) {
   wf_frame welcome;
-  if (hello->version == WF_VERSION && (fw->phase == FW_OFF || fw->phase == FW_LATCHED)) {
+  const int free = fw->phase == FW_OFF || fw->phase == FW_LATCHED;
+  /* A late copy of its own begins nothing anew. */
+  if (hello->version == WF_VERSION && free && hello->session != fw->session) {
     fw->session = hello->session;
-    fw->heard = fw->samples = fw->asked = 0;
+    fw->heard = fw->passed = fw->samples = fw->asked = 0;
+    fw->answered = 0;
   }
   welcome = frame_of(fw, WF_WELCOME, hello);
   memcpy(welcome.name, fw->board->name, WF_NAME);

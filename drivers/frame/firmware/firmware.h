@@ -7,7 +7,9 @@
  *   - from a command on, another within `silence_us`, or it lets go: every axis goes to neutral at
  *     once by the same smoothstep over 80 ms, only ever falling. Samples then say WH_SILENCED, and
  *     no command is heard, until WH_ENABLE;
- *   - the same where a command is not finite or of another number of axes. */
+ *   - the same where a command is not finite or of another number of axes;
+ *   - what was sent before is not done again: a copy of a question that was answered is answered
+ *     with the same and does nothing, and no command of before WH_ENABLE is heard after it. */
 #ifndef WHOLEHAND_FIRMWARE_H
 #define WHOLEHAND_FIRMWARE_H
 
@@ -68,6 +70,9 @@ typedef struct {
   uint8_t to_off;      /* ramping because of WH_DISABLE */
   uint8_t saturated;   /* the last command was clamped */
   uint32_t session, heard, samples, asked; /* sequence of the last command, sample, question */
+  uint32_t passed;     /* commands up to this one are not heard any more */
+  uint8_t answered;    /* the last question is done */
+  int32_t result;      /* of it */
   uint32_t heard_us, ramp_us; /* when the last command came, when the ramp began */
   float held[WF_MAX_AXES];    /* where the ramp began */
   float effort[WF_MAX_AXES];  /* given now */

@@ -115,6 +115,10 @@ size_t wf_encode(const wf_frame* frame, uint8_t* out);
 /* Takes one byte; WF_GOOD: `frame` is filled. */
 wf_outcome wf_receive(wf_receiver* receiver, uint8_t byte, wf_frame* frame);
 
+/* A program's commands go on from WH_ENABLE with so much higher a sequence: those of before, heard or
+ * still on their way, are older than half of it. The first WH_ENABLE of a session needs no step. */
+enum { WF_ENABLE_SKIP = 65536 };
+
 /* Whether a sequence number comes after another, also where the 32 bits have begun anew. */
 int wf_newer(uint32_t sequence, uint32_t last);
 
