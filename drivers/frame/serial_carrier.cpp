@@ -1,4 +1,5 @@
 #include "drivers/frame/carriers.hpp"
+#include "drivers/one_owner.hpp"
 
 #include <array>
 #include <cerrno>
@@ -81,11 +82,13 @@ Expected<std::unique_ptr<Carrier>> openSerial(const std::string& locator, const 
     return noCarrier(locator, baud + " baud is not known here", "give one of " + known);
   }
   const int fd = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0 && errno == EBUSY) return noCarrier(locator, path + " " + kTaken, kEndTheOther);
   if (fd < 0) {
     return noCarrier(locator, path + " cannot be opened: " + std::strerror(errno),
                      "is it plugged in, and are you in the group dialout?");
   }
   auto carrier = std::make_unique<SerialCarrier>(fd);
+  if (!takeAlone(fd)) return noCarrier(locator, path + " " + kTaken, kEndTheOther);
   if (::ioctl(fd, TIOCEXCL) != 0 || !makeRaw(fd, speed->second)) {
     return noCarrier(locator, path + " is no serial line: " + std::strerror(errno),
                      "give the device's own tty");

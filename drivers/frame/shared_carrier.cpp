@@ -1,5 +1,6 @@
 #include "drivers/frame/carriers.hpp"
 #include "drivers/frame/firmware/shared_ring.h"
+#include "drivers/one_owner.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -13,8 +14,11 @@ namespace {
 
 class SharedCarrier final : public Carrier {
  public:
-  explicit SharedCarrier(sr_memory* memory) : memory_(memory) {}
-  ~SharedCarrier() override { ::munmap(memory_, sizeof(sr_memory)); }
+  SharedCarrier(sr_memory* memory, int fd) : memory_(memory), fd_(fd) {}
+  ~SharedCarrier() override {
+    ::munmap(memory_, sizeof(sr_memory));
+    ::close(fd_);
+  }
   SharedCarrier(const SharedCarrier&) = delete;
   SharedCarrier& operator=(const SharedCarrier&) = delete;
 
@@ -29,6 +33,7 @@ class SharedCarrier final : public Carrier {
 
  private:
   sr_memory* memory_;
+  int fd_;  // holds the segment
 };
 
 }  // namespace
@@ -47,16 +52,20 @@ Expected<std::unique_ptr<Carrier>> openShared(const std::string& locator, const 
   void* at = MAP_FAILED;
   const bool ours = ::fstat(fd, &file) == 0 && file.st_uid == ::geteuid() &&
                     file.st_size == static_cast<off_t>(sizeof(sr_memory));
+  if (ours && !takeAlone(fd)) {
+    ::close(fd);
+    return noCarrier(locator, kTaken, kEndTheOther);
+  }
   if (ours) {
     at = ::mmap(nullptr, sizeof(sr_memory), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   }
-  ::close(fd);
   if (at == MAP_FAILED) {
+    ::close(fd);
     return noCarrier(locator, "is of another user or another size",
                      "start the device's side of this version, as the same user");
   }
   auto* const memory = static_cast<sr_memory*>(at);
-  auto carrier = std::make_unique<SharedCarrier>(memory);
+  auto carrier = std::make_unique<SharedCarrier>(memory, fd);
   if (__atomic_load_n(&memory->magic, __ATOMIC_ACQUIRE) != SR_MAGIC ||
       memory->layout != SR_LAYOUT) {
     return noCarrier(locator, "was not set up by a device of this version",

@@ -1,8 +1,11 @@
 #include "socketcan_bus.hpp"
 
+#include "drivers/one_owner.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fcntl.h>
 #include <linux/can.h>
 #include <linux/can/raw.h>
 #include <net/if.h>
@@ -54,13 +57,18 @@ Expected<std::unique_ptr<CanBus>> SocketCanBus::open(const std::string& interfac
     }
     return refused(interface, std::string("no socket: ") + std::strerror(error), "see the error");
   }
-  auto bus = std::make_unique<SocketCanBus>(descriptor);
+  // The kernel lets everybody write to a bus: its entry in /sys stands for it.
+  const std::string entry = "/sys/class/net/" + interface + "/ifindex";
+  const int held = ::open(entry.c_str(), O_RDONLY | O_CLOEXEC);
+  auto bus = std::make_unique<SocketCanBus>(descriptor, held);
   if (Diagnostics why = bindTo(descriptor, interface); !why.empty()) return why;
+  if (held < 0 || !takeAlone(held)) return refused(interface, kTaken, kEndTheOther);
   return Expected<std::unique_ptr<CanBus>>(std::move(bus));
 }
 
 SocketCanBus::~SocketCanBus() {
   ::close(descriptor_);
+  if (held_ >= 0) ::close(held_);
 }
 
 BusResult SocketCanBus::send(const CanFrame& frame) noexcept {

@@ -11,10 +11,12 @@ namespace wholehand::moteus {
 /// A network interface of the kernel (`can0`) with CAN-FD frames.
 class SocketCanBus final : public CanBus {
  public:
-  /// Refused by name: a kernel without CAN, no such interface, one that has no CAN-FD.
+  /// Refused by name: a kernel without CAN, no such interface, one that has no CAN-FD, one that is
+  /// held.
   [[nodiscard]] static Expected<std::unique_ptr<CanBus>> open(const std::string& interface);
-  /// Takes the socket over, which does not block.
-  explicit SocketCanBus(int descriptor) noexcept : descriptor_(descriptor) {}
+  /// Takes the socket over, which does not block, and what holds the bus for it; −1: nothing.
+  explicit SocketCanBus(int descriptor, int held = -1) noexcept
+      : descriptor_(descriptor), held_(held) {}
   ~SocketCanBus() override;
   SocketCanBus(const SocketCanBus&) = delete;
   SocketCanBus& operator=(const SocketCanBus&) = delete;
@@ -25,6 +27,7 @@ class SocketCanBus final : public CanBus {
 
  private:
   int descriptor_;
+  int held_;
   std::uint64_t errors_ = 0;
 };
 

@@ -1,10 +1,13 @@
 #include "tty_bus.hpp"
 
+#include "drivers/one_owner.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <string_view>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -35,11 +38,16 @@ Expected<std::unique_ptr<CanBus>> TtyBus::open(const std::string& port, Protocol
   const int descriptor = ::open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) {
     const int error = errno;
+    if (error == EBUSY) return refused(port, kTaken, kEndTheOther);
     return refused(port, std::string("cannot be opened: ") + std::strerror(error),
                    error == EACCES ? "become a member of the group that owns it (dialout)"
                                    : "name the port of the CAN adapter");
   }
-  if (!makeRaw(descriptor)) {
+  if (!takeAlone(descriptor)) {
+    ::close(descriptor);
+    return refused(port, kTaken, kEndTheOther);
+  }
+  if (::ioctl(descriptor, TIOCEXCL) != 0 || !makeRaw(descriptor)) {
     ::close(descriptor);
     return refused(port, "is no serial port", "name the port of the CAN adapter");
   }

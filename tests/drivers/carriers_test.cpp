@@ -72,6 +72,22 @@ std::vector<double> positionsOver(const std::string& where) {
   return positions;
 }
 
+// Two programs on one line or segment take each other's bytes; a device on UDP knows its session.
+TEST(Carriers, LineOrSegmentOfOneProgram_IsRefusedToASecond) {
+  for (const std::string& where : everyCarrier()) {
+    if (where.rfind("udp", 0) == 0) continue;
+    const FirmwareProcess firmware(where);
+    auto first = openCarrier(firmware.locator());
+    ASSERT_TRUE(first) << where;
+    const auto second = openCarrier(firmware.locator());
+    ASSERT_FALSE(second) << where;
+    EXPECT_NE(format(second.errors()).find("is held by another program"), std::string::npos)
+        << format(second.errors());
+    first->reset();
+    EXPECT_TRUE(openCarrier(firmware.locator())) << where << ": its owner is gone";
+  }
+}
+
 TEST(Carriers, SameCommands_GiveTheSameSamplesOverEachOfThem) {
   std::vector<double> first;
   for (const std::string& where : everyCarrier()) {

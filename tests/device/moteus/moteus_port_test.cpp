@@ -21,7 +21,8 @@ class Port {
  public:
   explicit Port(Protocol protocol = Protocol::kFdcanusb)
       : adapter(protocol), kind_(protocol == Protocol::kSlcan ? "slcan:" : "fdcanusb:") {}
-  Expected<std::shared_ptr<PluginDriver>> load() { return load(kind_ + adapter.port()); }
+  [[nodiscard]] std::string locator() const { return kind_ + adapter.port(); }
+  Expected<std::shared_ptr<PluginDriver>> load() { return load(locator()); }
   Expected<std::shared_ptr<PluginDriver>> load(const std::string& locator) {
     auto loaded = PluginDriver::load(
         {std::string(WHOLEHAND_BINARY_DIR) + "/drivers/moteus.so", locator, settingsFile(folder_)},
@@ -95,6 +96,26 @@ INSTANTIATE_TEST_SUITE_P(Protocols, MoteusPort,
                          [](const auto& tested) {
                            return tested.param == Protocol::kSlcan ? "slcan" : "fdcanusb";
                          });
+
+// `device inspect` beside a session opened the line, and stopped the drives while they rendered.
+TEST_P(MoteusPort, OfASession_IsRefusedToEverybodyElseWhoWritesNothing) {
+  Port port(GetParam());
+  port.enable();
+  ASSERT_TRUE(port.ticksUntil([&] { return port.torque_nm() > 0.4; }, 0.5));
+  const auto heard = port.adapter.others();
+  std::string said;
+  Folder folder;
+  const auto locator = port.locator();
+  const auto second = PluginDriver::load(
+      {std::string(WHOLEHAND_BINARY_DIR) + "/drivers/moteus.so", locator, settingsFile(folder)},
+      [&said](const std::string& line) { said += line + "\n"; });
+  ASSERT_FALSE(second);
+  EXPECT_TRUE(says(said + format(second.errors()), "is held by another program"));
+  EXPECT_EQ(port.adapter.others(), heard);
+  EXPECT_TRUE(port.ticksUntil([&] { return port.torque_nm() > 0.4 && port.read == WH_OK; }, 0.5));
+  port.driver.reset();
+  EXPECT_TRUE(port.load()) << "its owner is gone";
+}
 
 TEST(MoteusPortLost, InTheMiddleOfALine_FailsReadsAndWrites) {
   Port port;
