@@ -1,5 +1,6 @@
 #include "commissioning/bench.hpp"
 
+#include "commissioning/let_go_proof.hpp"
 #include "device/host/device_host.hpp"
 #include "device/host/hosted_driver.hpp"
 
@@ -15,6 +16,9 @@ namespace {
 
 constexpr double kKeyWithin_s = 60.0;
 constexpr double kKeySeen_s = 0.15;  // until a held key is seen again
+constexpr double kPush_s = 0.06;     // before the watchdog is dropped
+constexpr double kProve_s = 0.08;    // after it let go
+constexpr double kSettles_s = 0.02;  // at the beginning of each: delay and ramp
 constexpr int kRefusedWrites = 20;   // ticks in which a sample may say why
 
 // Tells the person when a motion is over, however it ends.
@@ -186,9 +190,10 @@ Expected<Done> Bench::guarded(const Look& look, const Law& law) {
     const Expected<wh_sample> read = sample();
     const Seen seen = look(read ? WH_OK : WH_FAILED, newest_);
     if (seen == Seen::kOver) return Done{};
-    if (seen == Seen::kJudge) {
+    if (seen == Seen::kJudge || seen == Seen::kProve) {
       if (!read) return read.errors();
-      Expected<std::vector<double>> position = watch_.judge(*read, clock_->now_ns());
+      Expected<std::vector<double>> position =
+          seen == Seen::kJudge ? watch_.judge(*read, clock_->now_ns()) : watch_.positions(*read);
       if (!position) return position.errors();
       now.position = std::move(*position);
       const Expected<bool> goes_on = law(now);
@@ -196,13 +201,13 @@ Expected<Done> Bench::guarded(const Look& look, const Law& law) {
       if (!*goes_on) return Done{};
     }
     const Expected<Done> sent = now.silent ? Done{} : send(now.effort, HostReason::kNone);
-    refused = sent ? 0 : refused + 1;
+    refused = sent || seen == Seen::kProve ? 0 : refused + 1;
     if (refused > kRefusedWrites) return sent;
     clock_->waitForTick();
   }
 }
 
-Expected<Done> Bench::whileHeld(const Motion& motion, const Look& look, const Law& law) {
+Expected<Done> Bench::move(const Motion& motion, const Look& look, const Law& law) {
   const MotionEnd end(*person_, motion);
   if (auto held = awaitKey(motion); !held) return held;
   if (auto enabled = enable(); !enabled) return enabled;
@@ -216,12 +221,12 @@ Expected<Done> Bench::whileHeld(const Motion& motion, const Look& look, const La
 }
 
 Expected<Done> Bench::move(const Motion& motion, const Law& law) {
-  return whileHeld(
+  return move(
       motion, [](int, const wh_sample&) { return Seen::kJudge; }, law);
 }
 
 Expected<Done> Bench::rest(const Motion& motion, const Look& look) {
-  return whileHeld(motion, look, [](Now&) -> Expected<bool> { return true; });
+  return move(motion, look, [](Now&) -> Expected<bool> { return true; });
 }
 
 Expected<std::string> Bench::askWhile(
@@ -257,21 +262,38 @@ Expected<Done> Bench::home() {
 }
 
 Expected<double> Bench::dropWatchdog(double longest_s) {
+  LetGoProof proof(*model_, kPush_s + longest_s + kProve_s, kCommissioningShare);
   bool begun = false, dropped = false, let_go = false;
-  std::int64_t began_ns = 0;
+  std::int64_t began_ns = 0, let_go_ns = 0;
   double passed_s = 0.0;
+  const auto since_s = [&](std::int64_t then_ns) {
+    return static_cast<double>(clock_->now_ns() - then_ns) * 1e-9;
+  };
   const Look look = [&](int result, const wh_sample& now) {
     if (!begun) return Seen::kJudge;
+    if (let_go) return result < 0 ? Seen::kOver : Seen::kProve;
     // By the clock, because this machine may be late: the measured silence must not be too short.
-    passed_s = static_cast<double>(clock_->now_ns() - began_ns) * 1e-9;
+    passed_s = since_s(began_ns);
     if (result < 0 || passed_s > longest_s) return Seen::kOver;
     let_go = (now.status & WH_SILENCED) != 0 || (now.status & WH_ENABLED) == 0;
-    return let_go ? Seen::kOver : Seen::kJudge;
+    if (let_go) let_go_ns = clock_->now_ns();
+    return let_go ? Seen::kProve : Seen::kJudge;
   };
   const Law law = [&](Now& now) -> Expected<bool> {
+    const double sample_s = static_cast<double>(newest_.monotonic_ns) * 1e-9;
+    now.effort = proof.push(now.position);
+    if (let_go) {
+      now.silent = true;
+      if (since_s(let_go_ns) > kSettles_s) proof.see(sample_s, now.position);
+      return since_s(let_go_ns) < kProve_s;
+    }
     // Where the driver cannot stop feeding the watchdog, sending nothing has the same effect.
     now.silent = begun && !dropped;
-    if (std::exchange(begun, true)) return true;
+    if (!begun && now.taken_s > kSettles_s) proof.see(sample_s, now.position);
+    if (begun || now.taken_s < kPush_s) return true;
+    if (Diagnostics still = proof.still(); !still.empty()) return still;
+    proof.forget();
+    begun = true;
     dropped = driver_->control(WH_DROP_WATCHDOG, 0.0).ok();
     began_ns = clock_->now_ns();
     if (dropped || dynamic_cast<const HostedDriver*>(driver_) == nullptr) return true;
@@ -279,8 +301,12 @@ Expected<double> Bench::dropWatchdog(double longest_s) {
               "let the driver know WH_DROP_WATCHDOG, or commission it with --driver");
   };
   const Motion motion{Motion::What::kWatchdog, "the watchdog is pulled", "", 0.0};
-  if (auto held = whileHeld(motion, look, law); !held) return held.errors();
-  if (let_go) return passed_s;
+  if (auto held = move(motion, look, law); !held) return held.errors();
+  if (let_go) {
+    Diagnostics acting = proof.acting("after its watchdog let go");
+    if (!acting.empty()) return acting;
+    return passed_s;
+  }
   return no("", fmt::format("the drive's watchdog did not let go within {:.3f} s", longest_s),
             "switch it on in the drive: without it the last effort stays when the program dies");
 }

@@ -46,8 +46,9 @@ class Bench {
   };
   /// Called every tick; returns false when the move is done.
   using Law = std::function<Expected<bool>(Now&)>;
-  /// What is done with a sample: it is judged, waited for a better one, or the end of the move.
-  enum class Seen { kJudge, kWait, kOver };
+  /// What is done with a sample: it is judged, waited for a better one, given to the law unjudged
+  /// (the drive says that it let go), or the end of the move.
+  enum class Seen { kJudge, kWait, kProve, kOver };
   /// Sees the result and the sample of each read() before it is judged.
   using Look = std::function<Seen(int result, const wh_sample&)>;
 
@@ -61,6 +62,8 @@ class Bench {
   [[nodiscard]] Expected<Done> move(const Motion& motion, const Law& law);
   /// The same at the neutral effort, until `look` says that it is over.
   [[nodiscard]] Expected<Done> rest(const Motion& motion, const Look& look);
+  /// The same, moving by a law.
+  [[nodiscard]] Expected<Done> move(const Motion& motion, const Look& look, const Law& law);
   /// Asks the person while the device is disabled and moved by hand. Refused: the person gave up,
   /// or the device gave no sample.
   /// @param look receives every sample
@@ -71,9 +74,10 @@ class Bench {
   /// device without that verb has absolute encoders. Refused: it fails, or no sample then has
   /// WH_HOMED.
   [[nodiscard]] Expected<Done> home();
-  /// As a move: stops the feeding of the watchdog (where the driver cannot, sends nothing more),
-  /// and waits until the drive lets go. Returns that time [s]. Refused: longer than `longest_s`,
-  /// not enabled when the silence began, and what a move is refused for.
+  /// As a move: pushes every axis, stops the feeding of the watchdog (where the driver cannot,
+  /// sends nothing more), and waits until the drive lets go. Returns that time [s]. Refused: longer
+  /// than `longest_s`, not enabled when the silence began, an axis that is pushed on (LetGoProof),
+  /// and what a move is refused for.
   [[nodiscard]] Expected<double> dropWatchdog(double longest_s);
 
   /// Sets a listener, called after every effort that is sent. It must not block.
@@ -104,7 +108,6 @@ class Bench {
   [[nodiscard]] Expected<Done> awaitKey(const Motion& motion);
   [[nodiscard]] Expected<Done> keyStillHeld();
   [[nodiscard]] Expected<Done> enable();
-  [[nodiscard]] Expected<Done> whileHeld(const Motion& motion, const Look& look, const Law& law);
   [[nodiscard]] Expected<Done> guarded(const Look& look, const Law& law);
   [[nodiscard]] Expected<Done> send(const std::vector<double>& effort, HostReason let_go);
   [[nodiscard]] Expected<Done> letGo();

@@ -1,5 +1,6 @@
 // Steps that test the watchdog and the emergency stop, which act when this program cannot.
 #include "commissioning/commissioning.hpp"
+#include "commissioning/let_go_proof.hpp"
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kWatchdogSlack_s = 0.05;
 constexpr double kPressWithin_s = 20.0;
+constexpr int kProveTicks_ms = 80, kSettles_ms = 20;  // of pushing after the stop cut it off
 constexpr int kSilentLooks = 20;  // ticks without a new sample that count as silence
 
 // What the samples showed while the emergency stop was to be pressed.
@@ -18,6 +20,7 @@ struct StopSeen {
   enum What { kNever, kEnabled, kCut, kWatchdog } what = kNever;
   std::uint64_t sequence = 0;
   int ticks = 0, still = 0;  // in all; in a row without a new sample
+  int cut = 0;               // ticks since it was cut off
 };
 
 StopSeen lookAtStop(StopSeen seen, int result, const wh_sample& sample) {
@@ -49,21 +52,37 @@ Expected<Done> Commissioning::watchdog() {
   return Done{};
 }
 
-// The person holds the key and presses the stop: it is enabled under the key only, and the move
-// ends as soon as it is cut off.
+// The person holds the key and presses the stop: it is enabled under the key only. As soon as it
+// says that it is cut off it is pushed a little, and must not move.
 Expected<Done> Commissioning::emergencyStop() {
+  using Seen = Bench::Seen;
   StopSeen seen;
+  LetGoProof proof(bench_.model(), 1e-3 * kProveTicks_ms, kCommissioningShare);
   const double most_ticks = kPressWithin_s / bench_.period_s();
-  const auto rested = bench_.rest(
+  double sample_s = 0.0;
+  const auto rested = bench_.move(
       {Motion::What::kEmergencyStop, "press the emergency stop while you hold it", "", 0.0},
       [&](int result, const wh_sample& sample) {
-        using Seen = Bench::Seen;
+        sample_s = static_cast<double>(sample.monotonic_ns) * 1e-9;
+        if (seen.what == StopSeen::kCut) return result < 0 ? Seen::kOver : Seen::kProve;
         seen = lookAtStop(seen, result, sample);
-        if (seen.what == StopSeen::kCut || seen.what == StopSeen::kWatchdog) return Seen::kOver;
+        if (seen.what == StopSeen::kCut) return Seen::kProve;
+        if (seen.what == StopSeen::kWatchdog) return Seen::kOver;
         if (seen.still >= kSilentLooks || seen.ticks > most_ticks) return Seen::kOver;
         return seen.still > 0 ? Seen::kWait : Seen::kJudge;
+      },
+      [&](Bench::Now& now) -> Expected<bool> {
+        if (seen.what != StopSeen::kCut) return true;
+        now.effort = proof.push(now.position);
+        const double pushed_ms = 1e3 * bench_.period_s() * ++seen.cut;
+        if (pushed_ms > kSettles_ms) proof.see(sample_s, now.position);
+        return pushed_ms < kProveTicks_ms;
       });
   if (!rested) return rested;
+  if (seen.what == StopSeen::kCut) {
+    Diagnostics acting = proof.acting("while the emergency stop is pressed");
+    if (!acting.empty()) return acting;
+  }
   const auto refuse = [](const char* why, const char* remedy) {
     return Diagnostic{"", 0, "step", "emergency-stop", why, remedy};
   };

@@ -376,6 +376,25 @@ TEST(EmergencyStop, ThatNobodyPressedWhileTheWatchdogLetGo_IsNotTakenForPressed)
   EXPECT_EQ(said(s.commissioning->carryOut(Step::kEmergencyStop)), "");
 }
 
+// What they say is not asked: each axis is pushed, and must not be any more.
+TEST(LastResorts, OfADriveThatChangesOnlyBits_AreRefusedByTheMotionOfEachAxis) {
+  for (const Step step : {Step::kWatchdog, Step::kEmergencyStop}) {
+    for (const char* axis : {"x", "y", "z"}) {
+      Spoiled spoiled;
+      spoiled.axis = axis;
+      spoiled.watchdog_bit = step == Step::kWatchdog;
+      spoiled.stop_bit = step == Step::kEmergencyStop;
+      Session s("desktop-3axis", spoiled);
+      ASSERT_EQ(said(s.upTo(static_cast<Step>(static_cast<int>(step) - 1))), "");
+      const std::string why = said(s.commissioning->carryOut(step));
+      EXPECT_TRUE(says(why, std::string(axis))) << why;
+      EXPECT_TRUE(says(why, "is still pushed")) << stepName(step) << " " << axis;
+      EXPECT_FALSE(s.device.enabled());
+      EXPECT_LE(s.bench->largestShare(), 0.2 + 1e-12);
+    }
+  }
+}
+
 // At the neutral effort, too, the device's own speed limit is the law.
 TEST(RunawayDevice, WhileTheWatchdogOrTheStopIsTried_IsDisabledAtItsSpeedLimitAndRefused) {
   constexpr double kRuns_m_s2 = 60.0;

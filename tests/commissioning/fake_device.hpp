@@ -23,6 +23,7 @@ struct Spoiled {
   double hidden_weight = 0.0;       ///< that its file does not state, of its effort limit
   bool stop_says_silenced = false;  ///< not enabled any more once its watchdog has let go
   bool deaf_home = false;           ///< WH_HOME fails
+  bool watchdog_bit = false, stop_bit = false;  ///< only its bits change, the axis is pushed on
   bool no_watchdog = false, no_stop_button = false, anonymous = false, cannot_drop = false;
 };
 
@@ -79,7 +80,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     if (verb == WH_ENABLE || verb == WH_DISABLE) {
       enabled_ = verb == WH_ENABLE;
       silent_s_ = -1.0;
-      dropped_ = silenced_ = false;
+      dropped_ = silenced_ = cut_ = false;
       sent_.assign(sent_.size(), 0.0);
     }
     if (verb == WH_DROP_WATCHDOG) {
@@ -107,7 +108,8 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     return WH_OK;
   }
   [[nodiscard]] int write(const wh_command& command) noexcept override {
-    if (!enabled_) return WH_FAILED;
+    if (!enabled_ && !(cut_ && spoiled_.stop_bit)) return WH_FAILED;
+    if (silenced_) return WH_OK;
     if (!dropped_) silent_s_ = 0.0;
     for (std::size_t d = 0; d < order_.size(); ++d) sent_[order_[d]] = command.effort[d];
     return WH_OK;
@@ -116,13 +118,20 @@ class FakeDevice final : public DeviceDriver, public TickClock {
   // TickClock
   void waitForTick() override {
     now_ += std::llround(1e9 * period_s_) + std::exchange(late_ns, 0);
-    if (stop_pressed && !spoiled_.no_stop_button) enabled_ = false;
+    if (stop_pressed && enabled_ && !spoiled_.no_stop_button) {
+      enabled_ = false;
+      cut_ = true;
+      if (!spoiled_.stop_bit) sent_.assign(sent_.size(), 0.0);
+    }
     if (silent_s_ >= 0.0) silent_s_ += period_s_;
     if (silent_s_ > 0.02 && !spoiled_.no_watchdog) silenced_ = true;
     acting.assign(sent_.size(), 0.0);
-    for (std::size_t i = 0; i < sent_.size() && enabled_ && !silenced_; ++i) {
+    for (std::size_t i = 0; i < sent_.size(); ++i) {
       const DeviceAxis& a = model_.axes[i];
       const bool it = a.name == spoiled_.axis;
+      const bool bit_only =
+          it && ((silenced_ && spoiled_.watchdog_bit) || (cut_ && spoiled_.stop_bit));
+      if ((!enabled_ || silenced_) && !bit_only) continue;
       std::size_t to = i;
       if (it && !spoiled_.swapped_with.empty()) to = indexOf(spoiled_.swapped_with);
       if (a.name == spoiled_.swapped_with) to = indexOf(spoiled_.axis);
@@ -181,7 +190,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
   std::vector<std::size_t> order_;  ///< axis of the driver → axis of the file
   std::vector<wh_axis> axes_;
   std::vector<double> sent_;
-  bool enabled_ = false, dropped_ = false, silenced_ = false;
+  bool enabled_ = false, dropped_ = false, silenced_ = false, cut_ = false;
   double silent_s_ = -1.0;
   std::int64_t now_ = 1'000'000;
   std::uint64_t samples_ = 0;
