@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kKeyWithin_s = 60.0;
 constexpr double kKeySeen_s = 0.15;  // until a held key is seen again
-constexpr double kPush_s = 0.06;     // before the watchdog is dropped
+constexpr double kPush_s = 0.06;     // before the watchdog is dropped, at least
+constexpr double kLongestPush_s = 0.5;
 constexpr double kProve_s = 0.08;    // after it let go
 constexpr double kSettles_s = 0.02;  // at the beginning of each: delay and ramp
 constexpr int kRefusedWrites = 20;   // ticks in which a sample may say why
@@ -265,7 +266,7 @@ Expected<double> Bench::dropWatchdog(double longest_s) {
   LetGoProof proof(*model_, kPush_s + longest_s + kProve_s, kCommissioningShare);
   bool begun = false, dropped = false, let_go = false;
   std::int64_t began_ns = 0, let_go_ns = 0;
-  double passed_s = 0.0;
+  double passed_s = 0.0, prove_s = kProve_s;
   const auto since_s = [&](std::int64_t then_ns) {
     return static_cast<double>(clock_->now_ns() - then_ns) * 1e-9;
   };
@@ -285,12 +286,14 @@ Expected<double> Bench::dropWatchdog(double longest_s) {
     if (let_go) {
       now.silent = true;
       if (since_s(let_go_ns) > kSettles_s) proof.see(sample_s, now.position);
-      return since_s(let_go_ns) < kProve_s;
+      return since_s(let_go_ns) < prove_s;
     }
     // Where the driver cannot stop feeding the watchdog, sending nothing has the same effect.
     now.silent = begun && !dropped;
     if (!begun && now.taken_s > kSettles_s) proof.see(sample_s, now.position);
     if (begun || now.taken_s < kPush_s) return true;
+    if (!proof.moved() && now.taken_s < kLongestPush_s) return true;
+    prove_s = std::max(kProve_s, now.taken_s);  // as long as it took to see a push
     if (Diagnostics still = proof.still(); !still.empty()) return still;
     proof.forget();
     begun = true;

@@ -13,6 +13,7 @@ constexpr double kOfSpeed = 0.5, kOfRange = 0.25;
 constexpr double kOverFriction = 2.5;        // dry friction, times
 constexpr double kActs = 0.5, kMoves = 0.3;  // of the push
 constexpr std::size_t kLeastPlaces = 8;
+constexpr double kStepsMoved = 15.0;
 
 }  // namespace
 
@@ -37,6 +38,15 @@ const std::vector<double>& LetGoProof::push(const std::vector<double>& position)
 
 void LetGoProof::see(double at_s, const std::vector<double>& position) {
   if (seen_.empty() || at_s > seen_.back().at_s) seen_.push_back({at_s, position});
+}
+
+bool LetGoProof::moved() const {
+  for (std::size_t i = 0; i < push_.size(); ++i) {
+    if (seen_.empty()) return false;
+    const double gone = seen_.back().position[i] - seen_.front().position[i];
+    if (std::abs(gone) < kStepsMoved * model_->axes[i].encoder_step) return false;
+  }
+  return true;
 }
 
 // By a parabola through all places.

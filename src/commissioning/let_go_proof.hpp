@@ -25,6 +25,8 @@ class LetGoProof {
   /// The next part begins.
   void forget() { seen_.clear(); }
 
+  /// Whether every axis has moved by enough steps of its encoder to be judged.
+  [[nodiscard]] bool moved() const;
   /// Axes that the push did not move: nothing would show whether it ends.
   [[nodiscard]] Diagnostics still() const;
   /// Axes on which more than half of the push acts.
