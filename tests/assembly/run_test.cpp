@@ -353,6 +353,26 @@ TEST(MeasuredDevice, TankCountsOnTheLowerEndOfItsDamping) {
   }
 }
 
+// One proven device for every part: ADR 73.
+TEST(MeasuredDevice, TankAndSupervisor_GoByTheWorstOfFileAndPassport) {
+  const Models models = load(shippedFiles("lambda-pride", "four-shapes"));
+  Passport passport = passportOf(models.device);
+  for (PassportAxis& axis : passport.axes) {
+    axis.resolution *= 10.0;
+    axis.delay_s = {3.9e-3, 4.0e-3};
+    axis.mass = {0.25 * axis.mass.lower, axis.mass.upper};
+  }
+  const auto rig = measuredRig(passport);
+  const SafetyConfig& safety = rig->renderer->config().safety;
+  EXPECT_EQ(safety.tank.delay_ticks, 4);
+  const EnergyTankConfig worst =
+      makeEnergyTank(worstCorners(models.device, passport, 1e-3)[0], 1e-3, 1.0);
+  for (int i = 0; i < safety.tank.axes; ++i) {
+    EXPECT_EQ(safety.supervisor.encoder_step[i], passport.axes[i].resolution);
+    EXPECT_DOUBLE_EQ(safety.tank.most_damping[i], worst.most_damping[i]);
+  }
+}
+
 TEST(MeasuredDevice, DampingAboveTheFiles_ProvesNoMoreThanTheFileStates) {
   const Models models = load(shippedFiles("lambda-pride", "four-shapes"));
   Passport passport = passportOf(models.device);

@@ -1,5 +1,6 @@
 // A device host and its loop over shared memory.
 #include "core/sanitized.hpp"
+#include "device/plain_driver.hpp"
 #include "hosted_tools.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/system_call_counter.hpp"
@@ -17,6 +18,22 @@ void armAnewWhereLatched(HostThread& host, HapticDevice& device) {
   device.close();
   ASSERT_TRUE(openEnabled(device));
 }
+
+/// The spoiled driver's axes, from another maker, who says no serial number.
+class CarryingDriver final : public PlainDriver {
+ public:
+  CarryingDriver() : PlainDriver({"z", "y", "x", "w"}, plainAxis()) {}
+  [[nodiscard]] bool enablesAtNeutral() const noexcept override { return true; }
+  [[nodiscard]] int read(wh_sample& sample) noexcept override {
+    sample.sequence = ++samples_;
+    sample.monotonic_ns = monotonicNow_ns();
+    return WH_OK;
+  }
+  [[nodiscard]] int write(const wh_command&) noexcept override { return WH_OK; }
+
+ private:
+  std::uint64_t samples_ = 0;
+};
 
 TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   const std::string name = hostName("order");
@@ -69,6 +86,28 @@ TEST(HostedDevice, OtherNeutralEffortThanTheHosts_IsRefusedWithTheAxis) {
   const Diagnostics said = hosted->differences(other);
   ASSERT_EQ(said.size(), 1U);
   EXPECT_EQ(said.front().value, "z");
+}
+
+// What was checked is what is armed: a name says nothing of the device behind it.
+TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
+  const std::string name = hostName("again");
+  auto host = std::make_unique<HostThread>(name, spoiled(""), desktop());
+  const auto hosted = orThrow(HostedDriver::connect(name));
+  const std::string serial = hosted->identity().serial, digest = hosted->identity().driver_sha256;
+  EXPECT_EQ(digest.size(), 64U);
+  host.reset();
+  EXPECT_FALSE(openEnabled(*deviceOf(hosted))) << "nobody looked at what comes";
+  DeviceModel other = desktop();
+  other.axes[2].neutral_effort = 1.5;
+  other.axes[2].effort_limit = 2.0;
+  HostThread second(name, std::make_shared<CarryingDriver>(), other);
+  ASSERT_TRUE(hosted->reconnect());
+  EXPECT_NE(hosted->identity().serial, serial);
+  EXPECT_NE(hosted->identity().driver_sha256, digest);
+  const Diagnostics said = hosted->differences(desktop());
+  ASSERT_EQ(said.size(), 2U) << format(said);
+  EXPECT_NE(said[0].problem.find("neutral effort"), std::string::npos);
+  EXPECT_NE(said[1].problem.find("effort limit"), std::string::npos);
 }
 
 TEST(HostedDevice, DriverThatMayWait_IsTakenByTheHostOnly) {

@@ -6,6 +6,7 @@
 #include "device/plugin/plugin_driver.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "spoiled_places.hpp"
+#include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"
 #include "support/seed.hpp"
@@ -14,6 +15,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <set>
 
 namespace wholehand::test {
 namespace {
@@ -59,6 +62,38 @@ TEST(PluginDriver, ThatKnowsItsDevice_SaysSerialFirmwareAndSdk) {
   EXPECT_EQ(driver->identity().firmware, "1.0");
   EXPECT_EQ(driver->identity().sdk, "7");
   EXPECT_EQ(orThrow(loadSpoiled("anonymous"))->identity().serial, "");
+}
+
+// A passport is of everything of this machine between an effort and the motor.
+TEST(PluginDriver, AnotherFileSettingOrFileThatTheSettingsName_HasAnotherDigest) {
+  const Folder folder;
+  const auto digest = [](const std::string& driver, const std::string& settings) {
+    return orThrow(PluginDriver::load({driverFile(driver), "", settings}))
+        ->identity()
+        .driver_sha256;
+  };
+  const std::string map = folder.file("map.toml");
+  std::ofstream(map) << "gear = 1";
+  const std::string first = digest("spoiled", map);
+  EXPECT_EQ(digest("spoiled", map), first);
+  std::set<std::string> all = {first, digest("spoiled", "gear=1"), digest("spoiled", "gear=-3"),
+                               digest("older", "gear=1")};
+  std::ofstream(map) << "gear = -3";
+  all.insert(digest("spoiled", map));
+  EXPECT_EQ(all.size(), 5U);
+}
+
+TEST(PluginDevice, WithoutAClearance_IsNotArmedWhereItMayMoveAPerson) {
+  const auto refusalOf = [](std::optional<Clearance> clearance) {
+    Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
+    auto device = orThrow(
+        PluginDevice::make(orThrow(loadSpoiled("")), models.device, 1e-3, std::move(clearance)));
+    const auto rig = orThrow(buildRig(std::move(models), std::move(device), {}));
+    return rig->renderer->arm();
+  };
+  EXPECT_TRUE(refusedWith(refusalOf(std::nullopt), "passport"));
+  EXPECT_TRUE(refusedWith(refusalOf(Clearance::withoutPassport()), "nothing was rehearsed"))
+      << "the next gate";
 }
 
 TEST(PluginDriver, BuiltWithTheHeaderOf1_0_WorksAndIsNotAskedWhoItIs) {
