@@ -311,6 +311,6 @@ static void close_device(wh_device* device) {
 const wh_plugin* wh_plugin_v1(void) {
   static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR,      WH_MINOR,    WH_NEVER_WAITS,
                                    "broken rails",    open_device,   describe,    control,
-                                   read_sample,       write_command, close_device, NULL};
+                                   read_sample,       write_command, close_device, NULL, NULL};
   return &plugin;
 }
