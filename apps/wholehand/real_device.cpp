@@ -42,7 +42,7 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
   }
   const auto model = loadDeviceFile(options.files.device);
   if (!model) return model.errors();
-  const auto passport = clearToArm(driver.identity(), *model, today());
+  const auto passport = clearToArm(driver.identity(), *model, placeTimeNow());
   if (!passport) return passport.errors();
   config.rig.measured = worstCorners(*model, *passport, config.rig.period_s);
   config.rig.passport = passport->sha256;
@@ -55,7 +55,7 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
 Expected<Done> stillCleared(const DeviceDriver& driver, const DeviceModel& model,
                             const std::string& armed_with) {
   if (armed_with == kWithout) return Done{};
-  const auto passport = clearToArm(driver.identity(), model, today());
+  const auto passport = clearToArm(driver.identity(), model, placeTimeNow());
   if (!passport) return passport.errors();
   if (passport->sha256 == armed_with) return Done{};
   return Diagnostic{

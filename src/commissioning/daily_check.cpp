@@ -12,6 +12,25 @@ namespace {
 constexpr const char* kCommission = "commission it: wholehand device commission";
 constexpr const char* kCheck = "do today's check: wholehand device commission --daily";
 
+Expected<Done> judgeTime(const PlaceTime& done, const std::string& path, const PlaceTime& now) {
+  const auto no = [&](const std::string& why, const char* remedy) {
+    return Diagnostic{path, 0, "done_at", format(done), why, remedy};
+  };
+  if (done.at > now.at) {
+    return no(fmt::format("lies in the future: it is {}. The clock was set back, or was wrong",
+                          format(now)),
+              "set this machine's clock, and check again");
+  }
+  if (done.day() != now.day()) {
+    return no("the device was not checked today, " + format(now.day()), kCheck);
+  }
+  if (now.at - done.at > kCheckLasts) {
+    return no(fmt::format("today's check has expired: it lasts {} hours", kCheckLasts.count()),
+              kCheck);
+  }
+  return Done{};
+}
+
 }  // namespace
 
 std::string dailyCheckPath(const std::string& device_file, const std::string& serial) {
@@ -21,9 +40,9 @@ std::string dailyCheckPath(const std::string& device_file, const std::string& se
 std::string dailyCheckText(const DailyCheck& check) {
   return seal(fmt::format(
       "# The two-minute check: zero, signs, watchdog, emergency stop. Do not edit: do it again.\n"
-      "kind = \"device-check\"\nversion = 1\ndone_on = \"{}\"\noperator = {}\n"
+      "kind = \"device-check\"\nversion = 1\ndone_at = \"{}\"\noperator = {}\n"
       "passport_sha256 = \"{}\"\n\n",
-      format(check.done_on), quoted(check.operator_name), check.passport_sha256));
+      format(check.done_at), quoted(check.operator_name), check.passport_sha256));
 }
 
 Expected<DailyCheck> readDailyCheck(const std::string& path) {
@@ -32,7 +51,7 @@ Expected<DailyCheck> readDailyCheck(const std::string& path) {
   if (!file.readable()) return file.finish();
   TomlTable& root = file.root();
   DailyCheck check;
-  check.done_on = readDay(root, "done_on");
+  check.done_at = readTime(root, "done_at");
   check.operator_name = root.text("operator");
   check.passport_sha256 = root.text("passport_sha256");
   (void)root.table("seal").text("sha256");
@@ -40,7 +59,8 @@ Expected<DailyCheck> readDailyCheck(const std::string& path) {
   return check;
 }
 
-Expected<Passport> clearToArm(const DriverIdentity& identity, const DeviceModel& model, Day day) {
+Expected<Passport> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
+                              const PlaceTime& now) {
   if (identity.serial.empty()) {
     return Diagnostic{model.path,
                       0,
@@ -56,7 +76,7 @@ Expected<Passport> clearToArm(const DriverIdentity& identity, const DeviceModel&
   }
   Expected<Passport> passport = readPassport(path);
   if (!passport) return passport;
-  if (auto fits = checkPassport(*passport, identity, model, day); !fits) return fits.errors();
+  if (auto fits = checkPassport(*passport, identity, model, now); !fits) return fits.errors();
 
   const std::string check_path = dailyCheckPath(model.path, identity.serial);
   if (!std::filesystem::exists(check_path)) {
@@ -64,14 +84,7 @@ Expected<Passport> clearToArm(const DriverIdentity& identity, const DeviceModel&
   }
   const Expected<DailyCheck> check = readDailyCheck(check_path);
   if (!check) return check.errors();
-  if (check->done_on != day) {
-    return Diagnostic{check_path,
-                      0,
-                      "done_on",
-                      format(check->done_on),
-                      "the device was not checked today, " + format(day),
-                      kCheck};
-  }
+  if (auto timely = judgeTime(check->done_at, check_path, now); !timely) return timely.errors();
   if (check->passport_sha256 != passport->sha256) {
     return Diagnostic{
         check_path, 0, "passport_sha256", "", "today's check was done with another passport",
