@@ -29,7 +29,7 @@ StationConfig configOf(const std::string& config, const std::shared_ptr<PluginDr
   out.make_player = makeMotionPlayer;
   out.make_device = [driver](const DeviceModel& model) {
     // rails.so computes its device. A real one is shown to be commissioned and checked today:
-    // clearToArm(driver->identity(), model, 1.0 / kPeriod_s, today()).
+    // clearToArm(driver->identity(), model, 1.0 / kPeriod_s, placeTimeNow()).
     return PluginDevice::make(driver, model, kPeriod_s, Clearance::withoutPassport());
   };
   out.log = [](const std::string& line) { std::printf("%s\n", line.c_str()); };

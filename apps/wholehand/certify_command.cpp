@@ -83,7 +83,7 @@ Expected<std::vector<DeviceModel>> judgedDevices(const CertifyOptions& o,
   const auto passport = readPassport(o.passport);
   if (!passport) return passport.errors();
   // The connected device is unknown here: `run` checks it.
-  if (auto fits = checkPassport(*passport, passport->identity, device, today()); !fits) {
+  if (auto fits = checkPassport(*passport, passport->identity, device, placeTimeNow()); !fits) {
     return fits.errors();
   }
   return worstCorners(device, *passport, 1.0 / o.rate_hz);

@@ -59,7 +59,7 @@ Expected<std::shared_ptr<DeviceDriver>> openDriver(const CommissionOptions& opti
 CommissioningPlan planOf(const CommissionOptions& options) {
   CommissioningPlan plan;
   plan.operator_name = options.operator_name;
-  plan.day = today();
+  plan.now = placeTimeNow;
   plan.write = writeText;
   plan.draw = writeCharts;
   return plan;

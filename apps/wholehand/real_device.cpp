@@ -42,7 +42,8 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
   }
   const auto model = loadDeviceFile(options.files.device);
   if (!model) return model.errors();
-  const auto cleared = clearToArm(driver.identity(), *model, 1.0 / config.rig.period_s, today());
+  const auto cleared =
+      clearToArm(driver.identity(), *model, 1.0 / config.rig.period_s, placeTimeNow());
   if (!cleared) return cleared.errors();
   const Passport& passport = cleared->passport;
   config.rig.measured = worstCorners(*model, passport, config.rig.period_s);
@@ -57,7 +58,7 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
 Expected<Clearance> stillCleared(const DeviceDriver& driver, const DeviceModel& model,
                                  const std::string& armed_with, double period_s) {
   if (armed_with == kWithout) return Clearance::withoutPassport();
-  const auto cleared = clearToArm(driver.identity(), model, 1.0 / period_s, today());
+  const auto cleared = clearToArm(driver.identity(), model, 1.0 / period_s, placeTimeNow());
   if (!cleared) return cleared.errors();
   if (cleared->clearance.passport() == armed_with) return cleared->clearance;
   return Diagnostic{

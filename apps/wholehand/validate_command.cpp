@@ -232,7 +232,7 @@ class Validation {
     if (!add(passport)) return {};
     std::string remark =
         fmt::format("    {}, serial number {}, measured {}\n", printable(passport->device),
-                    printable(passport->identity.serial), format(passport->measured_on));
+                    printable(passport->identity.serial), format(passport->measured_at.day()));
     const std::string device_file = onlyOr("device", "");
     if (!named(device_file))
       return remark + "    (name its device file beside it to hold it against that)\n";
@@ -241,7 +241,7 @@ class Validation {
       faulty_device_ = device_file;
       return {};
     }
-    if (auto fits = checkPassport(*passport, passport->identity, *device, today()); !fits) {
+    if (auto fits = checkPassport(*passport, passport->identity, *device, placeTimeNow()); !fits) {
       add(fits.errors());
     }
     return remark;

@@ -4,7 +4,7 @@
 ///
 ///   auto driver = wholehand::PluginDriver::load({"./rails.so", "", ""});
 ///   auto cleared = wholehand::clearToArm((*driver)->identity(), models->device, 1000.0,
-///                                        wholehand::today());
+///                                        wholehand::placeTimeNow());
 ///   auto device = wholehand::PluginDevice::make(*driver, models->device, 1e-3,
 ///   cleared->clearance); auto rig = wholehand::buildRig(*models, std::move(*device), options);
 ///

@@ -36,7 +36,6 @@ Commissioning::Commissioning(Bench& bench, CommissioningPlan plan)
   passport_.driver = bench_.driver().name();
   passport_.device = model.name;
   passport_.operator_name = plan_.operator_name;
-  passport_.measured_on = plan_.day;
   passport_.rate_hz = 1.0 / bench_.period_s();
   for (const DeviceAxis& a : model.axes) {
     PassportAxis measured;
@@ -201,6 +200,7 @@ Expected<Done> Commissioning::write() {
   const auto file = readWhole(bench_.model().path);
   if (!file) return file.errors();
   passport_.device_sha256 = sha256(*file);
+  passport_.measured_at = plan_.now();
   if (auto kept = plan_.write(path_, passportText(passport_)); !kept) return kept;
   tell("The passport is written: " + path_);
   const std::string charts = std::filesystem::path(path_).replace_extension(".html").string();
@@ -236,7 +236,7 @@ Expected<Done> Commissioning::motorSigns() {
 Expected<Passport> Commissioning::passportInForce() const {
   auto kept = readPassport(path_);
   if (!kept) return kept.errors();
-  if (auto fits = checkPassport(*kept, bench_.driver().identity(), bench_.model(), plan_.day);
+  if (auto fits = checkPassport(*kept, bench_.driver().identity(), bench_.model(), plan_.now());
       !fits) {
     return fits.errors();
   }
@@ -257,7 +257,7 @@ Expected<Done> Commissioning::checkToday() {
   if (auto good = told(CommissioningStep::kEmergencyStop, [&] { return emergencyStop(); }); !good) {
     return good;
   }
-  const DailyCheck check{kept->sha256, plan_.operator_name, plan_.day};
+  const DailyCheck check{kept->sha256, plan_.operator_name, plan_.now()};
   const std::string path = dailyCheckPath(model.path, passport_.identity.serial);
   if (auto written = plan_.write(path, dailyCheckText(check)); !written) {
     tell(format(written.errors()));

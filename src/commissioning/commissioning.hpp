@@ -32,8 +32,8 @@ inline constexpr int kCommissioningSteps = 11;
 
 struct CommissioningPlan {
   std::string operator_name;
-  Day day{};
-  double measure_s = 20.0;  ///< duration of the measurement of an axis
+  std::function<PlaceTime()> now;  ///< the clock and the place
+  double measure_s = 20.0;         ///< duration of the measurement of an axis
   /// Writes the passport; tests write it elsewhere.
   std::function<Expected<Done>(const std::string& path, const std::string& text)> write;
   /// Writes the passport's chart page.

@@ -14,6 +14,25 @@ namespace {
 constexpr const char* kCommission = "commission it: wholehand device commission";
 constexpr const char* kCheck = "do today's check: wholehand device commission --daily";
 
+Expected<Done> judgeTime(const PlaceTime& done, const std::string& path, const PlaceTime& now) {
+  const auto no = [&](const std::string& why, const char* remedy) {
+    return Diagnostic{path, 0, "done_at", format(done), why, remedy};
+  };
+  if (done.at > now.at) {
+    return no(fmt::format("lies in the future: it is {}. The clock was set back, or was wrong",
+                          format(now)),
+              "set this machine's clock, and check again");
+  }
+  if (done.day() != now.day()) {
+    return no("the device was not checked today, " + format(now.day()), kCheck);
+  }
+  if (now.at - done.at > kCheckLasts) {
+    return no(fmt::format("today's check has expired: it lasts {} hours", kCheckLasts.count()),
+              kCheck);
+  }
+  return Done{};
+}
+
 }  // namespace
 
 std::string dailyCheckPath(const std::string& device_file, const std::string& serial) {
@@ -23,9 +42,9 @@ std::string dailyCheckPath(const std::string& device_file, const std::string& se
 std::string dailyCheckText(const DailyCheck& check) {
   return seal(fmt::format(
       "# The two-minute check: zero, signs, watchdog, emergency stop. Do not edit: do it again.\n"
-      "kind = \"device-check\"\nversion = 1\ndone_on = \"{}\"\noperator = {}\n"
+      "kind = \"device-check\"\nversion = 1\ndone_at = \"{}\"\noperator = {}\n"
       "passport_sha256 = \"{}\"\n\n",
-      format(check.done_on), quoted(check.operator_name), check.passport_sha256));
+      format(check.done_at), quoted(check.operator_name), check.passport_sha256));
 }
 
 Expected<DailyCheck> readDailyCheck(const std::string& path) {
@@ -34,7 +53,7 @@ Expected<DailyCheck> readDailyCheck(const std::string& path) {
   if (!file.readable()) return file.finish();
   TomlTable& root = file.root();
   DailyCheck check;
-  check.done_on = readDay(root, "done_on");
+  check.done_at = readTime(root, "done_at");
   check.operator_name = root.text("operator");
   check.passport_sha256 = root.text("passport_sha256");
   (void)root.table("seal").text("sha256");
@@ -43,7 +62,7 @@ Expected<DailyCheck> readDailyCheck(const std::string& path) {
 }
 
 Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
-                             double rate_hz, Day day) {
+                             double rate_hz, const PlaceTime& now) {
   if (identity.serial.empty()) {
     return Diagnostic{model.path,
                       0,
@@ -59,7 +78,7 @@ Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& 
   }
   Expected<Passport> passport = readPassport(path);
   if (!passport) return passport.errors();
-  if (auto fits = checkPassport(*passport, identity, model, day); !fits) return fits.errors();
+  if (auto fits = checkPassport(*passport, identity, model, now); !fits) return fits.errors();
   if (std::abs(passport->rate_hz - rate_hz) > 1e-6 * rate_hz) {
     return Diagnostic{
         path,
@@ -76,14 +95,7 @@ Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& 
   }
   const Expected<DailyCheck> check = readDailyCheck(check_path);
   if (!check) return check.errors();
-  if (check->done_on != day) {
-    return Diagnostic{check_path,
-                      0,
-                      "done_on",
-                      format(check->done_on),
-                      "the device was not checked today, " + format(day),
-                      kCheck};
-  }
+  if (auto timely = judgeTime(check->done_at, check_path, now); !timely) return timely.errors();
   if (check->passport_sha256 != passport->sha256) {
     return Diagnostic{
         check_path, 0, "passport_sha256", "", "today's check was done with another passport",

@@ -3,17 +3,21 @@
 #include "commissioning/passport.hpp"
 #include "device/plugin/clearance.hpp"
 
+#include <chrono>
 #include <string>
 #include <utility>
 
 namespace wholehand {
+
+/// A check opens the device on the place's day on which it was done, and no longer than this.
+inline constexpr std::chrono::hours kCheckLasts{12};
 
 /// Daily check of a device with a passport: zero, signs, watchdog and emergency stop. Written only
 /// if all four passed.
 struct DailyCheck {
   std::string passport_sha256;  ///< of the passport used
   std::string operator_name;
-  Day done_on{};
+  PlaceTime done_at;
 };
 
 /// mine.toml and serial S-1 make mine.S-1.check.toml.
@@ -26,7 +30,7 @@ struct DailyCheck {
 /// kind.
 [[nodiscard]] Expected<DailyCheck> readDailyCheck(const std::string& path);
 
-/// A passport that is valid for a device today, and the proof of it.
+/// A passport that is valid for a device now, and the proof of it.
 struct Cleared {
   explicit Cleared(Passport valid) : passport(std::move(valid)), clearance(passport.sha256) {}
   Passport passport;
@@ -34,10 +38,11 @@ struct Cleared {
 };
 
 /// Verifies that a real device may be armed. It needs a passport valid for this device, this file
-/// this rate and this day, and a check of this day done with that passport. Refused, each with its
-/// remedy: no serial number, no passport, a passport that readPassport() or checkPassport()
-/// refuses, no check, a check of another day or passport.
+/// and this rate now, and a check done with that passport on this day of the place, within
+/// kCheckLasts. Refused, each with its remedy: no serial number, no passport, a passport that
+/// readPassport() or checkPassport() refuses, no check, a check of another day or passport, an
+/// expired one, and one of the future: the clock was set back.
 [[nodiscard]] Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
-                                           double rate_hz, Day day);
+                                           double rate_hz, const PlaceTime& now);
 
 }  // namespace wholehand

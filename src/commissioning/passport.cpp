@@ -78,9 +78,9 @@ std::string passportPath(const std::string& device_file, const std::string& seri
 std::string passportText(const Passport& p) {
   std::string out = fmt::format(
       "# Measured by `wholehand device commission`. Do not edit: measure again.\n"
-      "kind = \"passport\"\nversion = 1\nmeasured_on = \"{}\"\noperator = {}\n"
+      "kind = \"passport\"\nversion = 1\nmeasured_at = \"{}\"\noperator = {}\n"
       "device = {}\ndevice_sha256 = \"{}\"\nrate_hz = {:.9g}\n",
-      format(p.measured_on), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz);
+      format(p.measured_at), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz);
   const std::array<std::pair<const char*, std::string>, 5> known = {
       {{"driver", p.driver},
        {"driver_sha256", p.identity.driver_sha256},
@@ -103,7 +103,7 @@ Expected<Passport> readPassport(const std::string& path) {
   Passport p;
   p.path = path;
   p.sha256 = *digest;
-  p.measured_on = readDay(root, "measured_on");
+  p.measured_at = readTime(root, "measured_at");
   p.operator_name = root.text("operator");
   p.driver = root.text("driver", "");
   p.identity = {root.text("serial"), root.text("firmware", ""), root.text("sdk", ""),
@@ -125,7 +125,7 @@ bool sameAxes(const Passport& passport, const DeviceModel& model) {
 }
 
 Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
-                             const DeviceModel& model, Day day) {
+                             const DeviceModel& model, const PlaceTime& now) {
   Diagnostics out;
   const std::array<std::array<std::string, 3>, 3> parts = {
       {{"serial", p.identity.serial, identity.serial},
@@ -148,12 +148,14 @@ Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
   } else if (!sameAxes(p, model)) {
     out.push_back({p.path, 0, "axes", "", "are not those of the device file", kRemedy});
   }
-  if (day < p.measured_on) {
-    out.push_back({p.path, 0, "measured_on", format(p.measured_on),
-                   "lies in the future: today is " + format(day), "set this machine's clock"});
-  } else if (day - p.measured_on > kPassportLasts) {
+  if (now.at < p.measured_at.at) {
+    out.push_back({p.path, 0, "measured_at", format(p.measured_at),
+                   fmt::format("lies in the future: it is {}. The clock was set back, or was wrong",
+                               format(now)),
+                   "set this machine's clock"});
+  } else if (now.at - p.measured_at.at > kPassportLasts) {
     out.push_back(
-        {p.path, 0, "measured_on", format(p.measured_on),
+        {p.path, 0, "measured_at", format(p.measured_at),
          fmt::format("the passport has expired: it lasts {} days", kPassportLasts.count()),
          kRemedy});
   }

@@ -35,7 +35,7 @@ struct Passport {
   std::string device;         ///< name in the device file
   std::string device_sha256;  ///< of the device file's bytes
   std::string operator_name;
-  Day measured_on{};
+  PlaceTime measured_at;
   double rate_hz = 1000.0;  ///< tick rate of the measurement
   std::vector<PassportAxis> axes;
   std::string sha256;  ///< digest of the passport itself; empty if not read from a file
@@ -55,11 +55,11 @@ struct Passport {
 /// True if the passport has the axes of this device, in order and kind.
 [[nodiscard]] bool sameAxes(const Passport& passport, const DeviceModel& model);
 
-/// Verifies that the passport is valid for this device and file today. Refused, each by name:
+/// Verifies that the passport is valid for this device and file now. Refused, each by name:
 /// another serial, firmware, SDK, driver or setting of it, a device file changed since, differing
 /// axes, a passport older than kPassportLasts or from the future.
 [[nodiscard]] Expected<Done> checkPassport(const Passport& passport, const DriverIdentity& identity,
-                                           const DeviceModel& model, Day day);
+                                           const DeviceModel& model, const PlaceTime& now);
 
 /// The device at the worst corners of the measurement, for the certificate: least damping and dry
 /// friction, longest delay and coarsest position, with every mass at its lower and at its upper

@@ -42,7 +42,7 @@ ChartPage passportChart(const Passport& passport, const DeviceModel& device) {
   ChartPage page;
   page.title =
       sentence("passport.title", {{"device", device.name}, {"serial", passport.identity.serial}});
-  page.notes = {sentence("passport.measured", {{"day", format(passport.measured_on)},
+  page.notes = {sentence("passport.measured", {{"day", format(passport.measured_at.day())},
                                                {"operator", passport.operator_name}}),
                 sentence("passport.note")};
   const double delay_s = device.output_delay_ticks / passport.rate_hz;

@@ -15,7 +15,7 @@ constexpr double kSpeedOver_s = 0.01;  // window of the speed check
 constexpr double kJump = 3.0;          // of the speed limit: no mechanism moves so
 constexpr std::int64_t kAhead_ns = 1'000'000;
 
-double seconds(std::int64_t ns) {
+double inSeconds(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-9;
 }
 
@@ -58,7 +58,7 @@ Expected<Done> SampleWatch::judgeStatus(const wh_sample& sample) const {
   if ((sample.status & WH_SILENCED) != 0) {
     return no("",
               fmt::format("its watchdog let go; this program was silent for {:.1f} ms at most",
-                          1e3 * seconds(longest_gap_ns_)),
+                          1e3 * inSeconds(longest_gap_ns_)),
               "let nothing else run on this machine, and repeat the step");
   }
   if ((sample.status & WH_HOMED) == 0) {
@@ -86,8 +86,8 @@ Expected<Done> SampleWatch::judgeAge(const wh_sample& sample, std::int64_t now_n
   if (sample.monotonic_ns > now_ns + kAhead_ns) {
     return no("", "its samples' times lie in the future", "let the driver use CLOCK_MONOTONIC");
   }
-  const double old_s = seconds(now_ns - sample.monotonic_ns);
-  if (fresh && old_s > longestStill_s(*model_) + seconds(gap_ns)) {
+  const double old_s = inSeconds(now_ns - sample.monotonic_ns);
+  if (fresh && old_s > longestStill_s(*model_) + inSeconds(gap_ns)) {
     return no("", fmt::format("its samples are {:.0f} ms old when they come", 1e3 * old_s),
               "let the driver state when a sample was taken, or use a faster line");
   }
@@ -107,13 +107,13 @@ Expected<Done> SampleWatch::judgeMotion(std::size_t i, const Seen& now) const {
   if (seen_.empty()) return Done{};
   // Motion since another sample, over the most that the speed limit allows between their times.
   const auto excess = [&](const Seen& then, double times) {
-    const double most = times * axis.speed_limit * seconds(now.taken_ns - then.taken_ns);
+    const double most = times * axis.speed_limit * inSeconds(now.taken_ns - then.taken_ns);
     return std::abs(at - then.position[i]) - most - 3.0 * axis.encoder_step;
   };
   if (excess(seen_.back(), kJump) > 0.0) {
     return no(axis.name, "its encoder jumps", "look at its encoder and the cable");
   }
-  const bool long_enough = seconds(now.taken_ns - seen_.front().taken_ns) >= kSpeedOver_s;
+  const bool long_enough = inSeconds(now.taken_ns - seen_.front().taken_ns) >= kSpeedOver_s;
   if (long_enough && excess(seen_.front(), 1.0) > 0.0) {
     return no(axis.name, "is faster than its speed limit: it runs away",
               "look at its signs, and repeat from the step `signs` on");
@@ -135,7 +135,7 @@ Expected<std::vector<double>> SampleWatch::judge(const wh_sample& sample, std::i
     if (auto good = judgeMotion(i, now); !good) return good.errors();
   }
   const auto old = [&](const Seen& then) {
-    return seconds(now.taken_ns - then.taken_ns) >= kSpeedOver_s;
+    return inSeconds(now.taken_ns - then.taken_ns) >= kSpeedOver_s;
   };
   seen_.push_back(now);
   while (seen_.size() > 1 && old(seen_[1])) seen_.pop_front();

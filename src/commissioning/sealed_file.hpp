@@ -13,13 +13,21 @@ class TomlTable;
 /// Files that commissioning writes beside a device file. Not real-time safe.
 namespace wholehand {
 
-/// A day in UTC.
-using Day = std::chrono::sys_days;
-[[nodiscard]] Day today();
+/// A moment, and what the clock on the wall showed then.
+struct PlaceTime {
+  std::chrono::sys_seconds at{};  ///< UTC
+  std::chrono::minutes ahead{};   ///< of the place's clock, of UTC: -720 to 840
+  /// The day of the place.
+  [[nodiscard]] std::chrono::local_days day() const;
+};
+/// By this machine's clock and time zone.
+[[nodiscard]] PlaceTime placeTimeNow();
 /// "2026-11-21"
-[[nodiscard]] std::string format(Day day);
-/// The day at a key. Reports to the file a value that is no date.
-[[nodiscard]] Day readDay(TomlTable& table, std::string_view key);
+[[nodiscard]] std::string format(std::chrono::local_days day);
+/// "2026-11-21T09:30:00-08:00"
+[[nodiscard]] std::string format(const PlaceTime& time);
+/// The moment at a key. Reports to the file a value that is none.
+[[nodiscard]] PlaceTime readTime(TomlTable& table, std::string_view key);
 
 /// A text as a quoted TOML string, without control characters.
 [[nodiscard]] std::string quoted(const std::string& text);

@@ -3,10 +3,9 @@
 #include "core/printable.hpp"
 #include "replay/answering.hpp"
 #include "replay/replayed_recording.hpp"
+#include "telemetry/crash_guard.hpp"
 
 #include <algorithm>
-#include <array>
-#include <csignal>
 #include <cstring>
 #include <sys/stat.h>
 #include <utility>
@@ -21,8 +20,7 @@ constexpr std::uint64_t kLargest_bytes = 512ULL << 20;
 
 /// Ctrl-C in a terminal also reaches the children; it does not indicate a bad file.
 bool isCrash(int signal) {
-  constexpr std::array<int, 5> kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL};
-  return std::find(kCrashes.begin(), kCrashes.end(), signal) != kCrashes.end();
+  return std::find(kCrashSignals.begin(), kCrashSignals.end(), signal) != kCrashSignals.end();
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "server/file_workers.hpp"
 
+#include <new>
 #include <utility>
 
 namespace wholehand {
@@ -11,6 +12,18 @@ FileWorkers::FileWorkers(unsigned threads, std::size_t most_jobs) : most_jobs_(m
 FileWorkers::~FileWorkers() {
   stop();
 }
+
+namespace {
+
+// A job for which no memory is left cannot even say so; whoever waits for it gives up.
+void carryOut(const FileWorkers::Job& job) {
+  try {
+    job();
+  } catch (const std::bad_alloc&) {  // NOLINT(bugprone-empty-catch): cannot be reported
+  }
+}
+
+}  // namespace
 
 bool FileWorkers::post(Job job) {
   {
@@ -25,9 +38,12 @@ bool FileWorkers::post(Job job) {
 
 void FileWorkers::close(std::unique_ptr<FileReader> file) {
   if (!file) return;
-  {
+  try {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back({nullptr, std::move(file)});
+    tasks_.push_back({nullptr, nullptr});
+    tasks_.back().file = std::move(file);
+  } catch (const std::bad_alloc&) {
+    return;  // closed here
   }
   more_.notify_one();
 }
@@ -52,7 +68,7 @@ void FileWorkers::work() {
     tasks_.pop_front();
     lock.unlock();
     const bool is_job = task.job != nullptr;
-    if (is_job) task.job();
+    if (is_job) carryOut(task.job);
     task = Task{};  // destroys the job outside the lock
     lock.lock();
     if (is_job) --jobs_;

@@ -18,7 +18,7 @@ namespace wholehand {
 /// wait for a job.
 class FileWorkers {
  public:
-  /// A unit of work; must not throw.
+  /// A unit of work; may throw nothing but std::bad_alloc, and is dropped then.
   using Job = std::function<void()>;
 
   /// @param most_jobs queued and running

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <new>
 #include <utility>
 
 namespace wholehand {
@@ -110,7 +111,11 @@ bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<vo
     desk.close(std::move(work->file));
   };
   if (!workers().post([work, job = std::move(job), done, &context = context_] {
-        if (!work->given_up) job(*work);
+        try {
+          if (!work->given_up) job(*work);
+        } catch (const std::bad_alloc&) {
+          work->no_memory = true;
+        }
         context.post(done);
       })) {
     work_.reset();
@@ -130,6 +135,8 @@ void HttpConnection::answerByWorker() {
   const auto job = [&site = context_.site](Work& w) {
     try {
       w.answer = site.answer(w.request);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception&) {
       w.answer = plainRefusal(500, "exception", "This could not be made.");
     }
@@ -144,7 +151,9 @@ void HttpConnection::answerByWorker() {
 }
 
 void HttpConnection::haveMade(Work& work) {
-  if (work.answer.file.empty()) {
+  if (work.no_memory) {
+    answer(plainRefusal(503, "memory", "This machine has no memory left for it. Try again later."));
+  } else if (work.answer.file.empty()) {
     answer(std::move(work.answer));
   } else if (!work.file) {  // deleted meanwhile
     answer(plainRefusal(404, "vanished", "This file is not there any more."));

@@ -39,6 +39,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     HttpAnswer answer;
     std::unique_ptr<FileReader> file;  ///< being sent
     std::string piece;                 ///< piece of that file
+    bool no_memory = false;            ///< for any of them
     std::atomic<bool> given_up{false};
   };
   using Then = void (HttpConnection::*)();

@@ -69,8 +69,15 @@ class NetworkThread::Machinery {
         io_.run();
         return;
       } catch (const std::exception& e) {
-        calls_.failed(e.what());
+        tell(e);
       }
+    }
+  }
+
+  void tell(const std::exception& e) noexcept {
+    try {
+      calls_.failed(e.what());
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): no memory to report it
     }
   }
 

@@ -28,8 +28,8 @@ struct BlackBoxPlan {
 };
 
 /// Keeps the last seconds of ticks, and the inputs of every tick since arming, in memory. It is
-/// written to a file on a stopping fault or an emergency stop, and by the crash handler (SIGSEGV,
-/// SIGABRT, SIGBUS, SIGFPE, SIGILL). From the inputs, the run can be repeated bit by bit since its
+/// written to a file on a stopping fault or an emergency stop, and by the crash handler
+/// (kCrashSignals). From the inputs, the run can be repeated bit by bit since its
 /// arming. docs/recording.md.
 ///
 /// Each tick is copied into preallocated memory: no allocation, no lock, and no system call except

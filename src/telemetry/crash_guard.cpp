@@ -12,7 +12,7 @@
 namespace wholehand {
 namespace {
 
-constexpr std::array kSignals{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL};
+constexpr std::array kSignals = kCrashSignals;
 
 std::array<std::atomic<CrashHandler*>, kMostWitnesses> g_witnesses{};
 static_assert(std::atomic<CrashHandler*>::is_always_lock_free, "read in a signal handler");
@@ -43,9 +43,9 @@ void onCrash(int signal, siginfo_t* info, void* /*context*/) {
     waitForTheEnd();
   }
   restore();
-  // A processor exception recurs on return, so that a core dump shows its place; a sent signal must
-  // be raised again.
-  if (info->si_code <= 0) ::raise(signal);
+  // A processor exception recurs on return, so that a core dump shows its place; a sent signal, a
+  // breakpoint and a refused system call must be raised again.
+  if (info->si_code <= 0 || signal == SIGTRAP || signal == SIGSYS) ::raise(signal);
   errno = saved;
 }
 
@@ -55,7 +55,10 @@ void install() {
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
   sigfillset(&action.sa_mask);  // a crash in the handler ends the process instead of recursing
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    ::sigaction(kSignals[i], &action, &g_before[i]);
+    ::sigaction(kSignals[i], nullptr, &g_before[i]);
+    // Who handles SIGSYS counts system calls (system_call_counter.hpp): that is no crash.
+    if (kSignals[i] == SIGSYS && g_before[i].sa_handler != SIG_DFL) continue;
+    ::sigaction(kSignals[i], &action, nullptr);
   }
 }
 

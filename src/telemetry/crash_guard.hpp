@@ -1,8 +1,14 @@
 #pragma once
 
+#include <array>
+#include <csignal>
 #include <cstddef>
 
 namespace wholehand {
+
+/// Signals that end a process which does not expect them: a fault of its own, or sent.
+inline constexpr std::array kCrashSignals{SIGSEGV, SIGABRT, SIGBUS, SIGFPE,
+                                          SIGILL,  SIGTRAP, SIGSYS};
 
 /// Called in the signal handler when the process crashes; must be async-signal-safe.
 class CrashHandler {
@@ -17,10 +23,10 @@ class CrashHandler {
 /// Limit of simultaneous witnesses.
 inline constexpr int kMostWitnesses = 4;
 
-/// Handles SIGSEGV, SIGABRT, SIGBUS, SIGFPE and SIGILL during its lifetime: calls the witness, then
-/// lets the previous action follow (end the process, dump core). A crash in another thread
-/// meanwhile, and the destruction of a guard, wait for the handler, so that the witness and the
-/// process outlive it. A crash in the witness ends the process.
+/// Handles kCrashSignals during its lifetime: calls the witness, then lets the previous action
+/// follow (end the process, dump core). A crash in another thread meanwhile, and the destruction of
+/// a guard, wait for the handler, so that the witness and the process outlive it. A crash in the
+/// witness ends the process.
 class CrashGuard {
  public:
   explicit CrashGuard(CrashHandler& witness);

@@ -20,7 +20,8 @@ def sealed(text):
 def passport_of(device, serial="S-1", day=None, damping=(1.0, 1.2), mass=(0.98, 1.02)):
     """A passport of a device file of translations; damping and mass as shares of what that states."""
     text = device.read_text()
-    out = (f'kind = "passport"\nversion = 1\nmeasured_on = "{day or datetime.datetime.now(datetime.timezone.utc).date()}"\n'
+    now = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+    out = (f'kind = "passport"\nversion = 1\nmeasured_at = "{day + "T00:00:00+00:00" if day else now}"\n'
            f'operator = "A"\ndevice = "{re.search("(?m)^name = .(.*?).$", text)[1]}"\n'
            f'device_sha256 = "{hashlib.sha256(device.read_bytes()).hexdigest()}"\nrate_hz = 1000\nserial = "{serial}"\n')
     for block in text.split("[[axes]]")[1:]:

@@ -100,7 +100,7 @@ class Passports(AppTest):
     def test_passport_and_check_pass(self):
         mine = self.write("mine.toml", (CONFIG / "devices/desktop-3axis.toml").read_text())
         passport = self.write("mine.S-1.passport.toml", passport_of(mine))
-        check = self.write("mine.S-1.check.toml", sealed('kind = "device-check"\nversion = 1\ndone_on = "2026-11-21"\n'
+        check = self.write("mine.S-1.check.toml", sealed('kind = "device-check"\nversion = 1\ndone_at = "2026-11-21T09:30:00-08:00"\n'
                                                          'operator = "A"\npassport_sha256 = "0"\n\n'))
         self.expect(self.run_app("validate", passport, check), DONE, "ok  passport", "serial number S-1", "ok  device-check")
         self.expect(self.run_app("validate", mine, passport), DONE, "ok  passport")

@@ -311,7 +311,7 @@ Passport passportOf(const DeviceModel& device) {
   out.device = device.name;
   out.device_sha256 = std::string(64, '0');
   out.operator_name = "A";
-  out.measured_on = today();
+  out.measured_at = placeTimeNow();
   for (const DeviceAxis& axis : device.axes) {
     PassportAxis measured;
     measured.name = axis.name;

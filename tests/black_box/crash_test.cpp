@@ -4,11 +4,17 @@
 
 #include <climits>
 
+#include <array>
 #include <atomic>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <thread>
 #include <unistd.h>
 
@@ -45,6 +51,28 @@ volatile int g_sum = 0;
   return depth < g_deepest ? dig(depth + 1) + room[0] : 0;
 }
 
+void breakHere() {
+#if defined(__x86_64__)
+  __asm__ volatile("int3");
+#else
+  ::raise(SIGTRAP);
+#endif
+}
+
+// As under a service's filter of system calls that traps.
+void callARefusedOne() {
+  std::array<sock_filter, 4> steps{{
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_getppid, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  }};
+  const sock_fprog filter{steps.size(), steps.data()};
+  ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter);
+  ::syscall(SYS_getppid);
+}
+
 struct Crash {
   const char* name;
   int signal;
@@ -59,6 +87,10 @@ std::vector<Crash> crashes() {
       {"sent SIGBUS", SIGBUS, [] { ::raise(SIGBUS); }},
       {"sent SIGFPE", SIGFPE, [] { ::raise(SIGFPE); }},
       {"no instruction", SIGILL, [] { __builtin_trap(); }},
+      {"breakpoint", SIGTRAP, breakHere},
+      {"sent SIGTRAP", SIGTRAP, [] { ::raise(SIGTRAP); }},
+      {"refused system call", SIGSYS, callARefusedOne},
+      {"sent SIGSYS", SIGSYS, [] { ::raise(SIGSYS); }},
       {"sent SIGSEGV", SIGSEGV, [] { ::kill(::getpid(), SIGSEGV); }},
       {"stack overflow", SIGSEGV, [] { g_sum = dig(0); }},
   };

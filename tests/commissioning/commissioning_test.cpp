@@ -27,7 +27,9 @@ struct Session {
     bench.emplace(orThrow(Bench::make(device, model, person, device, 1e-3)));
     CommissioningPlan plan;
     plan.operator_name = "Test";
-    plan.day = std::chrono::sys_days(std::chrono::year(2026) / 11 / 21);
+    plan.now = [] {
+      return PlaceTime{std::chrono::sys_days(std::chrono::year(2026) / 11 / 21), {}};
+    };
     plan.write = [](const std::string& to, const std::string& text) -> Expected<Done> {
       writeFile(to, text);
       return Done{};
@@ -94,7 +96,7 @@ TEST(Commissioning, OfSixAxes_TakesFiveMinutesAnd25ActionsAndClearsTheDevice) {
     EXPECT_TRUE(passport.axes[i].coulomb.contains(truth.coulomb)) << truth.name;
   }
 
-  const Day day = passport.measured_on;
+  const PlaceTime day = passport.measured_at;
   EXPECT_FALSE(clearToArm(s.device.identity(), s.model, passport.rate_hz, day).ok())
       << "not checked today";
   const auto checked = s.commissioning->checkToday();

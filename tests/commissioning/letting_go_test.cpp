@@ -195,7 +195,7 @@ TEST(LettingGo, OfTheKeyByAnyWayInAnyStep_IsDisabledWithin150MsAndDrivesNothing)
   Bench bench = orThrow(Bench::make(device, model, bedside, device, 1e-3));
   CommissioningPlan plan;
   plan.operator_name = "Test";
-  plan.day = std::chrono::sys_days(std::chrono::year(2026) / 11 / 21);
+  plan.now = [] { return PlaceTime{}; };
   plan.write = [](const std::string&, const std::string&) -> Expected<Done> { return Done{}; };
   plan.draw = [](const ChartPage&, const std::string&) -> Expected<Done> { return Done{}; };
   Commissioning commissioning(bench, plan);

@@ -27,7 +27,7 @@ class PassportFolder {
     passport.device = model.name;
     passport.device_sha256 = sha256(orThrow(readWhole(device_file)));
     passport.operator_name = "A. \"B\"";
-    passport.measured_on = day;
+    passport.measured_at = now;
     for (const DeviceAxis& axis : model.axes) {
       PassportAxis measured;
       measured.name = axis.name;
@@ -47,11 +47,14 @@ class PassportFolder {
   void keep() {
     writeFile(path, passportText(passport));
     writeFile(check_path,
-              dailyCheckText({orThrow(readPassport(path)).sha256, passport.operator_name, day}));
+              dailyCheckText({orThrow(readPassport(path)).sha256, passport.operator_name, now}));
   }
 
   Folder folder;
-  Day day = std::chrono::sys_days(std::chrono::year(2026) / 11 / 21);
+  /// Half past nine in the morning, in Central Europe.
+  PlaceTime now{
+      std::chrono::sys_days(std::chrono::year(2026) / 11 / 21) + std::chrono::minutes(510),
+      std::chrono::minutes(60)};
   DriverIdentity identity{"S-1", "1.0", "7", "5ba1"};
   double rate_hz = 1000.0;
   std::string device_file, path, check_path;

@@ -4,6 +4,8 @@
 #include "support/says.hpp"
 #include "support/seed.hpp"
 
+#include <cstdlib>
+#include <ctime>
 #include <vector>
 
 namespace wholehand::test {
@@ -30,7 +32,8 @@ TEST(Passport, WrittenAndRead_SaysTheSame) {
   EXPECT_EQ(read.identity.firmware, "1.0");
   EXPECT_EQ(read.identity.sdk, "7");
   EXPECT_EQ(read.operator_name, f.passport.operator_name);
-  EXPECT_EQ(read.measured_on, f.day);
+  EXPECT_EQ(read.measured_at.at, f.now.at);
+  EXPECT_EQ(read.measured_at.ahead, f.now.ahead);
   EXPECT_EQ(read.axes[1].mark, 0.0125);
   ASSERT_EQ(read.axes.size(), f.passport.axes.size());
   for (std::size_t i = 0; i < read.axes.size(); ++i) {
@@ -77,15 +80,15 @@ std::string armingAfter(Change change) {
   PassportFolder f;
   f.keep();
   change(f);
-  return refusal(clearToArm(f.identity, orThrow(loadDeviceFile(f.device_file)), f.rate_hz, f.day));
+  return refusal(clearToArm(f.identity, orThrow(loadDeviceFile(f.device_file)), f.rate_hz, f.now));
 }
 
 TEST(Arming, WithPassportAndTodaysCheck_IsCleared) {
   EXPECT_EQ(armingAfter([](PassportFolder&) {}), "");
   EXPECT_EQ(armingAfter([](PassportFolder& f) {  // on its last day, checked again
               const std::string digest = orThrow(readPassport(f.path)).sha256;
-              f.day += days(30);
-              writeFile(f.check_path, dailyCheckText({digest, "A", f.day}));
+              f.now.at += days(30);
+              writeFile(f.check_path, dailyCheckText({digest, "A", f.now}));
             }),
             "");
 }
@@ -120,11 +123,11 @@ TEST(Arming, WithAnythingMissingOrForeign_IsRefusedByName) {
       {"passport changed",
        [](PassportFolder& f) { writeFile(f.path, orThrow(readWhole(f.path)) + "# mine\n"); },
        "changed after it was written"},
-      {"expired", [](PassportFolder& f) { f.day += days(31); }, "has expired"},
-      {"from the future", [](PassportFolder& f) { f.day -= days(1); }, "in the future"},
+      {"expired", [](PassportFolder& f) { f.now.at += days(31); }, "has expired"},
+      {"from the future", [](PassportFolder& f) { f.now.at -= days(1); }, "in the future"},
       {"no check", [](PassportFolder& f) { std::filesystem::remove(f.check_path); },
        "not checked today"},
-      {"yesterday's check", [](PassportFolder& f) { f.day += days(1); }, "not checked today"},
+      {"yesterday's check", [](PassportFolder& f) { f.now.at += days(1); }, "not checked today"},
       {"check changed",
        [](PassportFolder& f) { writeFile(f.check_path, orThrow(readWhole(f.check_path)) + "\n"); },
        "changed after it was written"},
@@ -139,6 +142,112 @@ TEST(Arming, WithAnythingMissingOrForeign_IsRefusedByName) {
     EXPECT_TRUE(says(said, c.says)) << c.what << ": " << said;
     EXPECT_TRUE(says(said, ";")) << c.what << " has no remedy: " << said;
   }
+}
+
+// A check of `done` at `now`, with a passport of the day before.
+std::string refusalAt(const PlaceTime& done, const PlaceTime& now) {
+  PassportFolder f;
+  f.passport.measured_at = {done.at - days(1), done.ahead};
+  f.now = done;
+  f.keep();
+  return refusal(clearToArm(f.identity, f.model, f.rate_hz, now));
+}
+
+// From UTC-12 to UTC+14, daylight saving's hour included: the law in the place's own words.
+TEST(DailyCheck, AtRandomPlacesAndMoments_OpensOnThePlacesDayForTwelveHours) {
+  using std::chrono::minutes;
+  auto random = seededRandom(435);
+  const auto draw = [&](long low, long high) {
+    return std::uniform_int_distribution<long>(low, high)(random);
+  };
+  int open = 0;
+  for (int i = 0; i < cases(400); ++i) {
+    const minutes ahead(15 * draw(-48, 56));
+    const PlaceTime done{
+        std::chrono::sys_days(std::chrono::year(2026) / 11 / 21) + minutes(draw(0, 24 * 60)),
+        ahead};
+    // One in four where the clock changed by an hour meanwhile.
+    const minutes now_ahead = draw(0, 3) == 0 ? ahead + minutes(60) : ahead;
+    const PlaceTime now{done.at + minutes(draw(-120, 30 * 60)), now_ahead};
+    const long passed_min = std::chrono::duration_cast<minutes>(now.at - done.at).count();
+    // What a person sees: the dates on the wall.
+    const auto wall = [](const PlaceTime& t) {
+      return std::chrono::floor<days>((t.at + t.ahead).time_since_epoch()).count();
+    };
+    const char* says_so = "";
+    if (passed_min < 0) {
+      says_so = "set back";
+    } else if (wall(done) != wall(now)) {
+      says_so = "not checked today";
+    } else if (passed_min > 12 * 60) {
+      says_so = "lasts 12 hours";
+    }
+    const std::string said = refusalAt(done, now);
+    const std::string what = format(done) + " at " + format(now) + ": " + said;
+    EXPECT_EQ(said.empty(), *says_so == 0) << what;
+    EXPECT_TRUE(says(said, says_so)) << what;
+    open += said.empty() ? 1 : 0;
+  }
+  EXPECT_GT(open, 0);
+}
+
+TEST(DailyCheck, InLosAngelesAndAuckland_IsOfTheDayOnTheWall) {
+  using std::chrono::hours;
+  using std::chrono::minutes;
+  const auto tuesday = std::chrono::sys_days(std::chrono::year(2026) / 11 / 24);
+  const minutes west(-8 * 60), east(13 * 60);
+  const PlaceTime three_pm{tuesday + hours(15) - west, west};
+  EXPECT_EQ(refusalAt(three_pm, {three_pm.at + minutes(65), west}), "") << "UTC's day has changed";
+  EXPECT_TRUE(says(refusalAt(three_pm, {three_pm.at + hours(17), west}), "not checked today"))
+      << "eight on Wednesday";
+  const PlaceTime four_pm{tuesday + hours(16) - east, east};
+  EXPECT_TRUE(says(refusalAt(four_pm, {four_pm.at + hours(10), east}), "not checked today"))
+      << "two on Wednesday, the same day in UTC";
+}
+
+TEST(DailyCheck, WithAClockSetBackOrForward_IsRefusedWithTheClocksName) {
+  using std::chrono::hours;
+  PassportFolder f;
+  const PlaceTime now = f.now;
+  EXPECT_TRUE(says(refusalAt(now, {now.at - hours(1), now.ahead}), "clock was set back"));
+  EXPECT_TRUE(says(refusalAt(now, {now.at + days(1), now.ahead}), "not checked today"));
+  const PlaceTime tomorrow{now.at + days(1), now.ahead};
+  f.passport.measured_at = tomorrow;
+  f.keep();
+  const std::string said = refusal(clearToArm(f.identity, f.model, f.rate_hz, now));
+  EXPECT_TRUE(says(said, "measured_at")) << said;
+  EXPECT_TRUE(says(said, "clock was set back")) << said;
+}
+
+TEST(PlaceTime, OfThisMachine_FollowsItsTimeZone) {
+  const Folder folder;
+  const std::string path = folder.file("place_time.toml");
+  const char* const before = std::getenv("TZ");
+  const std::string kept = before != nullptr ? before : "";
+  // POSIX writes the offset the other way round: what is added to the wall's clock to get UTC.
+  for (const auto& [zone, ahead_min] :
+       std::vector<std::pair<const char*, long>>{{"<-12>12", -720},
+                                                 {"<-08>8", -480},
+                                                 {"UTC0", 0},
+                                                 {"<+0545>-5:45", 345},
+                                                 {"<+14>-14", 840}}) {
+    ::setenv("TZ", zone, 1);
+    ::tzset();
+    const PlaceTime now = placeTimeNow();
+    EXPECT_EQ(now.ahead.count(), ahead_min) << zone;
+    writeFile(path, "kind = \"t\"\nversion = 1\nat = \"" + format(now) + "\"\n");
+    TomlFile file(path, "t");
+    const PlaceTime read = readTime(file.root(), "at");
+    EXPECT_EQ(read.at, now.at);
+    EXPECT_EQ(read.ahead, now.ahead);
+    (void)file.finish();
+  }
+  if (before != nullptr) {
+    ::setenv("TZ", kept.c_str(), 1);
+  } else {
+    ::unsetenv("TZ");
+  }
+  ::tzset();
 }
 
 TEST(WorstCorners, OfAPassport_AreTheWorseOfFileAndMeasurement) {

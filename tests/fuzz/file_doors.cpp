@@ -78,7 +78,7 @@ Door passportDoor() {
   passport.device = device().name;
   passport.device_sha256 = std::string(64, 'a');
   passport.operator_name = "A. \"B\"";
-  passport.measured_on = Day{std::chrono::days{20'000}};
+  passport.measured_at.at = std::chrono::sys_days{std::chrono::days{20'000}};
   for (const DeviceAxis& axis : device().axes) {
     PassportAxis measured;
     measured.name = axis.name;

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <future>
 #include <mutex>
+#include <new>
 #include <stdexcept>
 #include <thread>
 
@@ -60,6 +61,7 @@ class FakeProgram final : public ServerBackend {
              scene()->recording == name}};
   }
   std::string recordingPath(const std::string& name) const override {
+    if (no_memory) throw std::bad_alloc();
     return name == "night shift.h5" ? (folder / "night shift.h5").string() : "";
   }
   std::string reportFolder(const std::string& name, std::string& why) override {
@@ -108,6 +110,7 @@ class FakeProgram final : public ServerBackend {
   std::shared_future<void> report_waits_for;  ///< where set, a report takes until then
   std::atomic<bool> report_begun{false};
   bool report_fails = false;
+  std::atomic<bool> no_memory{false};
 
  private:
   mutable std::mutex mutex_;

@@ -1,3 +1,4 @@
+#include "server/file_workers.hpp"
 #include "server/server_test.hpp"
 
 #include <future>
@@ -69,6 +70,29 @@ TEST_F(HttpTest, PagesNotBuilt_SaysHowToBuildThem) {
   open();
   EXPECT_EQ(get(port(), "/").status, 503);
   EXPECT_TRUE(contains(get(port(), "/console").body, "npm run build"));
+}
+
+TEST_F(HttpTest, RequestForWhichNoMemoryIsLeft_IsRefusedAndTheNextOneAnswered) {
+  open();
+  const char* const wanted = "/api/recordings/night%20shift.h5";
+  const int before = get(port(), wanted).status;
+  program.no_memory = true;
+  for (int i = 0; i < 3; ++i) {
+    const HttpReply r = get(port(), wanted);
+    EXPECT_EQ(r.status, 503);
+    EXPECT_TRUE(contains(r.body, "no memory"));
+  }
+  program.no_memory = false;
+  EXPECT_EQ(get(port(), wanted).status, before);
+}
+
+// Where not even the refusal could be made.
+TEST(FileWorkers, JobThatFindsNoMemory_IsDroppedAndTheNextOneCarriedOut) {
+  std::promise<void> done;
+  FileWorkers workers(1, 4);
+  ASSERT_TRUE(workers.post([] { throw std::bad_alloc(); }));
+  ASSERT_TRUE(workers.post([&] { done.set_value(); }));
+  EXPECT_EQ(done.get_future().wait_for(kPatience), std::future_status::ready);
 }
 
 TEST_F(HttpTest, Traversal_IsRefusedHoweverItIsWritten) {

@@ -65,7 +65,8 @@ CheckFinding lookAt(DriverBench& bench, const Check& check) {
   (void)::setpgid(0, 0);
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
   // The driver runs without this program's signal handlers, crash handlers included.
-  for (const int signal : {SIGPIPE, SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
+  for (const int signal :
+       {SIGPIPE, SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTRAP, SIGSYS}) {
     std::signal(signal, SIG_DFL);
   }
   limit(RLIMIT_CORE, 0);
