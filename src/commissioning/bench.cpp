@@ -226,10 +226,6 @@ Expected<Done> Bench::move(const Motion& motion, const Law& law) {
       motion, [](int, const wh_sample&) { return Seen::kJudge; }, law);
 }
 
-Expected<Done> Bench::rest(const Motion& motion, const Look& look) {
-  return move(motion, look, [](Now&) -> Expected<bool> { return true; });
-}
-
 Expected<std::string> Bench::askWhile(
     const Question& question,
     const std::function<void(const std::vector<double>& position)>& look) {

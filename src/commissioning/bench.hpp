@@ -60,9 +60,7 @@ class Bench {
   /// with its own message: nobody confirmed that no person is attached, the key is not pressed or
   /// was released (also while enabling), and everything that SampleWatch refuses.
   [[nodiscard]] Expected<Done> move(const Motion& motion, const Law& law);
-  /// The same at the neutral effort, until `look` says that it is over.
-  [[nodiscard]] Expected<Done> rest(const Motion& motion, const Look& look);
-  /// The same, moving by a law.
+  /// The same, until `look` says that it is over.
   [[nodiscard]] Expected<Done> move(const Motion& motion, const Look& look, const Law& law);
   /// Asks the person while the device is disabled and moved by hand. Refused: the person gave up,
   /// or the device gave no sample.

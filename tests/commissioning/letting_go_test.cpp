@@ -200,13 +200,15 @@ TEST(LettingGo, OfTheKeyByAnyWayInAnyStep_IsDisabledWithin150MsAndDrivesNothing)
   plan.draw = [](const ChartPage&, const std::string&) -> Expected<Done> { return Done{}; };
   Commissioning commissioning(bench, plan);
   std::mt19937_64 random = seededRandom(434);
-  // An ended step leaves the device anywhere; a person puts it back, and takes the weight off.
+  // An ended step leaves the device anywhere; a person puts it back, takes the weight off, and
+  // releases the stop.
   const auto carryOut = [&](Step step) {
     for (std::size_t i = 0; i < model.axes.size(); ++i) {
       const DeviceAxis& a = model.axes[i];
       device.mechanism.pushed[i] = 0.0;
       device.mechanism.place(i, a.lower + 0.35 * (a.upper - a.lower));
     }
+    device.stop_pressed = false;
     return commissioning.carryOut(step);
   };
   for (int i = 0; i < kCommissioningSteps; ++i) {
