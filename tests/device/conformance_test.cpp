@@ -1,6 +1,7 @@
 // Drivers that break one rule each, and drivers that break none.
 #include "device/conformance/conformance.hpp"
 
+#include "drivers/firmware_process.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
@@ -243,6 +244,16 @@ TEST(Conformance, GoodRails_FailNothing) {
     options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}};
     EXPECT_EQ(failures(conform(options)), "") << kind;
   }
+}
+
+// Its firmware is a process of its own: rails of 0.25 kg with 3 N·s/m.
+TEST(Conformance, FrameAndItsFirmware_FailNothingThatMoves) {
+  const std::vector<std::string> carriers = everyCarrier();
+  const FirmwareProcess firmware(carriers[seed() % carriers.size()]);
+  ConformanceOptions options = with(builtAt("frame"), "motion.", 15.0);
+  options.driver.locator = firmware.locator();
+  options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}, {"z", 0.25, 0.0}};
+  EXPECT_EQ(failures(conform(options)), "") << firmware.locator();
 }
 
 // It may wait, has no watchdog of its own and moves by itself: what it does without effort.

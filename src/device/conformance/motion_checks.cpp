@@ -1,10 +1,9 @@
 // Checks by what moves: each axis is pushed by up to kEffortShare of its limit while nobody holds
 // it, and its own positions are held against what was asked. Bits and measured efforts count for
 // nothing here, but in motion.measured.
-#include "device/conformance/check.hpp"
-#include "device/conformance/pushes.hpp"
+#include "device/conformance/ended_pushes.hpp"
+#include "device/conformance/motion_judging.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace wholehand {
@@ -16,75 +15,9 @@ constexpr double kUnexplained = 0.1;     // share of the motion
 constexpr double kDelayMore_s = 0.0025;  // two periods of the loop, and what the fit leaves open
 constexpr double kMeasuredWithin = 0.25;
 constexpr double kMassWithin = 1.5;  // times, and its inverse
-constexpr double kLeft = 0.25;       // of the push
-constexpr double kOwn = 0.05;        // of the limit
 constexpr double kRubs = 0.25;       // of the push: dry friction that hides what is asked here
-constexpr double kOver_s = 0.005, kOverShare = 1.5, kClipped = 1.2;
-constexpr double kSoon_s = 0.01;  // beyond the stated delay
-constexpr double kSilences = 1.5, kSilenceMore_s = 0.02;
-constexpr double kLongestReopen_s = 0.3;
 constexpr double kLightest_kg = 0.002, kHeaviest_kg = 200.0;
 constexpr double kLightest_kgm2 = 1e-8, kHeaviest_kgm2 = 20.0;
-constexpr int kAttempts = 2;
-
-std::string nameOf(const DriverBench& bench, std::size_t a) {
-  return bench.axes()[a].name;
-}
-
-const char* unit(const wh_axis& axis) {
-  return axis.kind == WH_ROTATION ? " N·m" : " N";
-}
-
-std::string effort(const DriverBench& bench, std::size_t a, double share) {
-  const wh_axis& axis = bench.axes()[a];
-  return number(share * axis.effort_limit) + unit(axis);
-}
-
-std::string ms(double seconds) {
-  return number(std::round(seconds * 1e4) * 0.1) + " ms";
-}
-
-std::string percent(double share) {
-  return number(std::round(100.0 * share)) + " %";
-}
-
-// Why no axis, or not every one, is judged; empty: all are.
-std::string whyNotAll(const DriverBench& bench, const std::vector<PushedAxis>& axes) {
-  std::string late, still;
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    if (!axes[a].asked || (axes[a].moved && !axes[a].late)) continue;
-    std::string& names = axes[a].late ? late : still;
-    names += (names.empty() ? "" : ", ") + nameOf(bench, a);
-  }
-  if (!late.empty()) return late + ": this machine stood still meanwhile";
-  return still.empty() ? still : still + ": does not move (motion.moves)";
-}
-
-// Judges every axis that takes efforts and moved, by one measurement; where it fails a second one
-// must agree. All that fail are named.
-template <class Wrong>
-CheckFinding eachMoved(DriverBench& bench, Wrong wrong) {
-  CheckFinding out;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    std::string failures;
-    const std::vector<PushedAxis>& axes = bench.pushed();
-    for (std::size_t a = 0; a < axes.size(); ++a) {
-      if (!axes[a].asked || !axes[a].moved || axes[a].late) continue;
-      const std::string text = wrong(axes[a], a);
-      if (!text.empty()) failures += (failures.empty() ? "" : "; ") + nameOf(bench, a) + " " + text;
-    }
-    bench.forgetStalls();
-    if (failures.empty()) {
-      const std::string why = whyNotAll(bench, axes);
-      if (why.empty()) return passed();
-      return attempt > 0 ? out : skipped(why);  // what failed may keep it from being pushed again
-    }
-    out = failed(failures);
-    if (attempt + 1 == kAttempts || !bench.reach(DriverStage::kEnabled).empty()) break;
-    bench.pushAnew();
-  }
-  return out;
-}
 
 CheckFinding rests(DriverBench& bench) {
   const int moving = awaitRest(bench);
@@ -215,188 +148,6 @@ CheckFinding mass(DriverBench& bench) {
   return out;
 }
 
-// Fails with the axes whose push is not over, in the words of `when`.
-CheckFinding over(DriverBench& bench, double allow_s, bool writes, const std::string& when,
-                  const std::function<std::string(Course&)>& stop) {
-  const std::vector<PushedAxis>& axes = bench.pushed();
-  const LeftOver left = leftAfter(bench, axes, allow_s, writes, stop);
-  bench.forgetStalls();
-  if (!left.not_judged.empty()) return skipped(left.not_judged);
-  std::string failures;
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    if (!axes[a].moved || !(left.share[a] > kLeft)) continue;
-    failures += (failures.empty() ? "" : "; ") + nameOf(bench, a) + " was pushed with " +
-                effort(bench, a, left.pushed[a]) + ", and " + when + " it moves on as with " +
-                effort(bench, a, left.share[a] * left.pushed[a]);
-  }
-  if (!failures.empty()) return failed(failures);
-  const std::string why = whyNotAll(bench, axes);
-  return why.empty() ? passed() : skipped(why);
-}
-
-double longestDelay_s(const DriverBench& bench) {
-  double longest = 0.0;
-  for (const wh_axis& axis : bench.axes()) longest = std::max(longest, axis.delay_s);
-  return longest;
-}
-
-double longestSilence_s(const DriverBench& bench) {
-  double longest = 0.0;
-  for (const wh_axis& axis : bench.axes()) longest = std::max(longest, axis.silence_s);
-  return longest;
-}
-
-CheckFinding released(DriverBench& bench) {
-  const double allow_s = kSoon_s + longestDelay_s(bench);
-  return over(bench, allow_s, true, ms(allow_s) + " after the command went back to neutral",
-              [](Course&) { return std::string(); });
-}
-
-CheckFinding silence(DriverBench& bench) {
-  if (longestSilence_s(bench) == 0.0) return skipped("states no watchdog");
-  const double allow_s = kSilences * longestSilence_s(bench) + kSilenceMore_s;
-  return over(bench, allow_s, false, ms(allow_s) + " after the last command", [&](Course&) {
-    bench.fallSilent();
-    return std::string();
-  });
-}
-
-CheckFinding disabled(DriverBench& bench) {
-  const double allow_s = kSoon_s + longestDelay_s(bench);
-  return over(bench, allow_s, false, ms(allow_s) + " after WH_DISABLE", [&](Course&) {
-    return bench.control(WH_DISABLE) < 0 ? std::string("WH_DISABLE fails") : std::string();
-  });
-}
-
-CheckFinding closed(DriverBench& bench) {
-  const double allow_s = kSoon_s + longestDelay_s(bench);
-  return over(bench, allow_s, false, ms(allow_s) + " after closing", [&](Course& course) {
-    const double began_s = course.now_s();
-    if (std::string why = bench.reopen(); !why.empty()) return why;
-    return course.now_s() - began_s > kLongestReopen_s
-               ? std::string("opens again so slowly that a push would have ended at a stop")
-               : std::string();
-  });
-}
-
-// Effort that nobody asks for while neutral is in force, from rest.
-std::string ownEffort(DriverBench& bench, const Course& course, double from_s) {
-  std::string out;
-  const std::vector<PushedAxis>& axes = bench.pushed();
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    if (!axes[a].moved) continue;
-    const Parabola p = parabolaThrough(course.trace(a, a), from_s, course.now_s());
-    const double damping = std::max(0.0, axes[a].response.damping);
-    const double own = (p.acceleration + damping * p.speed) / axes[a].response.gain;
-    if (!(std::abs(own) > kOwn)) continue;
-    out += (out.empty() ? "" : "; ") + nameOf(bench, a) + " moves off as with " +
-           effort(bench, a, own);
-  }
-  return out;
-}
-
-constexpr double kNeutral_s = 0.1;
-
-CheckFinding neutral(DriverBench& bench) {
-  const std::vector<PushedAxis>& axes = bench.pushed();
-  bringToMiddle(bench, axes);
-  bench.calm();
-  if (awaitRest(bench) >= 0) return skipped("does not rest (motion.rests)");
-  if (std::string why = bench.reach(DriverStage::kEnabled); !why.empty()) return skipped(why);
-  Course course(bench);
-  course.push({}, kNeutral_s);
-  bench.forgetStalls();
-  if (course.late()) return skipped("this machine stood still meanwhile");
-  std::string own = ownEffort(bench, course, 0.0);
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    if (!own.empty() || !axes[a].moved || axes[a].late) continue;
-    const double share = axes[a].response.own;
-    if (std::abs(share) > kOwn)
-      own = nameOf(bench, a) + " is pushed to and fro, and moves as with " +
-            effort(bench, a, share) + " beside that";
-  }
-  if (!own.empty()) return failed(own);
-  const std::string why = whyNotAll(bench, axes);
-  return why.empty() ? passed() : skipped(why);
-}
-
-CheckFinding enabledAgain(DriverBench& bench) {
-  const std::vector<PushedAxis>& axes = bench.pushed();
-  std::string moved;
-  const auto stop = [&](Course& course) -> std::string {
-    if (bench.control(WH_DISABLE) < 0) return "WH_DISABLE fails";
-    if (awaitRest(bench) >= 0) return "does not rest (motion.rests)";
-    course.watch(0.002);
-    std::vector<double> before;
-    for (std::size_t a = 0; a < axes.size(); ++a) before.push_back(course.position(a));
-    if (bench.control(WH_ENABLE) < 0) return "cannot be enabled again";
-    course.watch(0.002);
-    for (std::size_t a = 0; a < axes.size(); ++a) {
-      const wh_axis& axis = bench.axes()[a];
-      const double steps = std::abs(course.position(a) - before[a]) / axis.resolution;
-      if (steps > 3.0 + 0.002 * (axis.upper - axis.lower) / axis.resolution)
-        moved = nameOf(bench, a) + " jumps by " + number(steps) + " steps when it is enabled";
-    }
-    return {};
-  };
-  const LeftOver left = leftAfter(bench, axes, 0.0, false, stop);
-  bench.forgetStalls();
-  if (!left.not_judged.empty()) return skipped(left.not_judged);
-  if (!moved.empty()) return failed(moved);
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    if (!axes[a].moved) continue;
-    if (left.share[a] > kLeft) {
-      return failed(nameOf(bench, a) + " begins with " +
-                    effort(bench, a, left.share[a] * left.pushed[a]) + " of before");
-    }
-    if (std::abs(left.own[a]) > kOwn) {
-      return failed(nameOf(bench, a) + " moves off as with " + effort(bench, a, left.own[a]));
-    }
-  }
-  const std::string why = whyNotAll(bench, axes);
-  return why.empty() ? passed() : skipped(why);
-}
-
-// Speed that a pulse beyond the limit gives, over what the limit would give in that time.
-double overLimit(DriverBench& bench, const PushedAxis& pushed, std::size_t a, double sign) {
-  if (!bench.reach(DriverStage::kEnabled).empty()) return 0.0;
-  bringToMiddle(bench, bench.pushed());
-  Course course(bench);
-  Shares shares{};
-  shares.at(a) = sign * kOverShare;
-  course.push({}, 0.02);
-  const double from_s = course.now_s();
-  course.push(shares, kOver_s);
-  course.push({}, 0.04);
-  const PushTrace trace = course.trace(a, a);
-  double given_s = 0.0, ended_s = from_s;
-  for (std::size_t i = 0; i + 1 < trace.given.size(); ++i) {
-    if (trace.given[i].share == 0.0) continue;
-    given_s += trace.given[i + 1].at_s - trace.given[i].at_s;
-    ended_s = trace.given[i + 1].at_s;
-  }
-  if (given_s == 0.0) return 0.0;  // refused
-  const double delay_s = pushed.response.delay_s;
-  const Parabola before = parabolaThrough(trace, 0.0, from_s);
-  const double since_s = ended_s + delay_s + 0.002, until_s = course.now_s();
-  const Parabola after = parabolaThrough(trace, since_s, until_s);
-  const double middle_s = 0.5 * (since_s + until_s) - ended_s - delay_s;
-  const double lost = std::exp(std::max(0.0, pushed.response.damping) * middle_s);
-  return sign * (after.speed * lost - before.speed) / (pushed.response.gain * given_s);
-}
-
-CheckFinding limit(DriverBench& bench) {
-  return eachMoved(bench, [&](const PushedAxis& axis, std::size_t a) -> std::string {
-    for (const double sign : {1.0, -1.0}) {
-      const double given = overLimit(bench, axis, a, sign);
-      if (given <= kClipped) continue;
-      return "was asked for " + effort(bench, a, sign * kOverShare) + " and gives about " +
-             effort(bench, a, sign * given) + ", its limit is " + effort(bench, a, 1.0);
-    }
-    return {};
-  });
-}
-
 constexpr const char* kWatch =
     "let the drive's watchdog take the effort away on every axis, every time";
 constexpr Effect kMoves = Effect::kMoves;
@@ -405,6 +156,9 @@ constexpr DriverStage kEnabled = DriverStage::kEnabled;
 constexpr Check kChecks[] = {
     {"motion.rests", "while disabled every axis comes to rest",
      "let go of it; look for a drifting encoder", kMoves, DriverStage::kOpen, rests},
+    {"motion.neutral", "at neutral no axis moves off",
+     "add no effort; for an arm with a weight give --device FILE with its neutral_effort", kMoves,
+     kEnabled, stillAtNeutral},
     {"motion.moves", "every axis moves when it is pushed by a fifth of its limit",
      "look for a brake, a cable or a wrong limit; an arm that lies on its stop needs --device FILE",
      kMoves, kEnabled, moves},
@@ -431,21 +185,19 @@ constexpr Check kChecks[] = {
      measured},
     {"motion.mass", "effort and acceleration belong to a mass that can be",
      "send efforts in N and N·m: look at gear and torque constant", kMoves, kEnabled, mass},
-    {"motion.neutral", "at neutral no axis moves off",
-     "add no effort; for an arm with a weight give --device FILE with its neutral_effort", kMoves,
-     kEnabled, neutral},
     {"motion.released", "a push ends with its command", "hold an effort until the next command",
-     kMoves, kEnabled, released},
+     kMoves, kEnabled, pushReleased},
     {"motion.silence", "a push ends within the watchdog's time, both times", kWatch, kMoves,
-     kEnabled, silence},
+     kEnabled, pushSilenced},
     {"motion.disable", "a push ends with WH_DISABLE",
-     "take the effort away before WH_DISABLE returns, on every axis", kMoves, kEnabled, disabled},
+     "take the effort away before WH_DISABLE returns, on every axis", kMoves, kEnabled,
+     pushDisabled},
     {"motion.enable", "after a push, WH_DISABLE and WH_ENABLE it stands still, where it was",
-     "forget the last command; keep zero and balance", kMoves, kEnabled, enabledAgain},
+     "forget the last command; keep zero and balance", kMoves, kEnabled, stillEnabledAgain},
     {"motion.close", "a push ends with closing", "neutral and disabled in close", kMoves, kEnabled,
-     closed},
+     pushClosed},
     {"motion.limit", "1.5 times the limit for 5 ms gives no more than the limit",
-     "clip to effort_limit on every axis, both ways", Effect::kOverreaches, kEnabled, limit},
+     "clip to effort_limit on every axis, both ways", Effect::kOverreaches, kEnabled, pushLimited},
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace wholehand {
@@ -213,6 +214,12 @@ std::vector<PushedAxis> pushEveryAxis(DriverBench& bench) {
     if (!bench.reach(DriverStage::kEnabled).empty()) break;
     bringToMiddle(bench, out);
   }
+  while (out.size() < bench.axes().size()) {  // it cannot be enabled any more
+    PushedAxis left_out;
+    left_out.asked = left_out.late = true;
+    left_out.along.assign(bench.axes().size(), 0.0);
+    out.push_back(left_out);
+  }
   // Gains over the own gain of each axis: only now are they all known.
   for (PushedAxis& axis : out) {
     for (std::size_t j = 0; j < axis.along.size(); ++j) {
@@ -228,7 +235,7 @@ std::vector<PushedAxis> pushEveryAxis(DriverBench& bench) {
 }
 
 void bringToMiddle(DriverBench& bench, const std::vector<PushedAxis>& axes) {
-  const double w = 2.0 * 3.141592653589793 * kBring_hz;
+  const double w = 2.0 * std::numbers::pi * kBring_hz;
   Course course(bench);
   course.push({}, 0.008);
   const double began_s = course.now_s();
