@@ -184,6 +184,8 @@ int runCommand(RunOptions options) {
   }
   auto rig = buildRig(*models, std::move(mover.player), rig_options);
   if (!rig) return refuse(rig.errors());
+  // What cannot be armed leaves no files.
+  if (auto ready = (*rig)->renderer->prepare(); !ready) return refuse(ready.errors());
   if (auto made = outputs.make(); !made) return refuse(made.errors());
   for (const Diagnostic& d : (*rig)->refused) {
     std::printf("  UNCERTIFIED %s\n", format(d).c_str());

@@ -62,6 +62,7 @@ Expected<Done> HapticRenderer::refuseArming(Diagnostics why) {
 }
 
 Expected<Done> HapticRenderer::prepare(const std::optional<RehearsalPassed>& rehearsed) {
+  if (prepared_) return Done{};
   // A person requested this stop: it must not be lost.
   if (safety_.stops().consumeUnseen()) {
     return armingProblem("a stop was asked for", "arm again if it is over");

@@ -65,7 +65,7 @@ class HapticRenderer {
   /// arm(). Refused when the device is not ready (uncalibrated or moving), is outside its
   /// workspace, still ramps to neutral or is armed already (unless simulated); when the hand would
   /// be inside a body; and when a stop is requested meanwhile. A refusal closes the device again
-  /// and changes nothing else. Not real-time safe.
+  /// and changes nothing else. Idempotent until arm(). Not real-time safe.
   /// @param rehearsed Rehearsal::passed of this very rig; without it a device that moves a person
   /// (neither simulated() nor moves_nobody) is refused
   [[nodiscard]] Expected<Done> prepare(
