@@ -171,8 +171,11 @@ TEST(SimulatedSession, AskedToStopGently_LetsGoByItself) {
   EXPECT_EQ(firstWith(records, Fault::kGentleStop), 100);
   ASSERT_EQ(records.size(), 100U + 350U + kRampTicks);
   const double neutral = 1.5;
+  const double at_stop = std::abs(records[99].sent[0] - neutral);
   for (std::size_t k = 100; k < records.size(); ++k) {
-    ASSERT_LE(std::abs(records[k].sent[0] - neutral), std::abs(records[k - 1].sent[0] - neutral))
+    const double u = static_cast<double>(k - 99) * kSessionPeriod_s / 0.43;
+    ASSERT_LE(std::abs(records[k].sent[0] - neutral),
+              at_stop * (1.0 - u * u * (3.0 - 2.0 * u)) + 1e-9)
         << k;
   }
   EXPECT_EQ(records.back().sent[0], neutral);

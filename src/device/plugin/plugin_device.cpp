@@ -182,6 +182,7 @@ Expected<Done> PluginDevice::enable() {
                       "release its emergency stop, or press its enable button")});
   }
   enabled_ = true;
+  current_ = false;
   return Done{};
 }
 
@@ -197,7 +198,8 @@ Fault PluginDevice::judge(const wh_sample& sample, int elapsed_periods) noexcept
   const bool backwards =
       sample.sequence < last_.sequence || sample.monotonic_ns < last_.monotonic_ns;
   if (backwards || still_periods_ > most_still_periods_) faults |= Fault::kStaleSample;
-  return faults | judgeAge(sample);
+  current_ = current_ || newer;
+  return current_ ? faults | judgeAge(sample) : faults;
 }
 
 // Sequence numbers that rise prove nothing: a driver may count what it repeats.

@@ -69,6 +69,8 @@ class PluginDevice final : public HapticDevice {
   std::array<int, WH_MAX_AXES> place_{};  ///< axis of the file → axis of the driver
   wh_command neutral_{};
   bool open_ = false, enabled_ = false, begun_ = false;
+  /// A sample came since it was enabled. Some drives give one with every command only.
+  bool current_ = false;
   int still_periods_ = 0;
   double mean_age_s_ = 0.0;
   wh_sample last_{};
