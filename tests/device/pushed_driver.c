@@ -1,5 +1,5 @@
 /* A driver for tests: three rails that somebody pushes to and fro by 2 cm, from 3 s after it was
- * enabled on, so that the loop pushes back. Keeps every effort it is given, with its time, in the
+ * enabled on, so that the loop pushes back, and leaves where nothing pushes back for 0.1 s. Keeps every effort it is given, with its time, in the
  * file that its settings name: int64 CLOCK_MONOTONIC [ns], three doubles [N]. May wait: only a host
  * takes it. */
 #define _POSIX_C_SOURCE 200809L
@@ -15,7 +15,8 @@ enum { AXES = 3, FLUSH_EVERY = 64 };
 struct wh_device {
   FILE* kept;
   int enabled;
-  int64_t enabled_ns;
+  int64_t enabled_ns, pushed_back_ns;
+  int left;
   uint64_t samples, commands;
 };
 
@@ -58,6 +59,7 @@ static int control(wh_device* device, uint32_t verb, double argument) {
   if (verb != WH_ENABLE && verb != WH_DISABLE) return WH_UNSUPPORTED;
   device->enabled = verb == WH_ENABLE;
   device->enabled_ns = now_ns();
+  device->left = 0;
   fflush(device->kept);
   return WH_OK;
 }
@@ -72,6 +74,9 @@ static int read_sample(wh_device* device, wh_sample* sample) {
   const int64_t now = now_ns();
   const int64_t since_ns = now - device->enabled_ns - INT64_C(3000000000);
   int i;
+  if (since_ns > INT64_C(300000000) && now - device->pushed_back_ns > INT64_C(100000000)) {
+    device->left = 1;
+  }
   sample->status = WH_HOMED | (device->enabled ? WH_ENABLED : 0);
   sample->sequence = ++device->samples;
   sample->monotonic_ns = now;
@@ -79,15 +84,19 @@ static int read_sample(wh_device* device, wh_sample* sample) {
   sample->vendor_code = 0;
   for (i = 0; i < AXES; ++i) {
     const int64_t own_ns = since_ns - i * INT64_C(83000000); /* never all at rest */
-    /* At rest while it is disabled, so that enabling is no jump. */
-    sample->position[i] = device->enabled && own_ns > 0 ? 0.02 * place(own_ns) : 0.0;
+    /* At rest before it is enabled, so that enabling is no jump. */
+    sample->position[i] = device->enabled && !device->left && own_ns > 0 ? 0.02 * place(own_ns) : 0.0;
   }
   return WH_OK;
 }
 
 static int write_command(wh_device* device, const wh_command* command) {
   const int64_t now = now_ns();
+  int i;
   if (!device->enabled) return WH_FAILED;
+  for (i = 0; i < AXES; ++i) {
+    if (command->effort[i] != 0.0) device->pushed_back_ns = now;
+  }
   fwrite(&now, sizeof now, 1, device->kept);
   fwrite(command->effort, sizeof(double), AXES, device->kept);
   if (++device->commands % FLUSH_EVERY == 0) fflush(device->kept);

@@ -183,6 +183,8 @@ Expected<Done> PluginDevice::enable() {
   }
   enabled_ = true;
   current_ = false;
+  begun_ = true;
+  last_ = sample;
   return Done{};
 }
 
