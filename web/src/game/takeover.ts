@@ -138,7 +138,8 @@ async function begin(connection: Connection, known: () => Known, wishes: Wishes)
 
 /**
  * Where nothing runs or pushes and nobody commands, the wish to see it is enough to let the program play. The controls
- * are held until it has begun: what their holder asked for begins nothing once they are given back.
+ * are held until it has begun: what their holder asked for begins nothing once they are given back. Where it runs
+ * already, the orders are sent in one go: a page that draws for a second between two of them would lose the controls.
  */
 export async function letProgramPlay(connection: Connection, known: () => Known, press: Press): Promise<void> {
   const { latestState: state, controls } = connection;
@@ -151,6 +152,7 @@ export async function letProgramPlay(connection: Connection, known: () => Known,
   const answers = [connection.takeControls()];
   if (disarmed && press.holds) answers.push(connection.arm(press.seen));
   if (paused && press.holds) answers.push(connection.act(Act.Resume));
+  if (!disarmed) answers.push(connection.releaseControls());
   await Promise.all(answers);
-  await connection.releaseControls();
+  if (disarmed) await connection.releaseControls();
 }
