@@ -201,7 +201,7 @@ Expected<Done> Bench::guarded(const Look& look, const Law& law) {
       if (!goes_on) return goes_on.errors();
       if (!*goes_on) return Done{};
     }
-    const Expected<Done> sent = now.silent ? Done{} : send(now.effort, HostReason::kNone);
+    Expected<Done> sent = now.silent ? Done{} : send(now.effort, HostReason::kNone);
     refused = sent || seen == Seen::kProve ? 0 : refused + 1;
     if (refused > kRefusedWrites) return sent;
     clock_->waitForTick();
@@ -212,7 +212,7 @@ Expected<Done> Bench::move(const Motion& motion, const Look& look, const Law& la
   const MotionEnd end(*person_, motion);
   if (auto held = awaitKey(motion); !held) return held;
   if (auto enabled = enable(); !enabled) return enabled;
-  const Expected<Done> done = guarded(look, law);
+  Expected<Done> done = guarded(look, law);
   const Expected<Done> off = letGo();
   if (off) return done;
   Diagnostics all = done ? Diagnostics{} : done.errors();

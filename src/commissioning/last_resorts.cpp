@@ -60,7 +60,7 @@ Expected<Done> Commissioning::emergencyStop() {
   LetGoProof proof(bench_.model(), 1e-3 * kProveTicks_ms, kCommissioningShare);
   const double most_ticks = kPressWithin_s / bench_.period_s();
   double sample_s = 0.0;
-  const auto rested = bench_.move(
+  auto rested = bench_.move(
       {Motion::What::kEmergencyStop, "press the emergency stop while you hold it", "", 0.0},
       [&](int result, const wh_sample& sample) {
         sample_s = static_cast<double>(sample.monotonic_ns) * 1e-9;

@@ -34,7 +34,7 @@ class Frame(DeviceTest):
             run = self.start_run(self.start_firmware(where, 2000))  # this machine may stall
             self.assertEqual(self.phase(), "off", "nothing is enabled before somebody asks")
             self.arm()
-            self.wait_until(run, lambda: self.phase() == "rendering")
+            self.wait_until(run, lambda: self.phase() == "rendering", self.phases)
             time.sleep(0.5)
             self.assertEqual(self.phase(), "rendering", where)
             run.send_signal(signal.SIGINT)
@@ -45,9 +45,9 @@ class Frame(DeviceTest):
             self.assertNotIn("latched", [p[0] for p in self.phases()], "its watchdog had nothing to do")
 
     def test_killed_program_leaves_the_firmware_latched_at_neutral(self):
-        run = self.start_run(self.start_firmware("shm:test-app-%d" % time.monotonic_ns(), 200))
+        run = self.start_run(self.start_firmware("shm:test-app-%d" % time.monotonic_ns(), 2000))  # this machine may stall
         self.arm()
-        self.wait_until(run, lambda: self.phase() == "rendering")
+        self.wait_until(run, lambda: self.phase() == "rendering", self.phases)
         time.sleep(0.3)
         run.send_signal(signal.SIGKILL)
         run.communicate()
@@ -57,7 +57,7 @@ class Frame(DeviceTest):
         phase, silent_ms, effort, _ = self.phases()[-1]
         self.assertEqual(phase, "latched", self.phases())
         self.assertEqual(float(effort), 0.0, ALWAYS)
-        self.assertGreater(float(silent_ms), 200.0)
+        self.assertGreater(float(silent_ms), 2000.0)
 
     def test_what_is_not_there_is_refused_by_name(self):
         device = ("--device", CONFIG / "devices/desktop-3axis.toml")

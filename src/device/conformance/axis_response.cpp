@@ -73,7 +73,11 @@ Matrix own(const PushTrace& trace) {
     if (std::abs(to - from) < least_speed) return to / (std::abs(to) + least_speed);
     return (soft(to) - soft(from)) / (to - from);
   };
-  double travelled = 0.0, rubbed = 0.0, rubbed_twice = 0.0;
+  // Near 0 where the axis sticks: friction then holds what it has of its own.
+  const auto moving = [&](double speed) {
+    return std::abs(speed) / (std::abs(speed) + least_speed);
+  };
+  double travelled = 0.0, rubbed = 0.0, rubbed_twice = 0.0, pulled = 0.0, pulled_twice = 0.0;
   for (Eigen::Index k = 0; k < m.rows(); ++k) {
     const auto& now = seen[static_cast<std::size_t>(k)];
     const double t = now.at_s - seen.front().at_s;
@@ -86,10 +90,13 @@ Matrix own(const PushTrace& trace) {
                    dt * dt / 12.0 * (v[k - 1] - v[k]);
       rubbed_twice += dt * (rubbed + 0.5 * dt * sign);
       rubbed += dt * sign;
+      const double moves = 0.5 * (moving(v[k - 1]) + moving(v[k]));
+      pulled_twice += dt * (pulled + 0.5 * dt * moves);
+      pulled += dt * moves;
     }
     m(k, kPlace) = 1.0;
     m(k, kSpeed) = t;
-    m(k, kOwn) = 0.5 * t * t;
+    m(k, kOwn) = pulled_twice;
     m(k, kDamping) = -travelled;
     m(k, kFriction) = -rubbed_twice;
   }
@@ -143,7 +150,7 @@ AxisResponse findResponse(const PushTrace& trace, double longest_delay_s) {
   AxisResponse out;
   if (trace.seen.size() < 3 * kBefore) return out;
   const Matrix columns = own(trace);
-  const auto bestDelay = [&](int kinds, int (*kind)(double)) {
+  const auto best_delay = [&](int kinds, int (*kind)(double)) {
     double best_s = 0.0, least = HUGE_VAL;
     const auto scan = [&](double from_s, double until_s, double step_s) {
       for (double d = std::max(0.0, from_s); d <= until_s; d += step_s) {
@@ -155,8 +162,8 @@ AxisResponse findResponse(const PushTrace& trace, double longest_delay_s) {
     scan(best_s - kCoarse_s, std::min(longest_delay_s, best_s + kCoarse_s), kFine_s);
     return std::pair(best_s, least);
   };
-  const auto [one_s, one_left] = bestDelay(1, anyPush);
-  const auto [each_s, each_left] = bestDelay(2, eachWay);
+  const auto [one_s, one_left] = best_delay(1, anyPush);
+  const auto [each_s, each_left] = best_delay(2, eachWay);
   // Where the two ways differ, one gain for both would be made up for by the delay.
   out.delay_s = each_left < kDiffer * one_left ? each_s : one_s;
   const Fit best = fit(trace, columns, out.delay_s, 1, anyPush);

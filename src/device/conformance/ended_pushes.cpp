@@ -149,11 +149,8 @@ CheckFinding stillAtNeutral(DriverBench& bench) {
   }
   if (!own.empty()) return failed(own);
   bringToMiddle(bench, axes);
-  const CheckFinding second = neutralFromRest(bench);
-  if (second.outcome == Outcome::kFailed || first.outcome == Outcome::kPassed) {
-    return second.outcome == Outcome::kFailed ? second : first;
-  }
-  return second;
+  CheckFinding second = neutralFromRest(bench);
+  return second.outcome != Outcome::kFailed && first.outcome == Outcome::kPassed ? first : second;
 }
 
 CheckFinding stillEnabledAgain(DriverBench& bench) {

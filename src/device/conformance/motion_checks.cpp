@@ -9,10 +9,10 @@
 namespace wholehand {
 namespace {
 
-constexpr double kAlong = 0.25;          // of another axis, over its own response
-constexpr double kAlike = 0.3;           // gains of pushes of other sizes and the other way
-constexpr double kUnexplained = 0.1;     // share of the motion
-constexpr double kDelayMore_s = 0.0025;  // two periods of the loop, and what the fit leaves open
+constexpr double kAlong = 0.25;         // of another axis, over its own response
+constexpr double kAlike = 0.3;          // gains of pushes of other sizes and the other way
+constexpr double kUnexplained = 0.2;    // share of the motion
+constexpr double kDelayMore_s = 0.003;  // two periods of the loop, and what the fit leaves open
 constexpr double kMeasuredWithin = 0.25;
 constexpr double kMassWithin = 1.5;  // times, and its inverse
 constexpr double kRubs = 0.25;       // of the push: dry friction that hides what is asked here

@@ -100,12 +100,12 @@ double pushUntilMoved(Course& course, const Start& start, std::size_t axes, std:
 // To and fro with whole and half pushes, each returning to where it began; then slowly, and back.
 void pushToAndFro(Course& course, const Start& start, std::size_t a, double share, double push_s) {
   const double half = 0.5 * share, half_s = 1.4 * push_s;
-  const std::pair<double, double> kPushes[] = {
+  const std::pair<double, double> pushes[] = {
       {-share, push_s}, {-share, push_s},     {share, push_s},
       {half, half_s},   {-half, half_s},      {-half, half_s},
       {half, half_s},   {0.0, 0.02},          {0.1 * share, 3.0 * push_s},
       {0.0, 0.2},       {-share, kShortest_s}};
-  for (const auto& [asked, seconds] : kPushes) {
+  for (const auto& [asked, seconds] : pushes) {
     if (!start.far()) course.push(only(a, asked), seconds, [&] { return start.far(); });
   }
   course.push({}, 0.03);
