@@ -149,9 +149,10 @@ struct Order {
   AxisPosition aim;    ///< kAim
   Steering steering = Steering::kVirtualPatient;
   ExerciseAction action = ExerciseAction::kNext;
-  Help help = Help::kUnsaid;       ///< kSetHelp
-  std::uint32_t number = 0;        ///< kAnswer: number of the question; kHoldToMove: number of the
-                                   ///< press
+  Help help = Help::kUnsaid;  ///< kSetHelp
+  /// kAnswer: number of the question; kHoldToMove: number of the press; else Command.id: a stop
+  /// that a client repeats until it is answered keeps it.
+  std::uint32_t number = 0;
   bool held = false;               ///< kHoldToMove
   bool rest = false;               ///< kStop: the player rests, and may end the rest again
   std::uint32_t endings_seen = 0;  ///< kArm: LoopStatus::endings as the client saw it; 0: unknown

@@ -93,6 +93,7 @@ Expected<ClientMessage> decodeCommand(const fb::Command& c) {
   ClientMessage m;
   m.type = ClientMessageType::kOrder;
   m.id = c.id();
+  m.order.number = c.id();
   switch (c.order_type()) {
     case fb::Order::Arm:
       m.order.type = OrderType::kArm;

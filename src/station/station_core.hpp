@@ -200,8 +200,9 @@ class Station::Core {
   std::uint64_t orders_ = kFirstArming;
   std::uint64_t stop_asked_ = 0;
   std::uint32_t rest_ending_ = 0;  ///< ending of the newest rest; 0: none since the last arming
-  /// Stops since somebody asked to arm, by client and kind: further ones are repetitions.
-  std::set<std::tuple<std::uint32_t, OrderType, bool>> stops_;
+  /// Order::number of the newest stop since somebody asked to arm, by client and kind: the same
+  /// again is a repetition.
+  std::map<std::tuple<std::uint32_t, OrderType, bool>, std::uint32_t> stops_;
   bool armed_for_client_ = false;        ///< else armed by run(), which gave its duration
   std::uint32_t claim_ = 0;              ///< newest claim on the controls
   bool over_ = false;                    ///< no more orders are carried out

@@ -127,7 +127,10 @@ void Station::Core::takeStop(const Order& order, std::uint64_t asked) {
   // A rest applies to a rendering loop, or continues a rest; it does not replace another stop.
   const bool rests = order.rest && (rested() || status_.run_state == RunState::kRendering);
   // Repetitions count once: else nobody could name the last ending while a client repeats its stop.
-  if (stops_.insert({order.client, order.type, order.rest}).second) ++status_.endings;
+  const auto [last, first] =
+      stops_.try_emplace({order.client, order.type, order.rest}, order.number);
+  if (first || last->second != order.number) ++status_.endings;
+  last->second = order.number;
   rest_ending_ = rests ? status_.endings : 0;
   if (!live_ && status_.run_state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
   beginStop(order.type == OrderType::kEmergencyStop);

@@ -488,6 +488,24 @@ TEST_F(WaitingOrders, StopsThatAreRepeated_CountOnceUntilSomebodyArms) {
   }
 }
 
+// A stop that is pressed again is another one: what was asked before it is void, where it comes
+// later.
+TEST_F(WaitingOrders, StopThatIsPressedAgain_CountsAgain) {
+  begin();
+  const Person game = person();
+  Order pressed = game.asks(of(OrderType::kEmergencyStop));
+  pressed.number = 7;
+  ASSERT_TRUE(ask(pressed).accepted);
+  const Order late = person().asks(of(OrderType::kArm));  // sent now, and long on its way
+  const std::uint32_t shown = station_->status().endings;
+  for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(pressed).accepted);
+  EXPECT_EQ(station_->status().endings, shown);
+  pressed.number = 8;
+  for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(pressed).accepted);
+  EXPECT_EQ(station_->status().endings, shown + 1);
+  EXPECT_EQ(ask(late).refusal, Refusal::kStopNotSeen);
+}
+
 TEST_F(WaitingOrders, StopThatIsRepeatedWhileAnArmWaits_UndoesItAndCounts) {
   begin();
   const Person game = person();

@@ -116,8 +116,9 @@ class Connection:
 
     async def emergency_stop(self):
         """Sends it until it is answered. Any client may."""
+        number = None
         while True:
-            _, answer = await self._send("EmergencyStop", {})
+            number, answer = await self._send("EmergencyStop", {}, number)
             with contextlib.suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(answer, REPEAT_STOP_S)
                 return
@@ -186,11 +187,12 @@ class Connection:
             if name == "appeared":
                 self._generations[int(event["index"])] = int(event["value"])
 
-    async def _send(self, order, fields):
+    async def _send(self, order, fields, number=None):
         if self._lost:
             raise self._lost
-        self._number += 1
-        number = self._number
+        if number is None:  # else said again
+            self._number += 1
+            number = self._number
         answer = asyncio.get_running_loop().create_future()
         self._replies[number] = answer
         try:

@@ -94,7 +94,7 @@ export class Connection extends Orders {
   private excused = false;  // a late turn, since the program was heard last
   private closed = false;
   private readonly holding = new Holding((beats) => this.line?.hold?.(beats ? BEAT : null));
-  private readonly stopAsked = new PendingStop(() => this.order(new EmergencyStopT()), () => this.tell('status', this.status));
+  private readonly stopAsked = new PendingStop((id) => this.sendAs(id, new EmergencyStopT()), () => this.tell('status', this.status));
 
   constructor(private readonly options: ConnectionOptions) {
     super();
@@ -121,12 +121,13 @@ export class Connection extends Orders {
   }
 
   /** Sends an order. The answer comes from the program, or from here when it cannot be sent. Never rejects. */
-  order(order: AnyOrder): Promise<Answer> {
+  order(order: AnyOrder): Promise<Answer> { return this.sendAs(++this.lastId, order); }
+
+  private sendAs(id: number, order: AnyOrder): Promise<Answer> {
     const line = this.line;
     if (this.status !== 'open' || !line) return Promise.resolve({ accepted: false, reason: text('line.none') });
     // Nothing begins or goes on by an order of a page that nobody sees; a stop always may.
     if (this.holding.away && !(order instanceof EmergencyStopT || order instanceof StopT || order instanceof RestT)) return Promise.resolve({ accepted: false, reason: text('line.away') });
-    const id = ++this.lastId;
     const within_ms = order instanceof LoadExerciseT || order instanceof LoadProfileT || order instanceof ArmT ? SLOW_ANSWER_WITHIN_MS : ANSWER_WITHIN_MS;
     const answer = this.pending.wait(id, within_ms, { accepted: false, reason: text('line.silent') });
     line.send(encodeCommand(id, order));
@@ -134,7 +135,7 @@ export class Connection extends Orders {
   }
 
   /** Sends an emergency stop until the program has confirmed it, and then answers. */
-  emergencyStop(): Promise<Answer> { return this.stopAsked.ask(); }
+  emergencyStop(): Promise<Answer> { return this.stopAsked.ask(++this.lastId); }
   /** An emergency stop was asked for, and the program has not said within 300 ms that it has it. */
   get stopUnconfirmed(): boolean { return this.stopAsked.unconfirmed; }
   async takeControls(): Promise<Answer> {

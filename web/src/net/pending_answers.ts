@@ -9,6 +9,7 @@ export class PendingAnswers {
 
   /** @param otherwise the answer after `within_ms` without one */
   wait(id: number, within_ms: number, otherwise: Answer): Promise<Answer> {
+    this.settle(id, otherwise);  // sent again
     return new Promise((settle) => {
       const timer = setTimeout(() => this.settle(id, otherwise), within_ms);
       this.waiting.set(id, { settle, timer });

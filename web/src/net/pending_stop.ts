@@ -8,15 +8,20 @@ const CONFIRMED_WITHIN_MS = 300;
 export class PendingStop {
   /** Whether a person has to be told that the program may not have heard. */
   unconfirmed = false;
+  private id = 0;
   private sent_ms = 0;
   private timer: ReturnType<typeof setInterval> | undefined;
   private settle: ((answer: Answer) => void)[] = [];
 
-  /** @param changed called when `unconfirmed` changed */
-  constructor(private readonly send: () => Promise<Answer>, private readonly changed: () => void) {}
+  /**
+   * @param send with the order's id: what is sent again has the same
+   * @param changed called when `unconfirmed` changed
+   */
+  constructor(private readonly send: (id: number) => Promise<Answer>, private readonly changed: () => void) {}
 
-  /** Asks for a stop. The answer comes when the program has confirmed it, however late. */
-  ask(): Promise<Answer> {
+  /** Asks for a stop: a press. The answer comes when the program has confirmed it, however late. */
+  ask(id: number): Promise<Answer> {
+    this.id = id;
     this.timer ??= setInterval(() => this.sendAgain(), CONFIRMED_WITHIN_MS);
     this.sendOnce();
     return new Promise((settle) => { this.settle.push(settle); });
@@ -37,7 +42,7 @@ export class PendingStop {
 
   private sendOnce(): void {
     this.sent_ms = performance.now();
-    void this.send().then((answer) => { if (answer.accepted) this.confirm(answer); });
+    void this.send(this.id).then((answer) => { if (answer.accepted) this.confirm(answer); });
   }
 
   // A page that was busy meanwhile says so, too: it may have an answer to read, and may have none.

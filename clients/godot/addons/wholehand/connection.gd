@@ -217,7 +217,8 @@ func _keep_alive(now_ms: int) -> void:
 		_heartbeat_ms = now_ms
 		_send(0, "Heartbeat", [])
 	if _stop != 0 and now_ms - _stop_ms >= STOP_AGAIN_MS:
-		emergency_stop()
+		_stop_ms = now_ms
+		_send(_stop, "EmergencyStop", [])
 
 
 func _order(type: String, fields: Array) -> int:
