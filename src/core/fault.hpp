@@ -40,7 +40,8 @@ enum class Fault : std::uint32_t {
       1U << 25,            ///< a sample of the device is too old, stands still or goes back in time
   kDriveHot = 1U << 26,    ///< information: a drive is near its temperature limit
   kGentleStop = 1U << 27,  ///< information: the stop that was asked for is a gentle one
-  kSampleDelay = 1U << 28,  ///< the device's samples come later than the certificate assumes
+  kSampleDelay = 1U << 28,   ///< the device's samples come later than the certificate assumes
+  kEffortAstray = 1U << 29,  ///< a drive measures another effort than the one that was sent
 };
 
 [[nodiscard]] constexpr Fault operator|(Fault a, Fault b) noexcept {
@@ -57,7 +58,7 @@ constexpr Fault& operator|=(Fault& a, Fault b) noexcept {
 }
 
 /// Number of the bits above.
-inline constexpr int kFaultBits = 29;
+inline constexpr int kFaultBits = 30;
 
 /// Effect of a fault on the run.
 enum class FaultReaction {
@@ -104,6 +105,7 @@ inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
     {Fault::kDriveHot, "drive hot", FaultReaction::kCounted},
     {Fault::kGentleStop, "gentle stop", FaultReaction::kRecorded},
     {Fault::kSampleDelay, "samples delayed", FaultReaction::kStops},
+    {Fault::kEffortAstray, "effort astray", FaultReaction::kStops},
 }};
 
 /// All bits with one reaction.
@@ -117,7 +119,8 @@ inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
 
 /// The faults that a device's reading may have.
 inline constexpr Fault kOfReading = Fault::kDeviceRead | Fault::kDriveFault | Fault::kEnableLost |
-                                    Fault::kStaleSample | Fault::kDriveHot | Fault::kSampleDelay;
+                                    Fault::kStaleSample | Fault::kDriveHot | Fault::kSampleDelay |
+                                    Fault::kEffortAstray;
 
 /// The faults that stop rendering; the others are counted and shown.
 inline constexpr Fault kStopping = faultsWith(FaultReaction::kStops);

@@ -101,8 +101,7 @@ TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
   other.axes[2].neutral_effort = 1.5;
   other.axes[2].effort_limit = 2.0;
   HostThread second(name, std::make_shared<CarryingDriver>(), other);
-  hosted.reset();  // the first host was of this process, too: reconnect() takes it for alive
-  hosted = orThrow(HostedDriver::connect(name));
+  ASSERT_TRUE(hosted->reconnect());  // the process of the first one lives: it is this one
   EXPECT_NE(hosted->identity().serial, serial);
   EXPECT_NE(hosted->identity().driver_sha256, digest);
   const Diagnostics said = hosted->differences(desktop());

@@ -14,7 +14,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <set>
 
@@ -248,7 +250,7 @@ const std::vector<FailingInATick> kFailing = {
 INSTANTIATE_TEST_SUITE_P(Kinds, FailingDevice, testing::ValuesIn(aTenth(kFailing)),
                          [](const auto& tested) { return tested.param.name; });
 
-/// Samples whose age the test says, on a clock of the test; their numbers always rise.
+/// Samples whose age and efforts the test says, on a clock of the test; their numbers always rise.
 std::int64_t g_now_ns = 0;
 class AgedDriver final : public PlainDriver {
  public:
@@ -260,10 +262,21 @@ class AgedDriver final : public PlainDriver {
     sample.monotonic_ns = taken_ns_;
     sample.status = WH_HOMED | (enabled ? static_cast<std::uint32_t>(WH_ENABLED) : 0U);
     sample.valid = 7;
+    sample.status |= status;
+    for (std::size_t a = 0; a < 3; ++a) sample.effort[a] = told[told.size() - 1 - late].effort[a];
+    sample.effort[odd] = gain * sample.effort[odd] + bias;
     return WH_OK;
   }
-  [[nodiscard]] int write(const wh_command&) noexcept override { return WH_OK; }
+  [[nodiscard]] int write(const wh_command& command) noexcept override {
+    told.push_back(command);
+    told.pop_front();
+    return WH_OK;
+  }
   std::int64_t age_ns = 0;
+  std::uint32_t status = 0;
+  std::size_t late = 0, odd = 0;  ///< ticks until an effort is given; the axis that gives another
+  double gain = 1.0, bias = 0.0;
+  std::deque<wh_command> told = std::deque<wh_command>(8);
 
  private:
   std::uint64_t samples_ = 0;
@@ -286,6 +299,11 @@ struct AgedDevice {
     g_now_ns += 1'000'000;
     driver->age_ns = age_ns;
     return device->read(reading, 1);
+  }
+  Fault tickWith(const AxisEffort& effort) {
+    const Fault faults = tick(0);
+    (void)device->write(effort);
+    return faults;
   }
   std::shared_ptr<AgedDriver> driver = std::make_shared<AgedDriver>();
   std::unique_ptr<HapticDevice> device;
@@ -341,6 +359,67 @@ TEST(SampleAge, OfAGoodDeviceWithJitter_NeverStops) {
     const double age_ms =
         random() % 500 == 0 ? uniform(random, 0.0, 15.0) : uniform(random, 0.0, 1.0);
     ASSERT_EQ(at.tick(static_cast<std::int64_t>(age_ms * 1e6)), Fault::kNone) << k;
+  }
+}
+
+// docs/safety.md: means over 0.1 s that differ by more than a tenth of the limit and a quarter of
+// what is sent.
+TEST(EffortAstray, OfADriveThatGivesAnother_StopsAsTheLawSays) {
+  const double limit = desktopInARig().axes[0].effort_limit;
+  auto random = seededRandom(3406);
+  for (int i = 0; i < cases(500); ++i) {
+    AgedDevice at;
+    at.driver->odd = static_cast<std::size_t>(i % 3);
+    const double sent = uniform(random, -limit, limit);
+    AxisEffort efforts(3);
+    efforts[i % 3] = sent;
+    for (int k = 0; k < 800; ++k) ASSERT_EQ(at.tickWith(efforts), Fault::kNone);
+    at.driver->gain = i % 2 == 0 ? 1.0 : uniform(random, -1.0, 2.0);
+    at.driver->bias = i % 2 == 0 ? uniform(random, -limit, limit) : 0.0;
+    const bool derates = i % 5 == 0;
+    at.driver->status = derates ? WH_DERATING : 0;
+    const double given = at.driver->gain * sent + at.driver->bias;
+    const bool less = derates && given * sent >= 0.0 && std::abs(given) <= std::abs(sent);
+    const double apart = less ? 0.0 : std::abs(given - sent);
+    const double allowed = 0.1 * limit + 0.25 * std::abs(sent);
+    SCOPED_TRACE(std::to_string(sent) + " sent, " + std::to_string(given) + " given");
+    int stopped_after = -1;
+    for (int k = 0; k < 1000 && stopped_after < 0; ++k) {
+      if (any(at.tickWith(efforts) & Fault::kEffortAstray)) stopped_after = k;
+    }
+    if (apart < 0.99 * allowed) {
+      EXPECT_EQ(stopped_after, -1);
+    } else if (apart > 1.1 * allowed && !derates) {
+      const double within_ms = -100.0 * std::log(1.0 - allowed / apart);
+      EXPECT_NEAR(stopped_after, within_ms, 2.0);
+    }
+  }
+}
+
+TEST(EffortAstray, OfADriveThatMeasuresNone_NeverStops) {
+  AgedDevice at;
+  at.driver->bias = std::nan("");
+  AxisEffort efforts(3);
+  efforts[0] = desktopInARig().axes[0].effort_limit;
+  for (int k = 0; k < 1000; ++k) ASSERT_EQ(at.tickWith(efforts), Fault::kNone);
+}
+
+// As fast as the slew limit allows, given up to 5 ticks late, within 5 % and with noise.
+TEST(EffortAstray, OfAGoodDevice_NeverStops) {
+  const double limit = desktopInARig().axes[0].effort_limit;
+  auto random = seededRandom(3407);
+  AgedDevice at;
+  AxisEffort efforts(3), aims(3);
+  for (int k = 0; k < cases(200'000); ++k) {
+    for (int a = 0; a < 3; ++a) {
+      if (random() % 20 == 0) aims[a] = uniform(random, -limit, limit);
+      efforts[a] += std::clamp(aims[a] - efforts[a], -0.25 * limit, 0.25 * limit);
+    }
+    if (random() % 1000 == 0) at.driver->late = random() % 6;
+    at.driver->gain = uniform(random, 0.95, 1.05);
+    at.driver->bias = uniform(random, -0.1, 0.1) * limit;
+    at.driver->odd = random() % 3;
+    ASSERT_EQ(at.tickWith(efforts), Fault::kNone) << k;
   }
 }
 

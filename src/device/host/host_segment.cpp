@@ -180,6 +180,11 @@ bool HostSegment::hostLives() const {
   return processLives(frame_->host_pid);
 }
 
+bool HostSegment::replaced() const {
+  struct stat now {};
+  return ::fstat(fd_, &now) != 0 || now.st_nlink == 0;
+}
+
 bool HostSegment::publishesSamples() const {
   HostSample first{}, later{};
   const bool had = frame_->sample.take(first);

@@ -54,6 +54,8 @@ class HostSegment {
   [[nodiscard]] SharedFrame& frame() noexcept { return *frame_; }
   /// Whether the process of the host exists. It may be stopped.
   [[nodiscard]] bool hostLives() const;
+  /// Whether another host of the name has replaced this memory.
+  [[nodiscard]] bool replaced() const;
   /// Whether the host publishes samples. Waits up to a second, usually a millisecond.
   [[nodiscard]] bool publishesSamples() const;
 

@@ -126,7 +126,7 @@ Expected<Done> HostedDriver::awaitSession() {
 }
 
 Expected<Done> HostedDriver::reconnect() {
-  if (segment_->hostLives()) return Done{};
+  if (segment_->hostLives() && !segment_->replaced()) return Done{};
   return connectAnew();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -11,7 +12,9 @@ namespace {
 
 constexpr double kTolerance = 1e-6;  // relative to the file's value
 constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
-constexpr double kMeanAgeOver_s = 0.1;
+constexpr double kMeanOver_s = 0.1;
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kAstrayOfLimit = 0.1, kAstrayOfSent = 0.25;
 
 class Comparison {
  public:
@@ -63,7 +66,9 @@ PluginDevice::PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceMod
       most_age_s_(longestStill_s(model)),
       most_mean_age_s_((model.output_delay_ticks + 1) * period_s),
       most_still_periods_(static_cast<int>(std::ceil(most_age_s_ / period_s))),
-      now_ns_(now_ns) {
+      now_ns_(now_ns),
+      effort_limit_(axes_) {
+  for (int a = 0; a < axes_; ++a) effort_limit_[a] = model.axes[a].effort_limit;
   neutral_.size = sizeof(neutral_);
   neutral_.axes = static_cast<std::uint32_t>(driver_->axes().size());
 }
@@ -185,6 +190,11 @@ Expected<Done> PluginDevice::enable() {
   current_ = false;
   begun_ = true;
   last_ = sample;
+  command_ = neutral_;
+  mean_sent_ = mean_measured_ = AxisEffort(axes_);
+  for (int a = 0; a < axes_; ++a) {
+    mean_sent_[a] = mean_measured_[a] = neutral_.effort[place_[a]];
+  }
   return Done{};
 }
 
@@ -201,19 +211,42 @@ Fault PluginDevice::judge(const wh_sample& sample, int elapsed_periods) noexcept
       sample.sequence < last_.sequence || sample.monotonic_ns < last_.monotonic_ns;
   if (backwards || still_periods_ > most_still_periods_) faults |= Fault::kStaleSample;
   current_ = current_ || newer;
-  return current_ ? faults | judgeAge(sample) : faults;
+  return current_ ? faults | judgeAge(sample) | judgeEfforts(sample) : faults;
 }
 
 // Sequence numbers that rise prove nothing: a driver may count what it repeats.
 Fault PluginDevice::judgeAge(const wh_sample& sample) noexcept {
   const double age_s = static_cast<double>(now_ns_() - sample.monotonic_ns) * 1e-9;
-  mean_age_s_ += std::min(period_s_ / kMeanAgeOver_s, 1.0) * (age_s - mean_age_s_);
+  mean_age_s_ += std::min(period_s_ / kMeanOver_s, 1.0) * (age_s - mean_age_s_);
   if (age_s > most_age_s_ || age_s < -period_s_) return Fault::kStaleSample;
   return mean_age_s_ > most_mean_age_s_ ? Fault::kSampleDelay : Fault::kNone;
 }
 
+// Both means lag alike, so that the drive's delay tells little beside them.
+Fault PluginDevice::judgeEfforts(const wh_sample& sample) noexcept {
+  const double share = std::min(period_s_ / kMeanOver_s, 1.0);
+  const bool derates = (sample.status & WH_DERATING) != 0;
+  Fault faults = Fault::kNone;
+  for (int a = 0; a < axes_; ++a) {
+    const double measured = sample.effort[place_[a]];
+    const double sent = command_.effort[place_[a]];
+    if (!enabled_ || !std::isfinite(measured)) continue;
+    mean_sent_[a] += share * (sent - mean_sent_[a]);
+    mean_measured_[a] += share * (measured - mean_measured_[a]);
+    const double mean = mean_sent_[a];
+    const double due =
+        derates ? std::clamp(mean_measured_[a], std::min(mean, 0.0), std::max(mean, 0.0)) : mean;
+    const double apart = std::abs(mean_measured_[a] - due);
+    if (apart > kAstrayOfLimit * effort_limit_[a] + kAstrayOfSent * std::abs(mean)) {
+      faults |= Fault::kEffortAstray;
+    }
+  }
+  return faults;
+}
+
 Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
   wh_sample sample{};
+  std::fill(std::begin(sample.effort), std::end(sample.effort), kNotKnown);
   if (!open_ || driver_->read(sample) < 0) return Fault::kDeviceRead;
   if (reading.q_m.size() != axes_) reading.q_m = AxisPosition(axes_);
   for (int a = 0; a < axes_; ++a) {

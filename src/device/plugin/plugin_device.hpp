@@ -45,7 +45,8 @@ class PluginDevice final : public HapticDevice {
   /// kDriveHot as the device reports; kStaleSample where a sample is older than
   /// longestStill_s() or of the future, samples stand still or go back in time; kSampleDelay where
   /// their mean age over the last tenth of a second is more than the certificate's delay and a
-  /// period.
+  /// period; kEffortAstray where the mean of an effort that a drive measures is not that of the
+  /// efforts sent.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   /// Disables the device; the driver stays open.
@@ -55,6 +56,7 @@ class PluginDevice final : public HapticDevice {
   PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceModel& model, double period_s,
                std::int64_t (*now_ns)() noexcept);
   [[nodiscard]] Fault judgeAge(const wh_sample& sample) noexcept;
+  [[nodiscard]] Fault judgeEfforts(const wh_sample& sample) noexcept;
   [[nodiscard]] Expected<Done> mayFall() const;
   [[nodiscard]] Diagnostic no(const std::string& why, const std::string& remedy) const;
   [[nodiscard]] Fault judge(const wh_sample& sample, int elapsed_periods) noexcept;
@@ -75,6 +77,7 @@ class PluginDevice final : public HapticDevice {
   double mean_age_s_ = 0.0;
   wh_sample last_{};
   wh_command command_{};
+  AxisEffort effort_limit_, mean_sent_, mean_measured_;  ///< of the file's axes
 };
 
 }  // namespace wholehand

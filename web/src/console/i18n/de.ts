@@ -114,6 +114,7 @@ export const de: ConsoleTexts = {
     'enable lost': 'Die Stopptaste des Geräts lösen oder seine Freigabe drücken, dann neu starten.',
     'stale sample': 'Kabel und Strom des Geräts prüfen, dann neu starten.',
     'samples delayed': 'Rechner oder Leitung des Geräts waren zu langsam: andere Programme beenden, dann neu starten.',
+    'effort astray': 'Ein Antrieb gab nicht die verlangte Kraft: Gerät prüfen lassen, bevor wieder jemand daran sitzt.',
     'late ticks in a row': 'Der Rechner war zu langsam: andere Programme beenden, dann neu starten.',
     'gap too long': 'Der Rechner war zu langsam: andere Programme beenden, dann neu starten.',
     other: 'Neu starten, wenn die Ursache weg ist.',

@@ -191,4 +191,5 @@ export const de: Texts = {
   'fault.drive hot': 'ein Antrieb ist heiss',
   'fault.gentle stop': 'die Kraft klingt sanft ab',
   'fault.samples delayed': 'die Messwerte kommen zu spät',
+  'fault.effort astray': 'ein Antrieb gibt eine andere Kraft als verlangt',
 };

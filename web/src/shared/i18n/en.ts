@@ -197,4 +197,5 @@ export const en = {
   'fault.drive hot': 'a drive is hot',
   'fault.gentle stop': 'the effort fades gently',
   'fault.samples delayed': 'the samples come too late',
+  'fault.effort astray': 'a drive gives another effort than asked for',
 } as const;

@@ -191,4 +191,5 @@ export const fr: Texts = {
   'fault.drive hot': 'un moteur est chaud',
   'fault.gentle stop': 'la force s’éteint en douceur',
   'fault.samples delayed': 'les mesures arrivent trop tard',
+  'fault.effort astray': 'un moteur donne un autre effort que demandé',
 };
