@@ -12,11 +12,15 @@
 #include "support/says.hpp"
 #include "telemetry/fault_text.hpp"
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <linux/capability.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
 #include <thread>
 #include <unistd.h>
 
@@ -111,6 +115,35 @@ TEST(Run, StoppedBeforeItBegins_EnablesNothingOrIsDisabledAgain) {
       EXPECT_FALSE(story.open);
     }
   }
+}
+
+// A thread's capabilities are its own, and those of the threads that it starts; limits are the
+// process's, and bind who has none. docs/safety.md, "Arming".
+TEST(Run, WithoutRealTimePriorityOrLockedMemory_EnablesNothingWhereTheyAreRequired) {
+  rlimit priority{}, memory{};
+  getrlimit(RLIMIT_RTPRIO, &priority);
+  getrlimit(RLIMIT_MEMLOCK, &memory);
+  const rlimit no_priority{0, priority.rlim_max}, no_memory{0, memory.rlim_max};
+  setrlimit(RLIMIT_RTPRIO, &no_priority);
+  setrlimit(RLIMIT_MEMLOCK, &no_memory);
+  std::thread([] {
+    __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+    std::array<__user_cap_data_struct, 2> none{};
+    ASSERT_EQ(syscall(SYS_capset, &header, none.data()), 0);
+    RunPlan plan;
+    plan.real_time_required = true;
+    Story story;
+    auto run = orThrow(Run::prepare(watched(story), plan));
+    const Expected<Done> begun = run->begin();
+    ASSERT_FALSE(begun);
+    EXPECT_TRUE(says(format(begun.errors()), "a loop that moves a person needs it"));
+    EXPECT_TRUE(says(format(begun.errors()), "wholehand doctor"));
+    EXPECT_EQ(story.enables, 0);
+    run->finish();
+    EXPECT_FALSE(story.open);
+  }).join();
+  setrlimit(RLIMIT_RTPRIO, &priority);
+  setrlimit(RLIMIT_MEMLOCK, &memory);
 }
 
 // What is written to a file that nobody can find any more is lost, and is said to be.

@@ -23,19 +23,24 @@ struct Sabotage {
 
 /// A device's models and what a renderer of them is made of, loaded once.
 struct Workbench {
-  explicit Workbench(const std::string& device) {
-    Models m = withWeight(load(shippedFiles(device, "empty", "adult-median-right", "stiff-adult")));
+  explicit Workbench(const std::string& device, const std::string& hand = "adult-median-right",
+                     double of_period_s = kPeriod_s)
+      : period_s(of_period_s) {
+    Models m = withWeight(load(shippedFiles(device, "empty", hand, "stiff-adult")));
     auto simulated = std::make_unique<SimulatedDevice>(
-        m.device, m.patient, Intention::throughWaypoints({{0.0, clear(m.device)}}), kPeriod_s);
+        m.device, m.patient, Intention::throughWaypoints({{0.0, clear(m.device)}}), period_s);
     // Not said to be simulated: everything is watched.
     inner = std::move(simulated);
-    rig =
-        build(std::move(m), std::make_unique<FaultInjector>(*inner, std::vector<InjectedFault>{}));
+    RigOptions options;
+    options.period_s = period_s;
+    rig = build(std::move(m), std::make_unique<FaultInjector>(*inner, std::vector<InjectedFault>{}),
+                options);
   }
   [[nodiscard]] const Models& models() const { return rig->models; }
   [[nodiscard]] const RendererConfig& config() const { return rig->renderer->config(); }
   [[nodiscard]] int axes() const { return models().device.axisCount(); }
 
+  double period_s;
   std::unique_ptr<HapticDevice> inner;
   std::unique_ptr<Rig> rig;
 };
@@ -62,7 +67,7 @@ struct Bench {
       : simulated(
             workbench.models().device, workbench.models().patient,
             slamming(workbench.models().device, random, inside(workbench.models().device), 0.4),
-            kPeriod_s),
+            workbench.period_s),
         accepting(simulated, config.safety.neutral),
         device(accepting, sabotage.device),
         analytic(workbench.models().hand, stopOnFirst(workbench.models().hand.axis_count)),

@@ -19,6 +19,7 @@ struct Stop {
   int seen_in = 0;          ///< tick; it is asked for before it
   double fade_out_s = 0.0;  ///< of the exercise
   int plain_in = -1;        ///< tick that sees a plain stop, too; -1: none
+  double period_s = kPeriod_s;
 
   [[nodiscard]] double duration_s() const {
     return 0.08 + (kind == StopKind::kGentle ? fade_out_s : 0.0);
@@ -48,7 +49,7 @@ HeldEfforts runToTheEnd(Bench& bench, const Stop& stop, std::mt19937_64& random)
     const std::uint32_t periods = tick > 0 && random() % 32 == 0 ? 2 : 1;
     bench.renderer.tick(periods, bench.record);
     bench.record.command_count = 0;
-    now_s += periods * kPeriod_s;
+    now_s += periods * stop.period_s;
     run.held.push_back(bench.accepting.held());
     run.time_s.push_back(now_s);
   }
@@ -61,7 +62,8 @@ std::string faultOf(const HeldEfforts& run, const Stop& stop, const AxisEffort& 
   const AxisEffort before = seen == 0 ? neutral : run.held[seen - 1];
   for (std::size_t k = seen; k < run.held.size(); ++k) {
     // The tick that sees it counts as one period.
-    const double most = shareLeft(run.time_s[k] - run.time_s[seen] + kPeriod_s, stop.duration_s());
+    const double most =
+        shareLeft(run.time_s[k] - run.time_s[seen] + stop.period_s, stop.duration_s());
     for (int a = 0; a < neutral.size(); ++a) {
       const double was = before[a] - neutral[a];
       const double is = run.held[k][a] - neutral[a];
@@ -72,15 +74,19 @@ std::string faultOf(const HeldEfforts& run, const Stop& stop, const AxisEffort& 
     }
   }
   if (!same(run.held.back(), neutral)) return "it ended beside neutral";
-  const double took_s = run.time_s.back() - run.time_s[seen] + kPeriod_s;
+  const double took_s = run.time_s.back() - run.time_s[seen] + stop.period_s;
   if (took_s > stop.duration_s() + 0.03) return "it took " + std::to_string(took_s) + " s";
   return {};
 }
 
-const Workbench& benchOf(std::size_t device) {
-  static const std::array<Workbench, 3> all{Workbench("lambda-pride"), Workbench("desktop-3axis"),
-                                            Workbench("wrist-9axis")};
-  return all[device];
+const Workbench& drawnBench(std::mt19937_64& random) {
+  static const std::array<Workbench, 6> all{Workbench("lambda-pride"),
+                                            Workbench("desktop-3axis"),
+                                            Workbench("wrist-9axis"),
+                                            Workbench("lambda-pride", "woman-p05-left", 5e-4),
+                                            Workbench("desktop-3axis", "man-p95-right", 2.5e-4),
+                                            Workbench("wrist-9axis", "man-p05-left", 8e-4)};
+  return all[random() % all.size()];
 }
 
 // Law: from the tick that sees a stop on, the effort of each axis stays between neutral and a share
@@ -90,8 +96,9 @@ TEST(StopAtAnyTick, OfEveryKind_OnlyLetsGo) {
   int pushed = 0;
   const int count = cases(3000);
   for (int i = 0; i < count; ++i) {
-    const Workbench& bench = benchOf(random() % 3);
+    const Workbench& bench = drawnBench(random);
     Stop stop;
+    stop.period_s = bench.period_s;
     stop.kind = static_cast<StopKind>(random() % 3);
     stop.seen_in = static_cast<int>(random() % kLastTick);
     stop.fade_out_s = uniform(random, 0.0, 0.6);
@@ -104,8 +111,8 @@ TEST(StopAtAnyTick, OfEveryKind_OnlyLetsGo) {
     const std::string where =
         "case " + std::to_string(i) + ": kind " + std::to_string(static_cast<int>(stop.kind)) +
         ", seen in tick " + std::to_string(stop.seen_in) + ", fade-out " +
-        std::to_string(stop.fade_out_s) + " s, " + bench.models().device.name + ", faults " +
-        faultNames(run.renderer.latched());
+        std::to_string(stop.fade_out_s) + " s, " + bench.models().device.name + ", " +
+        std::to_string(1e3 * stop.period_s) + " ms, faults " + faultNames(run.renderer.latched());
     if (static_cast<int>(ran.held.size()) <= stop.seen_in) continue;  // a fault was first
     ASSERT_EQ(faultOf(ran, stop, config.safety.neutral), "") << where;
     const AxisEffort& last = ran.held[static_cast<std::size_t>(std::max(stop.seen_in - 1, 0))];
