@@ -1,6 +1,6 @@
 #include "experiments/engine_scenes.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "experiments/grasp_script.hpp"
 
 #include <cmath>

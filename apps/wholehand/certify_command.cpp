@@ -1,7 +1,7 @@
 #include "certify_command.hpp"
 
 #include "assembly/sampled_inertia.hpp"
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "certificate_chart.hpp"
 #include "certification/certificate_text.hpp"
 #include "chart_file.hpp"

@@ -1,6 +1,6 @@
 #include "chart_file.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "page/page_file.hpp"
 #include "shipped_files.hpp"
 

@@ -1,5 +1,5 @@
 #include "assembly/run.hpp"
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "bar_experiments.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"

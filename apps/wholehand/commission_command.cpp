@@ -1,7 +1,7 @@
 #include "commission_command.hpp"
 
 #include "assembly/commissioning_record.hpp"
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "chart_file.hpp"
 #include "commissioning/commissioning.hpp"
 #include "commissioning/console/console_operator.hpp"

@@ -1,6 +1,6 @@
 #include "decompose_command.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "decompose_files.hpp"

@@ -1,6 +1,6 @@
 #include "decompose_files.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "core/printable.hpp"
 #include "model/scene/scene_model.hpp"
 

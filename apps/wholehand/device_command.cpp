@@ -1,6 +1,6 @@
 #include "device_command.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "core/printable.hpp"
 #include "device/host/device_host.hpp"
 #include "device/host/host_list.hpp"

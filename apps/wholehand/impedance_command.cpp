@@ -1,6 +1,6 @@
 #include "impedance_command.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "chart_file.hpp"
 #include "exit_code.hpp"
 #include "impedance_chart.hpp"

@@ -3,7 +3,7 @@
 #include "assembly/program_version.hpp"
 #include "assembly/resting_player.hpp"
 #include "assembly/run.hpp"
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "exit_code.hpp"
 #include "json_text.hpp"
 #include "pages.hpp"

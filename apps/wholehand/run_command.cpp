@@ -2,7 +2,7 @@
 #include "assembly/resting_player.hpp"
 #include "assembly/rig.hpp"
 #include "assembly/run.hpp"
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "certification/certificate_file.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"

@@ -1,12 +1,12 @@
 #include "sweep_command.hpp"
 
 #include "assembly/program_version.hpp"
-#include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiments/sweep/sweep.hpp"
+#include "files/text_file.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 #include "telemetry/sweep_file.hpp"
@@ -256,7 +256,8 @@ void describe(const SweepGrid& grid, const std::optional<SweepShare>& share, int
   std::fflush(stdout);
 }
 
-int tell(const SweepGrid& grid, const SweepOptions& options, const SweepOutcome& outcome) {
+int tell(const SweepGrid& grid, const SweepOptions& options, bool share,
+         const SweepOutcome& outcome) {
   const int left = outcome.cells - outcome.finished;
   if (!outcome.refusals.empty()) {
     refuse(outcome.refusals);
@@ -287,6 +288,13 @@ int tell(const SweepGrid& grid, const SweepOptions& options, const SweepOutcome&
                  "wholehand: a process that ran cells died; %d cells are kept, %d are left. The "
                  "same command goes on.\n",
                  outcome.finished, left);
+    return kExitFault;
+  }
+  if (!share) {
+    std::fprintf(stderr,
+                 "wholehand: of %d cells what was kept is damaged. The same command runs them "
+                 "again.\n",
+                 left);
     return kExitFault;
   }
   std::printf("\nThis share is done; the last share to end writes %s\n",
@@ -331,7 +339,7 @@ int sweepCommand(const SweepOptions& options) {
   describe(*grid, plan.share, plan.processes);
   auto outcome = runSweep(*grid, plan);
   if (!outcome) return refuse(outcome.errors());
-  return tell(*grid, options, *outcome);
+  return tell(*grid, options, plan.share.has_value(), *outcome);
 }
 
 }  // namespace wholehand

@@ -1,6 +1,6 @@
 #include "experiments/sweep/journal.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "commissioning/sealed_file.hpp"
 #include "core/crc32.hpp"
 
@@ -121,8 +121,9 @@ std::map<int, std::vector<double>> SweepJournal::finished() const {
     for (std::size_t at = 0; at + size <= bytes->size(); at += size) {
       int cell = 0;
       std::vector<double> figures(static_cast<std::size_t>(figures_));
-      if (!decode(std::string_view(*bytes).substr(at, size), cell, figures)) break;
-      cells[cell] = std::move(figures);
+      if (decode(std::string_view(*bytes).substr(at, size), cell, figures)) {
+        cells[cell] = std::move(figures);
+      }
     }
   }
   return cells;

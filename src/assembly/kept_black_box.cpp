@@ -1,6 +1,6 @@
 #include "assembly/kept_black_box.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

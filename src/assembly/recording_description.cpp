@@ -4,7 +4,7 @@
 #include "assembly/program_version.hpp"
 #include "assembly/rehearsal_fingerprint.hpp"
 #include "assembly/sampled_inertia.hpp"
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "core/printable.hpp"
 
 #include <fmt/chrono.h>

@@ -1,9 +1,10 @@
 #include "page/page_file.hpp"
 
+#include "files/durable_file.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -19,20 +20,6 @@ constexpr const char* kHowToBuild =
 
 Diagnostic refusal(const std::string& file, std::string problem, std::string remedy) {
   return {file, 0, "", "", std::move(problem), std::move(remedy)};
-}
-
-/// Writes the text under a temporary name and renames it. @return an errno, or 0
-int writeWhole(const std::filesystem::path& path, std::string_view text) {
-  const std::string temporary = path.string() + ".part";
-  std::FILE* out = std::fopen(temporary.c_str(), "wb");
-  if (out == nullptr) return errno;
-  errno = 0;
-  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  int error = written ? 0 : errno;
-  if (std::fclose(out) != 0 && error == 0) error = errno;
-  if (error == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) std::remove(temporary.c_str());
-  return error;
 }
 
 }  // namespace
@@ -73,7 +60,7 @@ Expected<Done> writePage(const std::string& page_template, const nlohmann::json&
   std::error_code failure;
   const bool created = !folder.empty() && std::filesystem::create_directory(folder, failure);
   int error = failure.value() == EEXIST ? ENOTDIR : failure.value();
-  if (error == 0) error = writeWhole(path, page);
+  if (error == 0) error = writeDurably(path, page);
   if (error == 0) return Done{};
   if (created) std::filesystem::remove(folder, failure);
   return refusal(path, std::string("cannot be written: ") + std::strerror(error),

@@ -1,6 +1,6 @@
 #include "station/profiles.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "model/toml/toml_file.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "station/session_files.hpp"
 
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 #include "station/file_name.hpp"
 
 #include <fmt/chrono.h>

@@ -1,3 +1,4 @@
+#include "files/durable_file.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_file.hpp"
@@ -117,6 +118,7 @@ bool Hdf5Writer::beginPart() {
 void Hdf5Writer::endFile() {
   file_->end();
   if (file_->hasName()) {
+    (void)syncDurably(part_ == 1 ? path_ : recording::partPath(path_, part_));
     ended_rows_ += file_->written();
     ended_bytes_ += file_->bytes();
   } else {

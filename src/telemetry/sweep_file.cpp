@@ -1,5 +1,6 @@
 #include "telemetry/sweep_file.hpp"
 
+#include "files/durable_file.hpp"
 #include "telemetry/hdf5_handle.hpp"
 
 #include <algorithm>
@@ -132,10 +133,9 @@ Expected<Done> writeSweepFile(const SweepFile& sweep, const std::string& path) {
     written =
         file.ok() && writeAll(file.get(), sweep) && ::H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;
   }
-  std::error_code error;
-  if (written) std::filesystem::rename(temporary, path, error);
-  if (written && !error) return Done{};
-  std::filesystem::remove(temporary, error);
+  if (written && renameDurably(temporary, path) == 0) return Done{};
+  std::error_code ignored;
+  std::filesystem::remove(temporary, ignored);
   return cannotWrite(path);
 }
 

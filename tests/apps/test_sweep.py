@@ -154,14 +154,15 @@ class Sweep(AppTest):
         print(f"figure: kills of {sweeps} sweeps, no finished cell lost, none run twice {kills}")
         self.assertEqual(kills, wanted)
 
-    def test_a_half_written_cell_is_run_again(self):
+    def test_a_half_written_or_damaged_cell_is_run_again(self):
         self.sweep("whole.h5")
-        self.sweep("cut.h5", "--share", "1/2")
-        first, = (self.folder / "cut.h5.cells").glob("0.cells")
-        data = bytearray(first.read_bytes())
-        first.write_bytes(data[:-5])
-        self.assertIn("3 of them run now", self.sweep("cut.h5", "--processes", 1).out)
-        self.assertEqual(digest(self.folder / "cut.h5"), digest(self.folder / "whole.h5"))
+        for name, damage in (("cut.h5", lambda cells: cells[:-5]), ("bad.h5", lambda cells: bytes([cells[0] ^ 64]) + cells[1:])):
+            with self.subTest(name):
+                self.sweep(name, "--share", "1/2", "--processes", 1)
+                first, = (self.folder / f"{name}.cells").glob("0.cells")
+                first.write_bytes(damage(first.read_bytes()))
+                self.assertIn("3 of them run now", self.sweep(name, "--processes", 1).out)
+                self.assertEqual(digest(self.folder / name), digest(self.folder / "whole.h5"))
 
     def test_a_worker_that_dies_is_told_and_the_same_command_goes_on(self):
         run = self.start_app("sweep", "grid.toml", "--out", "a.h5", "--processes", 2)

@@ -17,6 +17,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <sys/stat.h>
 #include <sys/types.h>
 #include <thread>
 #include <vector>
@@ -26,16 +27,25 @@ namespace {
 std::atomic<bool> disk_fails{false};  // NOLINT
 std::atomic<int> writes_before{0};    // NOLINT: that succeed still
 std::atomic<int> writes_lost{0};      // NOLINT: that fail then, before the disk works again
+std::atomic<bool> unsynced{false};    // NOLINT: something was written since a file was synced
 }  // namespace
 
 // HDF5's own calls come here first: a program's symbols are found before those of the C library.
 extern "C" ssize_t pwrite(int fd, const void* bytes, size_t count, off_t at) {
   using Function = ssize_t (*)(int, const void*, size_t, off_t);
   static const auto real = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, "pwrite"));
+  unsynced = true;
   const bool fails = disk_fails && writes_before-- <= 0 && writes_lost-- > 0;
   if (!fails) return real(fd, bytes, count, at);
   errno = EIO;
   return -1;
+}
+
+extern "C" int fsync(int fd) {
+  static const auto kReal = reinterpret_cast<int (*)(int)>(::dlsym(RTLD_NEXT, "fsync"));
+  struct stat about {};
+  if (::fstat(fd, &about) == 0 && S_ISREG(about.st_mode)) unsynced = false;
+  return kReal(fd);
 }
 
 // HDF5 1.10 loses an object of its own where a write fails. What we leave open it would still know
@@ -104,6 +114,14 @@ TEST_F(DiskErrorTest, ThatPasses_APartBeginsAndNothingBeforeOrAfterIsLost) {
   EXPECT_GE(seen.size(), writer->written());
   for (std::uint64_t tick = 0; tick < 1000; ++tick) ASSERT_TRUE(seen.contains(tick)) << tick;
   for (std::uint64_t tick = 1600; tick < appended; ++tick) ASSERT_TRUE(seen.contains(tick)) << tick;
+}
+
+// What is told to be recorded outlives a power cut.
+TEST_F(DiskErrorTest, ClosedRecording_IsOnTheDisk) {
+  append(600);
+  EXPECT_TRUE(unsynced);
+  writer->close();
+  EXPECT_FALSE(unsynced);
 }
 
 // Rows that grew a table and never reached the disk are no rows of tick 0.

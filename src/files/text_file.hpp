@@ -7,7 +7,8 @@
 
 namespace wholehand {
 
-/// Writes a file through a temporary one beside it, so that it is complete or unchanged.
+/// Writes a file that is whole and on the disk when this returns, or unchanged:
+/// files/durable_file.hpp.
 [[nodiscard]] Expected<Done> writeText(const std::string& path, const std::string& text);
 
 /// Checks whether all these files can be written, including folders that do not exist yet; creates

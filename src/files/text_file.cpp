@@ -1,12 +1,12 @@
-#include "assembly/text_file.hpp"
+#include "files/text_file.hpp"
 
 #include "core/printable.hpp"
+#include "files/durable_file.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <unistd.h>
 
 namespace wholehand {
@@ -42,20 +42,8 @@ Expected<Done> checkWritable(const std::string& path) {
 }  // namespace
 
 Expected<Done> writeText(const std::string& path, const std::string& text) {
-  const fs::path temporary = path + ".tmp";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out << text;
-    out.flush();
-    if (!out) {
-      std::error_code ignored;
-      fs::remove(temporary, ignored);
-      return unwritable(path, std::strerror(errno));
-    }
-  }
-  std::error_code error;
-  fs::rename(temporary, path, error);
-  if (error) return unwritable(path, error.message());
+  const int error = writeDurably(path, text);
+  if (error != 0) return unwritable(path, std::strerror(error));
   return Done{};
 }
 

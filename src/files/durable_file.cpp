@@ -1,0 +1,97 @@
+#include "files/durable_file.hpp"
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <fcntl.h>
+#include <filesystem>
+#include <sys/random.h>
+#include <unistd.h>
+
+namespace wholehand {
+namespace {
+
+constexpr int kTries = 16;
+
+int syncAndClose(int file) {
+  const int error = ::fsync(file) != 0 ? errno : 0;
+  ::close(file);
+  return error;
+}
+
+// Some file systems cannot sync a folder, and say so.
+int syncFolder(const std::filesystem::path& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return errno;
+  const int error = syncAndClose(file);
+  return error == EINVAL || error == ENOTSUP ? 0 : error;
+}
+
+// A new file beside it, of a name that nobody can guess. @return its descriptor, or -1
+int createBeside(const std::string& path, std::string& name) {
+  for (int i = 0; i < kTries; ++i) {
+    std::uint64_t random = 0;
+    if (::getrandom(&random, sizeof random, 0) != sizeof random) return -1;
+    char text[24];
+    std::snprintf(text, sizeof text, ".%016llx.tmp", static_cast<unsigned long long>(random));
+    name = path + text;
+    const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0 || errno != EEXIST) return file;
+  }
+  return -1;
+}
+
+int writeAll(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t taken = ::write(file, bytes.data(), bytes.size());
+    if (taken < 0 && errno == EINTR) continue;
+    if (taken < 0) return errno;
+    if (taken == 0) return ENOSPC;
+    bytes.remove_prefix(static_cast<std::size_t>(taken));
+  }
+  return 0;
+}
+
+int syncFoldersOf(const std::string& path) {
+  const auto folder = std::filesystem::path(path).parent_path();
+  const std::filesystem::path here = folder.empty() ? "." : folder;
+  const int error = syncFolder(here);
+  // The folder may be as new as the file. Nobody needs to be able to read its parent.
+  (void)syncFolder(here / "..");
+  return error;
+}
+
+int syncFile(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  return file < 0 ? errno : syncAndClose(file);
+}
+
+int takeName(const std::string& finished, const std::string& path) {
+  return std::rename(finished.c_str(), path.c_str()) != 0 ? errno : syncFoldersOf(path);
+}
+
+}  // namespace
+
+int writeDurably(const std::string& path, std::string_view bytes) {
+  std::string beside;
+  const int file = createBeside(path, beside);
+  if (file < 0) return errno;
+  int error = writeAll(file, bytes);
+  const int unsynced = syncAndClose(file);
+  if (error == 0) error = unsynced;
+  if (error == 0) error = takeName(beside, path);
+  if (error != 0) ::unlink(beside.c_str());
+  return error;
+}
+
+int renameDurably(const std::string& finished, const std::string& path) {
+  const int error = syncFile(finished);
+  return error != 0 ? error : takeName(finished, path);
+}
+
+int syncDurably(const std::string& path) {
+  const int error = syncFile(path);
+  return error != 0 ? error : syncFoldersOf(path);
+}
+
+}  // namespace wholehand

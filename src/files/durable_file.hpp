@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+/// Files that a power cut leaves whole. Not real-time safe.
+namespace wholehand {
+
+/// Writes a file. When it returns 0, the file is whole and on the disk; otherwise it is as it was,
+/// or whole. The bytes go to a new file beside it, which is synced, takes the name, and then the
+/// folder and its parent are synced. A link at `path` is replaced, not followed.
+/// @return an errno; 0: done
+[[nodiscard]] int writeDurably(const std::string& path, std::string_view bytes);
+
+/// Gives a finished file, in the same folder, its name: as above.
+/// @return an errno; 0: done
+[[nodiscard]] int renameDurably(const std::string& finished, const std::string& path);
+
+/// Syncs a finished file, and the folder that has its name.
+/// @return an errno; 0: done
+[[nodiscard]] int syncDurably(const std::string& path);
+
+}  // namespace wholehand
