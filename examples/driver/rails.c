@@ -91,7 +91,6 @@ static int control(wh_device* device, uint32_t verb, double argument) {
   }
 }
 
-/* Your device: here it moves by itself since the last sample. */
 static void move(wh_device* device, double dt) {
   int i;
   for (i = 0; i < AXES; ++i) {
@@ -104,22 +103,30 @@ static void move(wh_device* device, double dt) {
   }
 }
 
+/* Your device: here it has moved by itself until now, and its watchdog has seen whether commands
+ * come. */
+static int64_t pass(wh_device* device) {
+  const int64_t now = now_ns(), step = 1000000;
+  while (device->taken_ns < now) {
+    const int64_t left = now - device->taken_ns;
+    const int64_t silent = device->taken_ns - device->written_ns;
+    if (device->written_ns != 0 && silent > device->watchdog_ms * step) {
+      device->silenced = 1; /* until it is enabled anew */
+      memset(device->effort, 0, sizeof device->effort);
+    }
+    move(device, (double)(left < step ? left : step) * 1e-9);
+    device->taken_ns += left < step ? left : step;
+  }
+  return now;
+}
+
 /* In the tick: the newest sample, without waiting for one. */
 static int read_sample(wh_device* device, wh_sample* sample) {
-  const int64_t now = now_ns();
-  double left = (double)(now - device->taken_ns) * 1e-9;
+  const int64_t now = pass(device);
   int i;
-  for (; left > 0.0; left -= 1e-3) move(device, left < 1e-3 ? left : 1e-3);
-  device->taken_ns = now;
   sample->status = WH_HOMED;
   if (device->enabled) sample->status |= WH_ENABLED;
-  if (device->written_ns != 0 && now - device->written_ns > device->watchdog_ms * INT64_C(1000000)) {
-    device->silenced = 1; /* until it is enabled anew */
-  }
-  if (device->silenced) {
-    memset(device->effort, 0, sizeof device->effort);
-    sample->status |= WH_SILENCED;
-  }
+  if (device->silenced) sample->status |= WH_SILENCED;
   if (device->saturated) sample->status |= WH_SATURATED;
   sample->sequence = ++device->sequence;
   sample->monotonic_ns = now;
@@ -135,13 +142,14 @@ static int write_command(wh_device* device, const wh_command* command) {
   for (i = 0; i < AXES; ++i) {
     if (!isfinite(command->effort[i])) return WH_FAILED;
   }
+  device->written_ns = pass(device);
   device->saturated = 0;
+  if (device->silenced) return WH_OK; /* it lets nothing through */
   for (i = 0; i < AXES; ++i) {
     const double asked = command->effort[i];
     device->effort[i] = asked > limit_n ? limit_n : asked < -limit_n ? -limit_n : asked;
     if (device->effort[i] != asked) device->saturated = 1;
   }
-  device->written_ns = now_ns();
   return WH_OK;
 }
 

@@ -40,7 +40,10 @@ class PatientBoard : public BenchBoard {
     board.drive = [](void* self, const float* effort, int) {
       auto& patient = static_cast<PatientBoard&>(*static_cast<BenchBoard*>(self));
       AxisEffort asked(patient.board.axes);
-      for (int a = 0; a < asked.size(); ++a) asked[a] = static_cast<double>(effort[a]);
+      for (int a = 0; a < asked.size(); ++a) {
+        asked[a] = static_cast<double>(effort[a]);
+        patient.state.effort[a] = effort[a];
+      }
       (void)patient.device.write(asked);
     };
     board.measure = [](void* self, fw_state* to) {

@@ -172,7 +172,9 @@ PushedAxis pushAxis(DriverBench& bench, std::size_t a) {
                           [](const auto& p, const auto& q) { return p.position < q.position; });
   out.moved =
       push_s > 0.0 && !trace.seen.empty() && most->position - least->position >= movedBy(axis);
+  bench.alive();  // a busy machine computes for seconds
   judgeMeasured(bench, course, a, out);
+  bench.alive();
   out.response = findResponse(trace, kLongestDelay_s);
   out.jump = largestJump(trace);
   const auto gains = gainsByKind(trace, out.response.delay_s, 5, [&](double asked) {
@@ -183,6 +185,7 @@ PushedAxis pushAxis(DriverBench& bench, std::size_t a) {
   out.half_forth = gains[2] / gains[0];
   out.half_back = gains[3] / gains[0];
   for (std::size_t j = 0; j < bench.axes().size(); ++j) {
+    bench.alive();
     const PushTrace other = course.trace(a, j);
     // At the delay of the pushed axis; where that does not move, at the other's own.
     const double delay_s =

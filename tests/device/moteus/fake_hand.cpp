@@ -25,7 +25,9 @@ int main() {
     const double before_ms = now_ms;
     now_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
     gap_ms = std::max(gap_ms, now_ms - before_ms);
-    adapter.pass(static_cast<std::int64_t>((now_ms - before_ms) * 1e6));
+    // A drive is never kept waiting: commands that came while this program was count as in time.
+    const double passed_ms = std::min(now_ms - before_ms, 5.0);
+    adapter.pass(static_cast<std::int64_t>(passed_ms * 1e6));
     adapter.with([&](auto& drives) {
       for (std::size_t i = 0; i < drives.size(); ++i) {
         if (drives[i].commands != commands[i]) last_ms[i] = now_ms;
