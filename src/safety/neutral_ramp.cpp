@@ -78,14 +78,16 @@ NeutralRampState advanceRamp(const NeutralRampState& state, const AxisEffort& wa
                              const AxisEffort& neutral, StopAsked stop, int elapsed_periods,
                              double period_s, const NeutralRampConfig& config) noexcept {
   NeutralRampState next = state;
-  double elapsed_s = std::max(elapsed_periods, 1) * period_s;
+  const double elapsed_s = std::max(elapsed_periods, 1) * period_s;
+  // The tick that sees a stop counts as one period of that stop.
+  double of_ramp_s = elapsed_s, of_gentle_stop_s = elapsed_s;
   const bool usable = wanted.size() == neutral.size() && allFinite(wanted);
   if (state.phase == RampPhase::kRendering && (stop == StopAsked::kPlain || !usable)) {
     next.phase = RampPhase::kRamping;
     next.held = state.sent;
     next.authority_at_stop = state.authority;
     next.elapsed_s = 0.0;
-    elapsed_s = period_s;
+    of_ramp_s = period_s;
   }
   switch (next.phase) {
     case RampPhase::kRendering:
@@ -93,18 +95,20 @@ NeutralRampState advanceRamp(const NeutralRampState& state, const AxisEffort& wa
       render(next, wanted, period_s, next.again ? next.again_s : config.engage_s);
       if (stop == StopAsked::kGentle && !std::exchange(next.gentle, true)) {
         next.at_gentle_stop = state.sent;
-        elapsed_s = period_s;
+        of_gentle_stop_s = period_s;
       }
       break;
     case RampPhase::kRamping:
-      ramp(next, neutral, elapsed_s, rampTime_s(config));
+      ramp(next, neutral, of_ramp_s, rampTime_s(config));
       break;
     case RampPhase::kNeutral:
       next.authority = 0.0;
       next.sent = neutral;
       break;
   }
-  if (next.gentle && next.phase != RampPhase::kNeutral) letGo(next, neutral, elapsed_s, config);
+  if (next.gentle && next.phase != RampPhase::kNeutral) {
+    letGo(next, neutral, of_gentle_stop_s, config);
+  }
   return next;
 }
 
