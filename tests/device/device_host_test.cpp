@@ -22,7 +22,9 @@ void armAnewWhereLatched(HostThread& host, HapticDevice& device) {
 /// The spoiled driver's axes, from another maker, who says no serial number.
 class CarryingDriver final : public PlainDriver {
  public:
-  CarryingDriver() : PlainDriver({"z", "y", "x", "w"}, plainAxis()) {}
+  explicit CarryingDriver(std::vector<wh_axis> axes)
+      : PlainDriver({}, {}), axes_(std::move(axes)) {}
+  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
   [[nodiscard]] bool enablesAtNeutral() const noexcept override { return true; }
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
     sample.sequence = ++samples_;
@@ -32,6 +34,7 @@ class CarryingDriver final : public PlainDriver {
   [[nodiscard]] int write(const wh_command&) noexcept override { return WH_OK; }
 
  private:
+  std::vector<wh_axis> axes_;
   std::uint64_t samples_ = 0;
 };
 
@@ -91,8 +94,9 @@ TEST(HostedDevice, OtherNeutralEffortThanTheHosts_IsRefusedWithTheAxis) {
 // What was checked is what is armed: a name says nothing of the device behind it.
 TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
   const std::string name = hostName("again");
-  auto host = std::make_unique<HostThread>(name, spoiled(""), desktop());
-  auto hosted = orThrow(HostedDriver::connect(name));
+  const auto first = spoiled("");
+  auto host = std::make_unique<HostThread>(name, first, desktop());
+  const auto hosted = orThrow(HostedDriver::connect(name));
   const std::string serial = hosted->identity().serial, digest = hosted->identity().driver_sha256;
   EXPECT_EQ(digest.size(), 64U);
   host.reset();
@@ -100,8 +104,10 @@ TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
   DeviceModel other = desktop();
   other.axes[2].neutral_effort = 1.5;
   other.axes[2].effort_limit = 2.0;
-  HostThread second(name, std::make_shared<CarryingDriver>(), other);
-  ASSERT_TRUE(hosted->reconnect());  // the process of the first one lives: it is this one
+  HostThread second(name, std::make_shared<CarryingDriver>(first->axes()), other);
+  const auto again = hosted->reconnect();
+  ASSERT_TRUE(again) << format(
+      again.errors());  // the process of the first one lives: it is this one
   EXPECT_NE(hosted->identity().serial, serial);
   EXPECT_NE(hosted->identity().driver_sha256, digest);
   const Diagnostics said = hosted->differences(desktop());

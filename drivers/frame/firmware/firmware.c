@@ -218,6 +218,7 @@ void firmware_tick(firmware* fw, uint32_t now_us) {
   if (fw->phase == FW_RAMPING) ramp(fw, now_us);
   fw->board->drive(fw->board->context, fw->effort, fw->phase != FW_OFF);
   memset(&state, 0, sizeof state);
+  for (i = 0; i < WF_MAX_AXES; ++i) state.effort[i] = NAN; /* where the board measures none */
   fw->board->measure(fw->board->context, &state);
   if (fw->session == 0) return;
   sample.sequence = ++fw->samples;

@@ -27,7 +27,7 @@ enum { FW_FIRST_COMMAND_US = 2000000 };
 
 typedef struct {
   float position[WF_MAX_AXES]; /* [m or rad] */
-  float effort[WF_MAX_AXES];   /* measured [N or N.m]; NaN: not known */
+  float effort[WF_MAX_AXES];   /* measured [N or N.m]; left alone: not known */
   uint32_t valid;              /* bit i: position[i] was measured */
   uint32_t status;             /* WH_HOMED, WH_DRIVE_FAULT, and what else device.h has */
   int32_t vendor_code;
