@@ -121,7 +121,8 @@ Apart apartFor(unsigned stream, int stalls) {
   return out;
 }
 
-// What the checks allow, or less.
+// What the checks allow, or less; but for what stays unexplained, which in a few of 10,000 honest
+// axes is above the check's 11 %: an axis that creeps under dry friction.
 void expectWithinWhatTheChecksAllow(const Apart& apart, const std::string& of) {
   EXPECT_LE(apart.gain, tolerance(0.2));
   EXPECT_LE(apart.delay_s, tolerance(0.003));

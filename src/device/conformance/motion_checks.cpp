@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kAlong = 0.25;         // of another axis, over its own response
 constexpr double kAlike = 0.3;          // gains of pushes of other sizes and the other way
-constexpr double kUnexplained = 0.2;    // share of the motion
+constexpr double kUnexplained = 0.11;   // share of the motion
 constexpr double kDelayMore_s = 0.003;  // two periods of the loop, and what the fit leaves open
 constexpr double kMeasuredWithin = 0.25;
 constexpr double kMassWithin = 1.5;  // times, and its inverse

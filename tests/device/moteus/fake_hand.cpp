@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 #include <poll.h>
+#include <sched.h>
 #include <unistd.h>
 
 int main() {
@@ -17,6 +18,8 @@ int main() {
   wholehand::test::PtyAdapter adapter;
   std::printf("%s\n", adapter.port().c_str());
   std::fflush(stdout);
+  const sched_param urgent{85};
+  (void)::sched_setscheduler(0, SCHED_FIFO, &urgent);  // where the machine grants it
   std::array<int, 3> mode{}, commands{};
   std::array<double, 3> torque_nm{}, last_ms{};
   const auto begin = Clock::now();
