@@ -4,10 +4,10 @@
 //
 // The figures of the whole system, with its percentiles, are those of `wholehand experiment
 // timing`; these tell a change of one part from another, on the same machine.
-#include "files/text_file.hpp"
 #include "bench/rig_files.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "experiments/grasp_script.hpp"
+#include "files/text_file.hpp"
 #include "realtime/spsc_queue.hpp"
 #include "realtime/stage_clock.hpp"
 #include "realtime/thread_setup.hpp"

@@ -6,12 +6,12 @@
 // Prints the CPU time of a tick and a digest of all that the ticks computed. Two programs that
 // print one digest computed the same to the last bit. scripts/tick_cost.py runs it under Callgrind.
 #include "assembly/rig.hpp"
-#include "files/text_file.hpp"
 #include "bench/rig_files.hpp"
 #include "experiments/complexity_scenes.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grasp_script.hpp"
 #include "experiments/grip_target.hpp"
+#include "files/text_file.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "realtime/thread_setup.hpp"
 

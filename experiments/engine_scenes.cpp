@@ -1,7 +1,7 @@
 #include "experiments/engine_scenes.hpp"
 
-#include "files/text_file.hpp"
 #include "experiments/grasp_script.hpp"
+#include "files/text_file.hpp"
 
 #include <cmath>
 #include <utility>

@@ -1,10 +1,10 @@
 #include "experiments/grasp_trial.hpp"
 
 #include "assembly/run.hpp"
-#include "files/text_file.hpp"
 #include "core/units.hpp"
 #include "experiments/grasp_observer.hpp"
 #include "experiments/grasp_script.hpp"
+#include "files/text_file.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
 #include "certify_command.hpp"
 
 #include "assembly/sampled_inertia.hpp"
-#include "files/text_file.hpp"
 #include "certificate_chart.hpp"
 #include "certification/certificate_text.hpp"
 #include "chart_file.hpp"
@@ -10,6 +9,7 @@
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "exit_code.hpp"
+#include "files/text_file.hpp"
 #include "impedance_command.hpp"
 #include "json_text.hpp"
 #include "model/hand/hand_file.hpp"

@@ -1,11 +1,11 @@
 #include "assembly/run.hpp"
-#include "files/text_file.hpp"
 #include "bar_experiments.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiments/cocktail_trial.hpp"
 #include "experiments/worker_pool.hpp"
+#include "files/text_file.hpp"
 #include "json_text.hpp"
 #include "runtime/interrupt_scope.hpp"
 

@@ -1,7 +1,6 @@
 #include "commission_command.hpp"
 
 #include "assembly/commissioning_record.hpp"
-#include "files/text_file.hpp"
 #include "chart_file.hpp"
 #include "commissioning/commissioning.hpp"
 #include "commissioning/console/console_operator.hpp"
@@ -11,6 +10,7 @@
 #include "device/host/hosted_driver.hpp"
 #include "device/plugin/plugin_device.hpp"
 #include "exit_code.hpp"
+#include "files/text_file.hpp"
 #include "number_option.hpp"
 #include "pages.hpp"
 #include "realtime/monotonic_clock.hpp"

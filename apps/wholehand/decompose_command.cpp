@@ -1,10 +1,10 @@
 #include "decompose_command.hpp"
 
-#include "files/text_file.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "decompose_files.hpp"
 #include "exit_code.hpp"
+#include "files/text_file.hpp"
 #include "json_text.hpp"
 #include "model/mass_properties.hpp"
 #include "model/mesh/closed_surface.hpp"

@@ -1,7 +1,7 @@
 #include "decompose_files.hpp"
 
-#include "files/text_file.hpp"
 #include "core/printable.hpp"
+#include "files/text_file.hpp"
 #include "model/scene/scene_model.hpp"
 
 #include <Eigen/Geometry>

@@ -1,11 +1,11 @@
 #include "device_command.hpp"
 
-#include "files/text_file.hpp"
 #include "core/printable.hpp"
 #include "device/host/device_host.hpp"
 #include "device/host/host_list.hpp"
 #include "device/plugin/driver_lookup.hpp"
 #include "exit_code.hpp"
+#include "files/text_file.hpp"
 #include "json_text.hpp"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 #include "impedance_command.hpp"
 
-#include "files/text_file.hpp"
 #include "chart_file.hpp"
 #include "exit_code.hpp"
+#include "files/text_file.hpp"
 #include "impedance_chart.hpp"
 #include "impedance_text.hpp"
 #include "json_text.hpp"

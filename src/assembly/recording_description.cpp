@@ -4,8 +4,8 @@
 #include "assembly/program_version.hpp"
 #include "assembly/rehearsal_fingerprint.hpp"
 #include "assembly/sampled_inertia.hpp"
-#include "files/text_file.hpp"
 #include "core/printable.hpp"
+#include "files/text_file.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
