@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -13,7 +12,6 @@ namespace {
 constexpr double kTolerance = 1e-6;  // relative to the file's value
 constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
 constexpr double kMeanOver_s = 0.1;
-constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kAstrayOfLimit = 0.1, kAstrayOfSent = 0.25;
 
 class Comparison {
@@ -246,7 +244,6 @@ Fault PluginDevice::judgeEfforts(const wh_sample& sample) noexcept {
 
 Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
   wh_sample sample{};
-  std::fill(std::begin(sample.effort), std::end(sample.effort), kNotKnown);
   if (!open_ || driver_->read(sample) < 0) return Fault::kDeviceRead;
   if (reading.q_m.size() != axes_) reading.q_m = AxisPosition(axes_);
   for (int a = 0; a < axes_; ++a) {
