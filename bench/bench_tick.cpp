@@ -150,7 +150,7 @@ void recordingAppend(benchmark::State& state) {
 BENCHMARK(recordingAppend)->Name("Recording, one tick appended");
 
 void queuePush(benchmark::State& state) {
-  SpscQueue<TickRecord> queue(4096);
+  RecordQueue queue(SessionConfig{}.queue_bytes);
   TickRecord record = holding().record;
   for (auto step : state) {
     benchmark::DoNotOptimize(queue.try_push(record));

@@ -5,7 +5,6 @@
 #include "certification/certificate_text.hpp"
 #include "chart_file.hpp"
 #include "commissioning/passport.hpp"
-#include "control/coupling_gains.hpp"
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "exit_code.hpp"
@@ -118,10 +117,6 @@ int certifyCommand(const CertifyOptions& options) {
     return impedanceCommand(*models,
                             {1.0 / options.rate_hz, options.contact_stiffness_n_m, options.engine},
                             options.json, options.charts);
-  }
-  if (Diagnostics divides = refuseDivisor(models->rendering, 1.0 / options.rate_hz);
-      !divides.empty()) {
-    return refuse(divides);
   }
   if (auto ready = prepareCharts(options.charts, {options.json}); !ready) {
     return refuse(ready.errors());

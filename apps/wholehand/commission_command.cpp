@@ -10,6 +10,7 @@
 #include "device/host/hosted_driver.hpp"
 #include "device/plugin/plugin_device.hpp"
 #include "exit_code.hpp"
+#include "files/durable_file.hpp"
 #include "files/text_file.hpp"
 #include "number_option.hpp"
 #include "pages.hpp"
@@ -83,8 +84,10 @@ Expected<std::unique_ptr<CommissioningRecord>> beginRecord(const CommissionOptio
   CommissioningRecord::Plan plan;
   plan.path = options.record;
   if (plan.path.empty()) {
-    plan.path = fmt::format("out/recordings/commissioning-{:%Y%m%d-%H%M%S}.h5",
-                            fmt::localtime(std::chrono::system_clock::now()));
+    // By chance another one than of a program that begins in the same second.
+    plan.path =
+        fmt::format("out/recordings/commissioning-{:%Y%m%d-%H%M%S}-{}.h5",
+                    fmt::localtime(std::chrono::system_clock::now()), randomName().substr(0, 8));
   }
   plan.title = (options.daily ? "Daily check of " : "Commissioning of ") + model.name;
   plan.device_text = *text;
@@ -270,12 +273,18 @@ void addCommission(CLI::App& app, CommissionOptions& o, int& code) {
       ->capture_default_str()
       ->needs(web);
   commission->add_option("--token", o.pages.tokens, "As for `wholehand run`")->needs(web);
+  commission->add_option("--token-file", o.token_file, "As for `wholehand run`")->needs(web);
   commission->footer(
       "NOBODY may be attached to the device. Exit code 0: the passport (or check) is written; 1:\n"
       "not finished; 2: bad usage, file or device. docs/commissioning.md leads through it.");
   commission->callback([&o, &code] {
     if (o.driver.path.empty() && o.host.empty()) {
       code = refuse({{"", 0, "--driver", "", "or --host is missing", "name the device's driver"}});
+      return;
+    }
+    if (auto read = o.web ? readTokens(o.token_file, o.pages.tokens) : Expected<Done>(Done{});
+        !read) {
+      code = refuse(read.errors());
       return;
     }
     code = commissionCommand(o);

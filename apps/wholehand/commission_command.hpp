@@ -19,7 +19,8 @@ struct CommissionOptions {
   bool daily = false;
   std::string record;  ///< file of the recording; empty: named after the time
   bool web = false;
-  PageOptions pages;  ///< of --web
+  std::string token_file;  ///< of --web; empty: none
+  PageOptions pages;       ///< of --web
 };
 
 /// Guides the commissioning of a device, in the terminal or at a page. Returns the exit code.

@@ -16,6 +16,12 @@ int refuse(const Diagnostics& errors) {
   return kExitBadInput;
 }
 
+int tellNotShown(const Diagnostics& not_shown) {
+  if (not_shown.empty()) return kExitDone;
+  refuse(not_shown);
+  return kExitNotWhole;
+}
+
 int sayInterrupted() {
   std::printf("\nInterrupted: no results were written\n");
   return kExitInterrupted;

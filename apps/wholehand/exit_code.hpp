@@ -10,6 +10,7 @@ enum ExitCode : int {
   kExitDifferent = 1,     ///< replay --resimulate found a difference
   kExitNotCertified = 1,  ///< certify: not certified
   kExitNotFit = 1,        ///< doctor, device conform, validate --admit: not fit
+  kExitNotWhole = 1,      ///< replay, report: not all of the recording is shown
   kExitNotAlike = 1,      ///< decompose: the pieces' volume differs from the mesh's
   kExitBadInput = 2,      ///< bad usage or a bad file
   kExitFault = 3,         ///< a fault stopped the run
@@ -22,6 +23,10 @@ enum ExitCode : int {
 
 /// Prints every error to standard error, one per line, and returns kExitBadInput.
 int refuse(const Diagnostics& errors);
+
+/// Prints what of a recording is not shown to standard error, one per line. Returns kExitDone where
+/// that is nothing, else kExitNotWhole.
+int tellNotShown(const Diagnostics& not_shown);
 
 /// Says that Ctrl-C left no results, and returns kExitInterrupted.
 int sayInterrupted();

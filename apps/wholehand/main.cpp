@@ -11,6 +11,7 @@
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "number_option.hpp"
+#include "pages.hpp"
 #include "replay_command.hpp"
 #include "report_command.hpp"
 #include "run_line.hpp"
@@ -27,8 +28,10 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <pthread.h>
 #include <string>
 #include <system_error>
+#include <vector>
 
 namespace {
 
@@ -84,9 +87,9 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
   CLI::Option* again = r->add_flag(
       "--resimulate", o.resimulate,
       "Run the recorded inputs again and compare bit by bit (exit code 1: they differ)");
-  CLI::Option* extract = r->add_option("--extract", o.extract,
-                                       "Write every tick to this HDF5 file, its numbers not packed")
-                             ->excludes(again);
+  CLI::Option* extract =
+      r->add_option("--extract", o.extract, "Write the last seconds of a black box as a recording")
+          ->excludes(again);
   CLI::Option* speed = r->add_option("--speed", o.speed, "How fast to play it back")
                            ->check(finiteBetween(0.01, 1000.0, "times"))
                            ->capture_default_str();
@@ -270,10 +273,14 @@ int runProgram(int argc, char** argv) {
   DecomposeOptions decompose;
   addDecompose(app, decompose, code);
   addOthers(app, report, code);
+  const std::vector<std::string> words(argv, argv + argc);
+  std::vector<const char*> given;
+  for (const std::string& word : words) given.push_back(word.c_str());
+  hideSecrets(argc, argv);
   try {
-    app.parse(argc, argv);
+    app.parse(argc, given.data());
   } catch (const CLI::ParseError& error) {
-    return tellUsage(app, error, std::vector<std::string>(argv + 1, argv + argc));
+    return tellUsage(app, error, std::vector<std::string>(words.begin() + 1, words.end()));
   }
   return code;
 }
@@ -287,9 +294,24 @@ int flushOutput(int code) {
         "make room, or print elsewhere"}});
 }
 
+/// Stacks of threads that begin from now on: locked memory counts each whole, 8 MB by default. A
+/// size that somebody chose (`ulimit -s`) stays.
+void limitStacks() {
+  constexpr std::size_t kDefault_bytes = std::size_t{8} << 20U, kStack_bytes = kDefault_bytes / 4;
+  pthread_attr_t attributes;
+  if (pthread_getattr_default_np(&attributes) != 0) return;
+  std::size_t is_bytes = 0;
+  if (pthread_attr_getstacksize(&attributes, &is_bytes) == 0 && is_bytes == kDefault_bytes &&
+      pthread_attr_setstacksize(&attributes, kStack_bytes) == 0) {
+    pthread_setattr_default_np(&attributes);
+  }
+  pthread_attr_destroy(&attributes);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  limitStacks();
   std::signal(SIGPIPE, SIG_IGN);  // a run whose output nobody reads still ends with its ramp
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // keeps the order with standard error, also in a
                                                   // file

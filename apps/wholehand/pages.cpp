@@ -4,9 +4,63 @@
 #include "shipped_files.hpp"
 
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace wholehand {
+namespace fs = std::filesystem;
+
+Expected<Done> readTokens(const std::string& file, std::vector<std::string>& tokens) {
+  if (!file.empty()) {
+    std::error_code error;
+    constexpr std::uintmax_t kMost_bytes = 4096;
+    const auto refusal = [&file](std::string problem) {
+      return Diagnostic{file,
+                        0,
+                        "--token-file",
+                        "",
+                        std::move(problem),
+                        "name a file with a token on each line: therapist=..., player=..., "
+                        "watcher=..."};
+    };
+    if (!fs::is_regular_file(file, error)) return refusal("is no regular file");
+    if (fs::file_size(file, error) > kMost_bytes || error) return refusal("is no list of tokens");
+    std::ifstream in(file);
+    if (!in.is_open()) return refusal("cannot be read");
+    const std::size_t before = tokens.size();
+    for (std::string line; std::getline(in, line);) {
+      if (!line.empty() && line.back() == '\r') line.pop_back();
+      if (!line.empty()) tokens.push_back(line);
+    }
+    if (tokens.size() == before) return refusal("holds no token");
+    return Done{};
+  }
+  const char* const given = tokens.empty() ? std::getenv("WHOLEHAND_TOKEN") : nullptr;
+  std::istringstream all(given == nullptr ? "" : given);
+  for (std::string one; std::getline(all, one, ',');) {
+    if (!one.empty()) tokens.push_back(one);
+  }
+  return Done{};
+}
+
+void hideSecrets(int argc, char** argv) {
+  bool value = false;
+  for (int i = 0; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    std::size_t keep = value ? 0 : word.size();
+    for (const std::string_view option : {"--token=", "--udp-key="}) {
+      if (!value && word.starts_with(option)) keep = option.size();
+    }
+    value = word == "--token" || word == "--udp-key";
+    std::memset(argv[i] + keep, '.', word.size() - keep);
+  }
+}
 
 RoleTokens roleTokens(const std::vector<std::string>& given) {
   RoleTokens tokens;

@@ -23,6 +23,15 @@ struct RoleTokens {
   Diagnostics faults;
 };
 
+/// Adds the tokens that are in no process list: those of a file, one a line, or, if neither an
+/// option nor a file gives one, of the environment variable WHOLEHAND_TOKEN, separated by commas.
+/// @param file of --token-file; empty: none
+[[nodiscard]] Expected<Done> readTokens(const std::string& file, std::vector<std::string>& tokens);
+
+/// Overwrites the values of --token and --udp-key, which every user of the machine can read in the
+/// list of processes.
+void hideSecrets(int argc, char** argv);
+
 /// Parses --token: "player=..." is the player's, one without a name is the therapist's.
 [[nodiscard]] RoleTokens roleTokens(const std::vector<std::string>& given);
 

@@ -8,6 +8,7 @@
 #include "report_command.hpp"
 #include "resimulation/resimulation.hpp"
 #include "telemetry/recording.hpp"
+#include "telemetry/recording_view.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -30,13 +31,61 @@ std::string versions(const RecordingMeta& meta) {
   return " (recorded by " + meta.git_version + ", this is " + programVersion() + ")";
 }
 
+std::string whatDiffers(const Resimulation& r) {
+  const std::uint64_t visible = r.visible_tick;
+  if (r.visible.empty()) {
+    return fmt::format("tick {} differs by its digest, no tick in single precision",
+                       *r.different_tick);
+  }
+  if (r.different_tick == visible) return fmt::format("tick {} differs", visible);
+  if (!r.different_tick) {
+    return fmt::format("tick {} has other numbers than its digest says: the file was changed",
+                       visible);
+  }
+  return fmt::format("tick {} differs by its digest, tick {} in single precision",
+                     *r.different_tick, visible);
+}
+
+// What a line of replay does not show.
+const LeftOut kLeftOutOfLines = {
+    {"digest",
+     "intention",
+     "patient_effort",
+     "q_s",
+     "qd_s",
+     "theta",
+     "coupling_error_rad",
+     "palm_distance_m",
+     "qd_mf",
+     "f_s",
+     "coupling",
+     "phi",
+     "damping",
+     "rendered",
+     "bodies",
+     "effort_limit",
+     "tank",
+     "tank_effort",
+     "exercise_effort",
+     "wall",
+     "wall_active",
+     "closure",
+     "alpha",
+     "palm_body",
+     "palm_target_distance_m",
+     "parameters",
+     "exercise_values"},
+    {"capsule", "link", "body", "point_m", "normal", "force_n", "torque_nm", "distance_m"}};
+
 int tell(const Expected<Resimulation>& result, const RecordingMeta& meta, const std::string& path) {
   if (!result) return refuse(result.errors());
   const Resimulation& r = result.value();
-  if (!r.difference.field.empty()) {
-    std::printf("%s: tick %llu differs in %s: recorded %s, now %s%s\n", printable(path).c_str(),
-                static_cast<unsigned long long>(r.different_tick), r.difference.field.c_str(),
-                r.difference.first.c_str(), r.difference.again.c_str(), versions(meta).c_str());
+  if (!r.same()) {
+    std::printf("%s: %s%s\n", printable(path).c_str(), whatDiffers(r).c_str(),
+                versions(meta).c_str());
+    for (const TickDifference& d : r.visible) {
+      std::printf("  %s\n", describe(d, meta.axis_names).c_str());
+    }
     return kExitDifferent;
   }
   if (r.compared == r.ticks) {
@@ -61,8 +110,9 @@ std::string lineOf(const TickRecord& r, const RecordingMeta& meta) {
   return line + fmt::format("  contacts {}", r.contact_count);
 }
 
-int play(RecordingReader& recording, const std::string& path, double speed) {
+int play(const ViewedRecording& viewed, const std::string& path, double speed) {
   constexpr double kFrame_s = 0.1;
+  RecordingReader& recording = *viewed.reader;
   const RecordingMeta& meta = recording.meta();
   std::printf("%s, %s, %llu ticks (efforts in N, at the tip where there is one)\n",
               meta.title.c_str(), meta.created_utc.c_str(),
@@ -70,8 +120,13 @@ int play(RecordingReader& recording, const std::string& path, double speed) {
   const auto step = static_cast<std::uint64_t>(std::ceil(kFrame_s / meta.period_s));
   TickRecord record;
   std::uint64_t before = 0;
+  UnreadTicks unread;
   for (std::uint64_t i = 0; i < recording.size(); ++i) {
-    if (!recording.read(i, record)) return refuse({unreadable(path, i, recording.size())});
+    if (!recording.read(i, record)) {
+      if (unread.count++ == 0) unread.first = i;
+      before = recording.outline().numbers[i];
+      continue;
+    }
     const std::uint64_t missing =
         i > 0 ? missingBetween(before, record.tick, record.elapsed_periods) : 0;
     if (missing > 0) {
@@ -85,7 +140,7 @@ int play(RecordingReader& recording, const std::string& path, double speed) {
     if (std::fflush(stdout) != 0) break;  // the reader of the output is gone
     std::this_thread::sleep_for(std::chrono::duration<double>(kFrame_s / speed));
   }
-  return kExitDone;
+  return tellNotShown(notShown(viewed, unread, path));
 }
 
 // E.g. "SIGSEGV within a tick", "speed limit exceeded on axis x in tick 1234".
@@ -114,11 +169,9 @@ void introduce(const BlackBoxReader& box) {
               box.inputsWhole() ? "all of them" : "and none after: it cannot be run again");
 }
 
-// Writes unpacked numbers, for readers without support for packing.
+// Writes the last seconds of a black box as a recording.
 int extract(RecordingReader& box, const ReplayOptions& options) {
-  RecordingMeta plain = box.meta();
-  plain.schema = std::min(plain.schema, kPackedSchema - 1);
-  auto writer = RecordingWriter::create(options.extract, plain);
+  auto writer = RecordingWriter::create(options.extract, box.meta());
   if (!writer) return refuse(writer.errors());
   TickRecord record;
   for (std::uint64_t i = 0; i < box.size(); ++i) {
@@ -136,6 +189,37 @@ int extract(RecordingReader& box, const ReplayOptions& options) {
   return kExitDone;
 }
 
+// Makes a recording by the inputs that a power cut has left of it.
+int recordInputsAgain(const ReplayOptions& options) {
+  auto journal = InputJournalReader::open(options.recording);
+  if (!journal) return refuse(journal.errors());
+  if (options.extract.empty()) {
+    return refuse({{options.recording, 0, "", "", "holds the inputs of a recording",
+                    "make the recording of them: wholehand replay " + options.recording +
+                        " --extract again.h5"}});
+  }
+  // The new recording keeps inputs of its own, which would take the place of these.
+  std::error_code none;
+  const std::string own = InputJournal::pathOf(options.extract);
+  if (std::filesystem::equivalent(own, options.recording, none)) {
+    return refuse({{options.extract, 0, "--extract", "",
+                    "would replace the inputs that it is made of: " + options.recording,
+                    "give the recording another name"}});
+  }
+  auto writer = RecordingWriter::create(options.extract, (*journal)->meta());
+  if (!writer) return refuse(writer.errors());
+  const auto ticks = recordAgain(**journal, options.recording, **writer);
+  if (!ticks) return refuse(ticks.errors());
+  if ((*writer)->dropped() > 0) {
+    return refuse({{options.extract, 0, "", "",
+                    fmt::format("holds {} ticks, {} found no room", *ticks, (*writer)->dropped()),
+                    "make room on the disk and repeat it; the inputs are as they were"}});
+  }
+  std::printf("%s: %llu ticks, made again of their inputs\n", printable(options.extract).c_str(),
+              static_cast<unsigned long long>(*ticks));
+  return kExitDone;
+}
+
 int replayBox(const ReplayOptions& options) {
   auto box = BlackBoxReader::openBox(options.recording);
   if (!box) return refuse(box.errors());
@@ -144,7 +228,9 @@ int replayBox(const ReplayOptions& options) {
     return tell(resimulate(**box, options.recording), (*box)->meta(), options.recording);
   }
   introduce(**box);
-  return play(**box, options.recording, options.speed);
+  ViewedRecording viewed;
+  viewed.reader = std::move(*box);
+  return play(viewed, options.recording, options.speed);
 }
 
 }  // namespace
@@ -158,14 +244,27 @@ int replayCommand(const ReplayOptions& options) {
     return reportCommand({options.recording, options.report, options.before});
   if (options.web) return replayWebCommand(options);
   if (BlackBoxReader::isBox(options.recording)) return replayBox(options);
+  if (InputJournalReader::isJournal(options.recording)) return recordInputsAgain(options);
+  if (!options.resimulate && options.extract.empty()) {
+    // Whole, so that damage anywhere is told; where a dataset is missing, without what no line
+    // shows.
+    auto viewed = viewRecording(options.recording);
+    if (!viewed) viewed = viewRecording(options.recording, kLeftOutOfLines);
+    if (!viewed) return refuse(viewed.errors());
+    return play(*viewed, options.recording, options.speed);
+  }
+  ViewedRecording whole;
   auto recording = RecordingReader::open(options.recording);
   if (!recording) return refuse(recording.errors());
-  if (!options.extract.empty()) return extract(**recording, options);
-  if (options.resimulate) {
-    return tell(resimulate(**recording, options.recording), (*recording)->meta(),
-                options.recording);
+  if (!options.extract.empty()) {
+    return refuse({{options.recording, 0, "--extract", "", "is a recording already",
+                    "read it with any program for HDF5 (docs/recording.md)"}});
   }
-  return play(**recording, options.recording, options.speed);
+  whole.reader = std::move(*recording);
+  const int told =
+      tell(resimulate(*whole.reader, options.recording), whole.reader->meta(), options.recording);
+  if (told == kExitBadInput) return told;  // the reason is said
+  return std::max(told, tellNotShown(notShown(whole, {}, options.recording)));
 }
 
 }  // namespace wholehand

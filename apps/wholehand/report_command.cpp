@@ -53,21 +53,23 @@ Expected<Done> checkReportTemplate() {
   return Done{};
 }
 
-Expected<Done> makeReport(const ReportOptions& options) {
+Expected<Done> makeReport(const ReportOptions& options, Diagnostics* not_shown) {
   // Checks the template first, so that an hour's recording is not read in vain.
   const auto page_template = reportTemplate();
   if (!page_template) return page_template.errors();
   ReadingLine line;
-  const auto data =
-      reportData(options.recording, options.before, [&line](double share) { line.show(share); });
+  const auto data = reportData(
+      options.recording, options.before, [&line](double share) { line.show(share); },
+      kLongRecording_ticks, not_shown);
   if (!data) return data.errors();
   return writePage(*page_template, *data, options.page);
 }
 
 int reportCommand(const ReportOptions& options) {
-  if (auto done = makeReport(options); !done) return refuse(done.errors());
+  Diagnostics not_shown;
+  if (auto done = makeReport(options, &not_shown); !done) return refuse(done.errors());
   std::printf("%s\n", printable(options.page).c_str());
-  return kExitDone;
+  return tellNotShown(not_shown);
 }
 
 }  // namespace wholehand

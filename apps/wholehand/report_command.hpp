@@ -19,7 +19,9 @@ struct ReportOptions {
 [[nodiscard]] Expected<Done> checkReportTemplate();
 
 /// Makes the report of a recording: one HTML file. Shows its progress on a terminal.
-[[nodiscard]] Expected<Done> makeReport(const ReportOptions& options);
+/// @param not_shown set to what of the recording is not in it; null: unasked
+[[nodiscard]] Expected<Done> makeReport(const ReportOptions& options,
+                                        Diagnostics* not_shown = nullptr);
 
 /// `wholehand report` and `wholehand replay --report`. Returns the exit code.
 int reportCommand(const ReportOptions& options);

@@ -106,25 +106,26 @@ class Outputs {
 };
 
 // Who moves the hand: the exercise's virtual patient, or the motion; with a description.
-struct Mover {
+struct ChosenPlayer {
   std::unique_ptr<Player> player;
   double length_s = 0.0;  // default duration of the run
 };
 
-Mover moverOf(const Models& models, std::uint64_t seed) {
-  Mover mover;
-  if (models.exercise) mover.player = models.exercise->makePlayer(seed);
-  mover.length_s = kExercise_s;
-  if (mover.player) return mover;
+ChosenPlayer chosenPlayer(const Models& models, std::uint64_t seed) {
+  ChosenPlayer chosen;
+  if (models.exercise) chosen.player = models.exercise->makePlayer(seed);
+  chosen.length_s = kExercise_s;
+  if (chosen.player) return chosen;
   std::vector<std::string> sentences;
   Intention intention = intentionOf(models, &sentences);
   for (const std::string& sentence : sentences) {
     std::printf("  motion   %s\n", printable(sentence, 1000).c_str());
   }
-  mover.length_s = intention.duration_s() > 0.0 ? intention.duration_s() + kRestAfterMotion_s
-                                                : kRestWithoutMotion_s;
-  mover.player = std::make_unique<ScriptedPlayer>(std::move(intention));
-  return mover;
+  chosen.length_s = intention.duration_s() > 0.0 ? intention.duration_s() + kRestAfterMotion_s
+                                                 : kRestWithoutMotion_s;
+  chosen.player = std::make_unique<ScriptedPlayer>(std::move(intention),
+                                                   models.motion ? Mover::kMotion : Mover::kNobody);
+  return chosen;
 }
 
 void printSetup(const SetupReport& setup) {
@@ -162,8 +163,8 @@ int runCommand(RunOptions options) {
   if (!models) return refuse(models.errors());
 
   printOpening(*models);
-  Mover mover = moverOf(*models, options.seed);
-  const double duration_s = options.duration_s > 0.0 ? options.duration_s : mover.length_s;
+  ChosenPlayer chosen = chosenPlayer(*models, options.seed);
+  const double duration_s = options.duration_s > 0.0 ? options.duration_s : chosen.length_s;
 
   RigOptions rig_options;
   rig_options.period_s = 1.0 / options.rate_hz;
@@ -177,12 +178,12 @@ int runCommand(RunOptions options) {
   if (!options.simulated_clock && !options.no_rehearsal) {
     RehearsalOptions informs;
     informs.fill_pool = false;  // nobody is moved, and no game is connected
-    auto rehearsal = rehearse(*models, mover.player->start(), rig_options, informs);
+    auto rehearsal = rehearse(*models, chosen.player->start(), rig_options, informs);
     if (!rehearsal) return refuse(rehearsal.errors());
     std::printf("  rehearsed %s\n", describe(*rehearsal).c_str());
     safety.rehearsal = std::move(*rehearsal);
   }
-  auto rig = buildRig(*models, std::move(mover.player), rig_options);
+  auto rig = buildRig(*models, std::move(chosen.player), rig_options);
   if (!rig) return refuse(rig.errors());
   // What cannot be armed leaves no files.
   if (auto ready = (*rig)->renderer->prepare(); !ready) return refuse(ready.errors());

@@ -3,6 +3,7 @@
 #include "engine_option.hpp"
 #include "exit_code.hpp"
 #include "number_option.hpp"
+#include "pages.hpp"
 #include "play_command.hpp"
 #include "shipped_files.hpp"
 
@@ -31,8 +32,8 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
     faults.push_back({"", 0, "--level", std::to_string(o.files.level),
                       "belongs to an exercise, not to a scene", "leave one of them out"});
   }
-  for (const char* door :
-       {"--port", "--address", "--token", "--origin", "--udp", "--udp-key", "--wait"}) {
+  for (const char* door : {"--port", "--address", "--token", "--token-file", "--origin", "--udp",
+                           "--udp-key", "--wait"}) {
     if (pages || run.count(door) == 0) continue;
     faults.push_back({"", 0, door, "", "is about pages and games, and this run opens no port",
                       scene && !o.no_web && !o.simulated_clock
@@ -74,7 +75,11 @@ void addPages(CLI::App& run, RunOptions& o) {
       ->capture_default_str();
   run.add_option("--token", o.tokens,
                  "Secret that clients must show, at least 16 characters; for one role only: "
-                 "therapist=..., player=..., watcher=...");
+                 "therapist=..., player=..., watcher=... (others read it in the list of processes: "
+                 "prefer --token-file)");
+  run.add_option("--token-file", o.token_file,
+                 "File with a token on each line, as for --token (default: those of the variable "
+                 "WHOLEHAND_TOKEN, separated by commas)");
   run.add_option("--origin", o.origins, "Pages of other origins that may connect");
   run.add_option("--udp", o.udp,
                  "Port for game engines, or address:port; 0: any port (default: closed)");
@@ -161,6 +166,10 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
     }
     if (!scene) chooseExercise(o);
     if (run->count("--rendering") == 0 && !findGains(o.files.device, o.files.rendering, code)) {
+      return;
+    }
+    if (auto read = pages ? readTokens(o.token_file, o.tokens) : Expected<Done>(Done{}); !read) {
+      code = refuse(read.errors());
       return;
     }
     code = pages ? playCommand(o) : runCommand(o);

@@ -34,6 +34,7 @@ struct RunOptions {
   int port = 8080;                    ///< 0: any free port
   /// Tokens for clients on other machines: the therapist's, or "player=..." and the like.
   std::vector<std::string> tokens;
+  std::string token_file;            ///< of further tokens; empty: none
   std::vector<std::string> origins;  ///< allowed in addition to our own pages
   std::string udp;                   ///< "port" or "address:port" for game engines; empty: closed
   std::string udp_key;               ///< of a game without a WebSocket; empty: none

@@ -32,19 +32,9 @@ void printOpening(const Models& models, bool real_device) {
               models.hand.name.c_str(), models.hand.joint_count, models.hand.capsules.size(),
               models.scene.name.c_str(), models.scene.bodies.size(),
               models.scene.bodies.size() == 1 ? "body" : "bodies");
-  const std::string untold = untoldBodies(models.scene);
-  if (!untold.empty()) std::printf("           %s\n", untold.c_str());
   for (const Diagnostic& notice : models.scene.notices) {
     std::printf("           %s\n", format(notice).c_str());
   }
-}
-
-std::string untoldBodies(const SceneModel& scene) {
-  if (scene.bodies.size() <= kMaxBodies) return {};
-  return fmt::format(
-      "recordings and pages tell where the first {} of {} bodies are, up to \"{}\"; put those that "
-      "matter first",
-      kMaxBodies, scene.bodies.size(), printable(scene.bodies[kMaxBodies - 1].name));
 }
 
 namespace {

@@ -15,9 +15,6 @@ namespace wholehand {
 /// Prints what is about to run: device, patient, hand, scene.
 void printOpening(const Models& models, bool real_device = false);
 
-/// A sentence that recordings and pages do not show all bodies of the scene; empty if they do.
-[[nodiscard]] std::string untoldBodies(const SceneModel& scene);
-
 /// Prints the results, and the files written.
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,
                   const RunSafety& safety);

@@ -19,10 +19,12 @@ constexpr double kLogPeriod_s = 5.0;
 constexpr std::size_t kLongestLine = 1000;
 constexpr double kFirst_s = 0.5;  // of the run; before it, rate and percentiles are meaningless
 
+constexpr int kPatience_ms = 1000;  // for a reader that is slow
+
 // False while a write would block: a stopped terminal (Ctrl-S) or a full pipe.
-bool takesOutput() {
+bool takesOutput(int wait_ms = 0) {
   pollfd out{STDOUT_FILENO, POLLOUT, 0};
-  return ::poll(&out, 1, 0) == 1 && (out.revents & POLLOUT) != 0;
+  return ::poll(&out, 1, wait_ms) == 1 && (out.revents & POLLOUT) != 0;
 }
 
 }  // namespace
@@ -87,13 +89,21 @@ void Terminal::begin(const DeviceModel& device) {
 
 void Terminal::end() {
   const std::lock_guard lock(mutex_);
-  if (line_) line_->finish();
+  if (line_ && takesOutput()) line_->finish();
   line_.reset();
 }
 
 void Terminal::say(const std::string& text) {
+  (void)takesOutput(kPatience_ms);
   const std::lock_guard lock(mutex_);
+  // A write that blocks would hold this mutex, and with it the end of every session.
+  if (!takesOutput()) {
+    ++unread_;
+    return;
+  }
   if (line_) line_->finish();
+  if (unread_ > 0) std::printf("  %d lines are left out: nobody read them\n", unread_);
+  unread_ = 0;
   std::printf("  %s\n", printable(text, kLongestLine).c_str());
 }
 

@@ -37,12 +37,14 @@ class Terminal {
   /// @pre device outlives end()
   void begin(const DeviceModel& device);
   void end();
+  /// Waits at most a second for a reader; then the line is left out, and counted before the next.
   void say(const std::string& text);
   /// Dropped if the terminal would block: the thread that keeps the loop never waits for it.
   void update(const TickSummary& now, double rate_hz);
 
  private:
   std::mutex mutex_;
+  int unread_ = 0;  ///< lines left out since the last one
   std::unique_ptr<StatusLine> line_;
 };
 

@@ -169,8 +169,6 @@ class Validation {
     const auto scene = loadSceneFile(file);
     if (!add(scene)) return {};
     std::string remark;
-    const std::string untold = untoldBodies(*scene);
-    if (!untold.empty()) remark += "    " + untold + "\n";
     for (const Diagnostic& notice : scene->notices) remark += "    " + format(notice) + "\n";
     return remark;
   }

@@ -96,7 +96,11 @@ Expected<SweepJournal> SweepJournal::open(const std::string& folder, const std::
     // Several processes may begin at once: each writes the same under a name of its own.
     const std::string own = path + "." + std::to_string(::getpid());
     if (auto written = writeText(own, digest + "\n"); !written) return written.errors();
-    fs::rename(own, path, error);
+    // The first one's stays: a rename would let two sweeps of one name each find its own.
+    if (::link(own.c_str(), path.c_str()) != 0 && errno != EEXIST) {
+      fs::rename(own, path, error);  // a file system without links
+    }
+    fs::remove(own, error);
   }
   const auto found = readWhole(path);
   if (!found || *found != digest + "\n") {

@@ -17,7 +17,7 @@
 namespace wholehand {
 namespace {
 
-constexpr std::size_t kQueueTicks = 1024;
+constexpr std::size_t kQueue_bytes = std::size_t{4} << 20U;
 
 RecordingMeta describe(const DeviceModel& model, const CommissioningRecord::Plan& plan) {
   RecordingMeta meta;
@@ -33,6 +33,7 @@ RecordingMeta describe(const DeviceModel& model, const CommissioningRecord::Plan
     meta.axis_units.push_back(axis.positionUnit());
     meta.effort_limits.push_back(axis.effort_limit);
     meta.lever_arms_m.push_back(axis.lever_arm_m);
+    meta.encoder_step.push_back(axis.encoder_step);
     meta.armed_position.push_back(0.0);
   }
   meta.value_names = CommissioningRecord::valueNames();
@@ -55,7 +56,7 @@ std::vector<std::filesystem::path> missingFolders(const std::filesystem::path& f
 }  // namespace
 
 CommissioningRecord::CommissioningRecord(const DeviceModel& model, Plan plan)
-    : plan_(std::move(plan)), limit_(static_cast<int>(model.axes.size())), queue_(kQueueTicks) {
+    : plan_(std::move(plan)), limit_(static_cast<int>(model.axes.size())), queue_(kQueue_bytes) {
   for (std::size_t i = 0; i < model.axes.size(); ++i) {
     limit_[static_cast<int>(i)] = plan_.effort_share * model.axes[i].effort_limit;
   }
@@ -69,7 +70,6 @@ Expected<std::unique_ptr<CommissioningRecord>> CommissioningRecord::begin(const 
   const RecordingMeta meta = describe(model, plan);
   BlackBoxPlan box;
   box.path = blackBoxPath(plan.path);
-  for (const DeviceAxis& axis : model.axes) box.encoder_step.push_back(axis.encoder_step);
   auto armed = BlackBox::arm(meta, box);
   if (!armed) return armed.errors();
   record->black_box_ = std::move(*armed);

@@ -3,7 +3,7 @@
 #include "core/expected.hpp"
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
-#include "realtime/spsc_queue.hpp"
+#include "realtime/record_queue.hpp"
 #include "telemetry/black_box.hpp"
 #include "telemetry/hub.hpp"
 #include "telemetry/recording.hpp"
@@ -64,7 +64,7 @@ class CommissioningRecord {
   AxisEffort limit_;                                 ///< limit used in commissioning
   std::unique_ptr<RecordingWriter> writer_;
   std::unique_ptr<BlackBox> black_box_;
-  SpscQueue<TickRecord> queue_;
+  RecordQueue queue_;
   std::unique_ptr<TelemetryHub> hub_;
   TickRecord record_;
   std::atomic<int> step_{-1};

@@ -1,5 +1,6 @@
 #include "assembly/kept_black_box.hpp"
 
+#include "files/durable_file.hpp"
 #include "files/text_file.hpp"
 
 #include <fmt/chrono.h>
@@ -18,10 +19,8 @@ std::string blackBoxPath(const std::string& recording) {
                                  fmt::localtime(std::chrono::system_clock::now()));
   std::error_code nowhere;
   if (!checkFiles({stem + ".wbb"})) stem = fs::temp_directory_path(nowhere) / stem;
-  std::string path = stem + ".wbb";
-  std::error_code error;
-  for (int i = 2; fs::exists(path, error); ++i) path = fmt::format("{}-{}.wbb", stem, i);
-  return path;
+  // Few boxes are ever written, so no file takes the name now; chance keeps two programs apart.
+  return stem + "-" + randomName().substr(0, 8) + ".wbb";
 }
 
 Expected<std::unique_ptr<BlackBox>> armBlackBox(const Rig& rig, const RecordingMeta& meta,
@@ -33,9 +32,6 @@ Expected<std::unique_ptr<BlackBox>> armBlackBox(const Rig& rig, const RecordingM
     static_cast<HapticRenderer*>(renderer)->requestEmergencyStop();
   };
   plan.stop_whom = rig.renderer.get();
-  for (const DeviceAxis& axis : rig.models.device.axes) {
-    plan.encoder_step.push_back(axis.encoder_step);
-  }
   return BlackBox::arm(meta, plan);
 }
 

@@ -11,8 +11,8 @@
 namespace wholehand {
 
 /// Path of a run's black box: beside its recording ("run.h5" → "run.wbb"); without one
-/// out/blackbox/<time>.wbb, or the folder for temporary files if the working directory is not
-/// writable.
+/// out/blackbox/<time>-<8 random digits>.wbb, or the folder for temporary files if the working
+/// directory is not writable.
 [[nodiscard]] std::string blackBoxPath(const std::string& recording);
 
 /// Arms the black box of an armed rig.

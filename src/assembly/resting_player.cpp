@@ -22,7 +22,8 @@ Intention intentionOf(const Models& models, std::vector<std::string>* sentences)
 }
 
 std::unique_ptr<Player> makeMotionPlayer(const Models& models) {
-  return std::make_unique<ScriptedPlayer>(intentionOf(models, nullptr));
+  return std::make_unique<ScriptedPlayer>(intentionOf(models, nullptr),
+                                          models.motion ? Mover::kMotion : Mover::kNobody);
 }
 
 }  // namespace wholehand

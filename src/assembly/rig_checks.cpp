@@ -47,11 +47,6 @@ Diagnostics refuseTooLarge(const Models& m) {
               "live parameters of an exercise", refused);
   refuseAbove(kMaxExerciseValues, exercise.value_names.size(), "values", "values of an exercise",
               refused);
-  const std::vector<double>& steps = exercise.value_steps;
-  if (!steps.empty() && steps.size() != exercise.value_names.size()) {
-    refused.push_back({"", 0, "value_steps", std::to_string(steps.size()),
-                       "is not one for each value", "one for each of value_names, or none"});
-  }
   return refused;
 }
 

@@ -2,6 +2,7 @@
 
 #include "assembly/kept_black_box.hpp"
 #include "assembly/recording_description.hpp"
+#include "core/printable.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "realtime/thread_setup.hpp"
 #include "runtime/interrupt_scope.hpp"
@@ -72,6 +73,7 @@ Expected<Done> Run::keepTrack() {
   if (plan_.record.empty() && plan_.black_box.empty()) return Done{};
   auto meta = describeRecording(*rig_, plan_.title, plan_.seed, plan_.simulated_clock);
   if (!meta) return meta.errors();
+  meta->profile = printable(plan_.profile);
   if (!plan_.black_box.empty()) {
     const std::uint64_t most_ticks =
         plan_.duration_ticks > 0 ? plan_.duration_ticks : std::numeric_limits<std::uint64_t>::max();
@@ -92,7 +94,7 @@ void Run::startSession() {
   config.listener = rig_->listener.get();
   config.black_box = black_box_.get();
   config.interrupts = plan_.interrupts;
-  config.queue_ticks = plan_.queue_ticks;
+  config.queue_bytes = plan_.queue_bytes;
   config.count_allocations = plan_.count_allocations;
   if (plan_.duration_ticks > 0) config.duration_ticks = plan_.duration_ticks;
   session_ = std::make_unique<Session>(*rig_->renderer, config);

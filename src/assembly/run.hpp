@@ -21,6 +21,7 @@ namespace wholehand {
 /// Options of a run.
 struct RunPlan {
   std::string title;
+  std::string profile;               ///< code of the person whose profile is open; empty: none
   std::uint64_t seed = 0;            ///< stored in the recording
   std::uint64_t duration_ticks = 0;  ///< 0: until stopped
   std::string record;                ///< HDF5 file; empty: none
@@ -30,7 +31,7 @@ struct RunPlan {
   /// moves a person.
   bool real_time_required = false;
   std::optional<RehearsalPassed> rehearsed;               ///< for HapticRenderer::prepare()
-  std::size_t queue_ticks = SessionConfig{}.queue_ticks;  ///< queue capacity; more are dropped
+  std::size_t queue_bytes = SessionConfig{}.queue_bytes;  ///< queue capacity; more are dropped
   /// Receive every record, off the real-time thread; on the simulated clock in the calling thread.
   std::vector<std::function<void(const TickRecord&)>> sinks;
   /// Signals that stop the run gracefully (runtime/interrupt_scope.hpp); null: none.

@@ -59,10 +59,6 @@ Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
   for (std::size_t i = 0; i < kAdmittedRatesHz.size(); ++i) {
     json["admitted_k_pm"][fmt::format("{:.0f}", kAdmittedRatesHz[i])] = advice.admitted_k_pm[i];
   }
-  if (a.axis_case.physics_divisor > 1) {
-    json["divisor_costs"] = {{"undivided_k_pm", advice.undivided_k_pm},
-                             {"k_pm", advice.divided_k_pm}};
-  }
   json["best_gamma"] = {{"gamma", advice.best_gamma}, {"k_pm", advice.best_gamma_k_pm}};
   return json;
 }
@@ -76,7 +72,6 @@ Json certificateJson(const AdvisedCertificate& judged) {
   json["binding"] = c.binding();
   json["margin"] = c.margin();
   json["rate_hz"] = 1.0 / c.period_s;
-  json["physics_divisor"] = judged.input.rendering.physics_divisor;
   json["device"] = judged.input.device.name;
   json["corner"] = judged.corner.empty() ? Json() : Json(judged.corner);
   json["rendering"] = judged.input.rendering.name;

@@ -82,32 +82,6 @@ std::string admittedTable(const AdvisedCertificate& judged) {
                            1.0 / judged.certificate.period_s);
 }
 
-/// "at 4000 Hz"; with a divisor "at 4000 Hz, physics at 1000 Hz".
-std::string rateWords(const AdvisedCertificate& judged) {
-  const int divisor = judged.input.rendering.physics_divisor;
-  const double rate_hz = 1.0 / judged.certificate.period_s;
-  if (divisor == 1) return fmt::format("at {:.4g} Hz", rate_hz);
-  return fmt::format("at {:.4g} Hz, physics at {:.4g} Hz,", rate_hz, rate_hz / divisor);
-}
-
-/// What physics at a divisor costs; empty without one.
-std::string divisorTable(const AdvisedCertificate& judged) {
-  const int divisor = judged.input.rendering.physics_divisor;
-  if (divisor == 1) return {};
-  std::string out = fmt::format("\n{:<20}{:>17}{:>17}{:>8}\n", "physics_divisor costs",
-                                "at every tick", fmt::format("at every {}", divisor), "kept");
-  for (std::size_t i = 0; i < judged.advice.size(); ++i) {
-    const AxisCertificate& a = judged.certificate.axes[i];
-    const AxisAdvice& advice = judged.advice[i];
-    const double kept =
-        advice.undivided_k_pm > 0.0 ? advice.divided_k_pm / advice.undivided_k_pm : 0.0;
-    out += fmt::format("{:<21}{:>17.4g}{:>17.4g}{:>7.0f}%  {}\n", a.axis_case.axis.name,
-                       advice.undivided_k_pm, advice.divided_k_pm, 100.0 * kept,
-                       perUnit(a.axis_case.axis));
-  }
-  return out;
-}
-
 /// Changes on one axis, e.g. "k_pm_n_m = 478"; empty where none.
 std::string change(const AxisCertificate& a, const NearestGains& to) {
   std::string out;
@@ -176,11 +150,12 @@ std::string verdict(const AdvisedCertificate& judged) {
     what = fmt::format("the avatar's axes shake each other {} (spectral radius {:.5g})", posture,
                        c.avatar.radius);
   }
+  const double rate_hz = 1.0 / c.period_s;
   if (c.certified) {
-    return fmt::format("Certified {} with a margin of {:.3g}; the tightest is {}.\n",
-                       rateWords(judged), c.margin(), what);
+    return fmt::format("Certified at {:.4g} Hz with a margin of {:.3g}; the tightest is {}.\n",
+                       rate_hz, c.margin(), what);
   }
-  return fmt::format("NOT certified {}: {}; {}.\n", rateWords(judged), what, remedy(judged));
+  return fmt::format("NOT certified at {:.4g} Hz: {}; {}.\n", rate_hz, what, remedy(judged));
 }
 
 }  // namespace
@@ -193,7 +168,7 @@ std::string certificateText(const AdvisedCertificate& judged) {
   return fmt::format("{} with the gains {}, the hand {}{}\n{}\n", judged.input.device.name,
                      judged.input.rendering.name, judged.input.hand, walls, corner) +
          contactTable(judged.certificate) + marginTable(judged.certificate) +
-         admittedTable(judged) + divisorTable(judged) + "\n" + verdict(judged);
+         admittedTable(judged) + "\n" + verdict(judged);
 }
 
 }  // namespace wholehand

@@ -1,7 +1,6 @@
 #include "control/coupled_passivity.hpp"
 
 #include "control/coupling_gains.hpp"
-#include "control/divided_passivity.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -166,9 +165,6 @@ double angleAt(int i, int count) {
 /// @param worst share so far; points that need less are not refined
 RequiredShare needAt(const CoupledCase& c, std::size_t posture, double angle_rad, double worst) {
   const double frequency_hz = angle_rad / (2.0 * std::numbers::pi * c.period_s);
-  if (c.physics_divisor > 1) {
-    return {dividedShare(c, c.inertias[posture], angle_rad, worst), frequency_hz, 1.0, posture};
-  }
   const Point at = look(c, c.inertias[posture], angle_rad);
   if (!at.drives) return {kInfinite, frequency_hz, 1.0, posture};
   double lambda = bestLambda(at, shareOfAxes, 20);
@@ -186,7 +182,6 @@ CoupledCase coupledCase(const CertificateInput& input) {
   CoupledCase c;
   c.delay_ticks = input.device.output_delay_ticks;
   c.period_s = input.period_s;
-  c.physics_divisor = input.rendering.physics_divisor;
   AxisInertia armature(input.device.axisCount());
   for (int i = 0; i < input.device.axisCount(); ++i) {
     c.axes.push_back(axisCase(input, i));
@@ -207,9 +202,7 @@ RequiredShare requiredShare(const CoupledCase& c) {
     return worse;
   };
   const auto sweep = [&](std::size_t posture, int count) {
-    const auto angle = [&](int i) {
-      return angleAt(std::clamp(i, 0, count), count) / c.physics_divisor;
-    };
+    const auto angle = [count](int i) { return angleAt(std::clamp(i, 0, count), count); };
     for (int i = 0; i <= count && worst.share < kInfinite; ++i) {
       if (!look_at(posture, angle(i))) continue;
       low_rad = angle(i - 1);

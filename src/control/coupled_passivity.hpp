@@ -20,9 +20,7 @@ namespace wholehand {
 /// No passive W and Z solve it exactly when, for one λ > 0, *the same for all axes*,
 ///   b + Re A₀ − E (4 λ Re R)⁻¹ Eᴴ,   E = Q_m + λ Q_sᴴ,   is positive definite
 /// (S-procedure for two Hermitian forms, lossless; docs/certificate.md). For one axis the best λ
-/// gives b_min of requiredDamping(). With physics at a divisor d, one λ_k for each image of φ
-/// (passivity.hpp) is sought: Re R − Σ_k E_k (4 λ_k (b + Re A₀,k))⁻¹ E_kᴴ positive definite is
-/// sufficient, and exact for one axis. As φ → 0, Q_m/Q_sᴴ is the ratio of the felt to the acting
+/// gives b_min of requiredDamping(). As φ → 0, Q_m/Q_sᴴ is the ratio of the felt to the acting
 /// spring. If the axes differed in it, no damping would suffice.
 struct RequiredShare {
   double share = 0.0;         ///< of the device's damping; < 1 passes; +inf: no damping suffices
@@ -37,7 +35,6 @@ struct CoupledCase {
   std::vector<AxisMatrix> inertias;  ///< of the sampled postures, armature included
   int delay_ticks = 0;
   double period_s = 1e-3;
-  int physics_divisor = 1;  ///< ticks per physics step
 };
 [[nodiscard]] CoupledCase coupledCase(const CertificateInput& input);
 

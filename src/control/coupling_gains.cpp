@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace wholehand {
 
@@ -76,23 +75,8 @@ AxisDamping avatarDamping(const AxisMatrix& reduced_inertia, const AxisStiffness
 
 double feltInertia(const CouplingGains& gains, int axis, double period_s) {
   const double inertia = gains.inertia[axis];
-  const double k_d = criticalDamping(gains.k_pm[axis] / inertia, gains.physics_divisor * period_s);
+  const double k_d = criticalDamping(gains.k_pm[axis] / inertia, period_s);
   return inertia * (1.0 + (1.0 - gains.gamma[axis]) * k_d * gains.filter_tau_s[axis]);
-}
-
-Diagnostics refuseDivisor(const RenderingConfig& rendering, double period_s) {
-  const auto divides = [period_s](int divisor) {
-    const double rate_hz = 1.0 / (divisor * period_s);
-    return std::abs(rate_hz - std::round(rate_hz)) <= 1e-6 * rate_hz;
-  };
-  if (rendering.physics_divisor == 1 || divides(rendering.physics_divisor)) return {};
-  std::vector<int> good;
-  for (int divisor = 1; divisor <= kMostPhysicsDivisor; ++divisor) {
-    if (divisor == 1 || divides(divisor)) good.push_back(divisor);
-  }
-  return {fault(rendering, "physics_divisor", fmt::format("{}", rendering.physics_divisor),
-                fmt::format("does not divide {:.6g} Hz", 1.0 / period_s),
-                fmt::format("must be one of {}", fmt::join(good, ", ")))};
 }
 
 Expected<CouplingGains> resolveGains(const RenderingConfig& rendering,
@@ -100,20 +84,12 @@ Expected<CouplingGains> resolveGains(const RenderingConfig& rendering,
                                      double period_s) {
   Diagnostics errors = checkShape(rendering, reduced_inertia_at_reference, period_s);
   if (!errors.empty()) return errors;
-  errors = refuseDivisor(rendering, period_s);
-  if (!errors.empty()) return errors;
 
   const int n = static_cast<int>(rendering.axes.size());
-  CouplingGains g{n,
-                  AxisStiffness(n),
-                  AxisDamping(n),
-                  AxisRatio(n),
-                  AxisInertia(n),
-                  AxisInertia(n),
-                  AxisTime(n),
-                  rendering.physics_divisor};
-  const double step_s = rendering.physics_divisor * period_s;
-  const double largest_per_s2 = 1.0 / (step_s * step_s);
+  CouplingGains g{
+      n,          AxisStiffness(n), AxisDamping(n), AxisRatio(n), AxisInertia(n), AxisInertia(n),
+      AxisTime(n)};
+  const double largest_per_s2 = 1.0 / (period_s * period_s);
   for (int i = 0; i < n; ++i) {
     const AxisRendering& axis = rendering.axes[i];
     const double own = reduced_inertia_at_reference(i, i);
@@ -125,8 +101,7 @@ Expected<CouplingGains> resolveGains(const RenderingConfig& rendering,
           rendering, axis.name + ".armature", fmt::format("{:.6g}", g.armature[i]),
           "lets the simulated hand ring: above K_pm / M = 1/T^2 a pole of its loop is negative",
           fmt::format("must be at least {:.3g}, or run at {:.0f} Hz or faster",
-                      axis.k_pm / largest_per_s2 - own,
-                      rendering.physics_divisor * std::ceil(std::sqrt(k_p)))));
+                      axis.k_pm / largest_per_s2 - own, std::ceil(std::sqrt(k_p)))));
       continue;
     }
     g.k_pm[i] = axis.k_pm;

@@ -16,11 +16,10 @@ struct CouplingGains {
   int axes = 0;
   AxisStiffness k_pm;  ///< of the coupling, on person and avatar
   AxisDamping k_dm;
-  AxisRatio gamma;          ///< γ: share of D that the person feels
-  AxisInertia armature;     ///< reflected inertia added to the avatar
-  AxisInertia inertia;      ///< of the avatar at the reference, armature included
-  AxisTime filter_tau_s;    ///< time constant of the velocity filter
-  int physics_divisor = 1;  ///< ticks per physics step
+  AxisRatio gamma;        ///< γ: share of D that the person feels
+  AxisInertia armature;   ///< reflected inertia added to the avatar
+  AxisInertia inertia;    ///< of the avatar at the reference, armature included
+  AxisTime filter_tau_s;  ///< time constant of the velocity filter
 };
 
 /// Armature of an axis where the file states none: what its inertia lacks to K_pm / (5e4 s⁻²). The
@@ -36,7 +35,7 @@ struct CouplingGains {
 
 /// D of every axis in a posture, Eq. (14) with k_p = K_pm / Mᵢᵢ: 2 √(K_pm Mᵢᵢ) − T K_pm. Both poles
 /// of the axis alone then lie at 1 − T √k_p. Pure, real-time safe.
-/// @param reduced_inertia M_r, armature included @param period_s of a physics step
+/// @param reduced_inertia M_r, armature included @param period_s of a tick
 [[nodiscard]] WHOLEHAND_RT AxisDamping avatarDamping(const AxisMatrix& reduced_inertia,
                                                      const AxisStiffness& k_pm,
                                                      double period_s) noexcept;
@@ -46,12 +45,7 @@ struct CouplingGains {
 /// @param period_s of a tick
 [[nodiscard]] double feltInertia(const CouplingGains& gains, int axis, double period_s);
 
-/// Empty when the rate of the ticks, 1 / period_s, divided by physics_divisor is a whole number of
-/// Hz.
-[[nodiscard]] Diagnostics refuseDivisor(const RenderingConfig& rendering, double period_s);
-
-/// Resolves the gains. Refuses K_pm / M > 1/T², at which the avatar rings, T the period of a
-/// physics step, and what refuseDivisor() refuses.
+/// Resolves the gains. Refuses K_pm / M > 1/T², at which the avatar rings.
 /// @param period_s of a tick
 [[nodiscard]] Expected<CouplingGains> resolveGains(const RenderingConfig& rendering,
                                                    const AxisMatrix& reduced_inertia_at_reference,

@@ -59,9 +59,8 @@ HeldDevice holdDevice(const AxisLoop& l) {
   return holdWithSpring(mass, damping, l.person.stiffness, l.period_s);
 }
 
-/// @param steps whether the avatar makes a step in this tick, or is held
 Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDevice& device,
-                         const Eigen::VectorXd& s, bool steps) {
+                         const Eigen::VectorXd& s) {
   const double t = loop.period_s;
   const double vf =
       (loop.filter_tau_s * s[kVf] + (s[kXm] - s[kXmPrevious])) / (loop.filter_tau_s + t);
@@ -80,8 +79,6 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
   next[kVm] = device.keep * s[kVm] + device.push_v * felt - device.fall_v * s[kXm];
   next[kXmPrevious] = s[kXm];
   next[kVf] = vf;
-  if (!steps) return next;
-  const double step_s = loop.stepPeriod();
   if (contact == ContactCase::kRigid) {
     next[kXs] = next[kVs] = 0.0;
   } else {
@@ -89,12 +86,12 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
         loop.k_ps_per_s2 * (s[kXm] - s[kXs]) + loop.k_ds_per_s * (vf - s[kVs]);
     if (contact == ContactCase::kObject) {  // implicit, like the contacts of an engine: passive
       const double mass = 1.0 + loop.held_mass;
-      next[kVs] = (mass * s[kVs] + step_s * (acceleration - loop.spring_per_s2 * s[kXs])) /
-                  (mass + step_s * step_s * loop.spring_per_s2);
+      next[kVs] = (mass * s[kVs] + t * (acceleration - loop.spring_per_s2 * s[kXs])) /
+                  (mass + t * t * loop.spring_per_s2);
     } else {
-      next[kVs] = s[kVs] + step_s * acceleration;
+      next[kVs] = s[kVs] + t * acceleration;
     }
-    next[kXs] = s[kXs] + step_s * next[kVs];
+    next[kXs] = s[kXs] + t * next[kVs];
   }
   return next;
 }
@@ -134,8 +131,7 @@ AxisLoop axisLoop(const DeviceModel& device, const CouplingGains& gains, int axi
   l.k_ps_per_s2 = gains.k_pm[axis] / gains.inertia[axis];
   l.filter_tau_s = gains.filter_tau_s[axis];
   l.period_s = period_s;
-  l.physics_divisor = gains.physics_divisor;
-  l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, l.stepPeriod());
+  l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, period_s);
   return l;
 }
 
@@ -144,11 +140,7 @@ Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact) {
   const HeldDevice device = holdDevice(loop);
   Eigen::MatrixXd matrix(n, n);
   for (int j = 0; j < n; ++j) {
-    Eigen::VectorXd state = Eigen::VectorXd::Unit(n, j);
-    for (int tick = 0; tick < loop.physics_divisor; ++tick) {
-      state = stepLoop(loop, contact, device, state, tick == 0);
-    }
-    matrix.col(j) = state;
+    matrix.col(j) = stepLoop(loop, contact, device, Eigen::VectorXd::Unit(n, j));
   }
   return matrix;
 }

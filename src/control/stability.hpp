@@ -27,10 +27,6 @@ struct AxisLoop {
   double spring_per_s2 = 0.0;  ///< kObject: the object's spring over the avatar's inertia
   /// αk and αd of an exercise's wall, Eq. (15), with the finger in it. Acts on the device only.
   double wall_stiffness = 0.0, wall_damping = 0.0;
-  /// Ticks per step of the avatar, which is held in between. K_ds goes with stepPeriod().
-  int physics_divisor = 1;
-
-  [[nodiscard]] double stepPeriod() const { return physics_divisor * period_s; }
 };
 
 /// The loop of one axis from the files, at Φ = 1.
@@ -38,8 +34,8 @@ struct AxisLoop {
                                 double period_s);
 
 /// Closed-loop matrix over [x_m, v_m, x_m previous, v_f, x_s, v_s, f_1 .. f_n]: exact zero-order
-/// hold for device and person, symplectic Euler for the avatar. Over `physics_divisor` ticks: one
-/// period of a divided loop. Built column by column from unit states.
+/// hold for device and person, symplectic Euler for the avatar. Built column by column from unit
+/// states.
 [[nodiscard]] Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact);
 
 /// Eigenvalues of the one-period matrix; empty where it is not finite or they do not converge.

@@ -13,7 +13,7 @@ enum class CommandType : std::int32_t {
   kParameter,  ///< index: live parameter; value: target of its ramp
   kAction,     ///< index: an ExerciseAction
   kOwner,      ///< value: 1 while the client that shows the exercise is alive, 0 when it is silent
-  kAim,        ///< aim: target pose of the person at the screen
+  kAim,        ///< aim: target pose of the person at the screen; index: a Help, of its page
   kSteer,      ///< index: a Steering
   // Orders of a game to its bodies; core/body_order.hpp makes and reads them.
   kShapeSet,       ///< index: shape set; value: pieces
@@ -40,7 +40,6 @@ enum class ExerciseAction : std::int32_t {
   kPause,
   kResume,
   kBeginAt  ///< value: place in the level to resume from; no client sends it
-            ///< clients
 };
 
 /// Who steers the simulated hand.

@@ -6,6 +6,7 @@
 #include "core/fault.hpp"
 #include "core/geometry.hpp"
 #include "core/live_parameter.hpp"
+#include "core/mover.hpp"
 #include "core/safety_state.hpp"
 #include "core/world_query.hpp"
 
@@ -70,6 +71,10 @@ struct TickRecord {
   std::int64_t cpu_ns = 0;       ///< CPU time of the tick; not re-simulated
   std::array<std::int32_t, kStages> stage_cpu_ns{};  ///< CPU time per stage; not re-simulated
 
+  // written by: device.read; an input, not re-simulated
+  Mover moved_by = Mover::kNobody;
+  Help help = Help::kUnsaid;  ///< with a person who moves a simulated hand
+
   std::int32_t command_count = 0;
   std::int32_t parameter_count = 0;                   ///< number of live parameters
   SafetyState safety_state = SafetyState::kDisarmed;  ///< at the end of the tick
@@ -132,9 +137,5 @@ struct TickRecord {
 };
 
 static_assert(std::is_trivially_copyable_v<TickRecord>);
-
-/// Copies the used part of a record: its bodies and contacts up to their counts. Elements of `to`
-/// beyond the counts keep their values. Real-time safe.
-void copyUsed(const TickRecord& from, TickRecord& to) noexcept;
 
 }  // namespace wholehand

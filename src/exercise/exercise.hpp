@@ -24,9 +24,6 @@ struct ExerciseDescription {
   double fade_out_s = 0.3;  ///< fade-out time of its effort
   std::vector<LiveParameter> parameters;
   std::vector<std::string> value_names;  ///< of ExerciseRecord::values, at most kMaxExerciseValues
-  /// The steps in which values are reported, of their units, in the order of value_names; 0, and
-  /// where none are stated: as computed. Finer digits than a reader needs fill recordings.
-  std::vector<double> value_steps;
   std::vector<std::string> event_names;  ///< names of ExerciseEvent::type
   /// Index into value_names of the place in the level from which a session resumes after a rest:
   /// the value of ExerciseAction::kBeginAt. -1: every session begins at the start.

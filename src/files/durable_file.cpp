@@ -12,6 +12,7 @@ namespace wholehand {
 namespace {
 
 constexpr int kTries = 16;
+constexpr int kMostOfOneName = 10000;
 
 int syncAndClose(int file) {
   const int error = ::fsync(file) != 0 ? errno : 0;
@@ -30,11 +31,10 @@ int syncFolder(const std::filesystem::path& folder) {
 // A new file beside it, of a name that nobody can guess. @return its descriptor, or -1
 int createBeside(const std::string& path, std::string& name) {
   for (int i = 0; i < kTries; ++i) {
-    std::uint64_t random = 0;
-    if (::getrandom(&random, sizeof random, 0) != sizeof random) return -1;
-    char text[24];
-    std::snprintf(text, sizeof text, ".%016llx.tmp", static_cast<unsigned long long>(random));
-    name = path + text;
+    const std::string random = randomName();
+    if (random.empty()) return -1;
+    name = path;
+    name += "." + random + ".tmp";
     const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file >= 0 || errno != EEXIST) return file;
   }
@@ -71,6 +71,24 @@ int takeName(const std::string& finished, const std::string& path) {
 }
 
 }  // namespace
+
+std::string randomName() {
+  std::uint64_t random = 0;
+  if (::getrandom(&random, sizeof random, 0) != sizeof random) return {};
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(random));
+  return text;
+}
+
+int takeNewName(const std::string& stem, const std::string& extension, std::string& path) {
+  path = stem + extension;
+  for (int i = 2;; ++i) {
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) return ::close(file) == 0 ? 0 : errno;
+    if (errno != EEXIST || i > kMostOfOneName) return errno;
+    path = stem + "-" + std::to_string(i) + extension;
+  }
+}
 
 int writeDurably(const std::string& path, std::string_view bytes) {
   std::string beside;

@@ -12,6 +12,15 @@ namespace wholehand {
 /// @return an errno; 0: done
 [[nodiscard]] int writeDurably(const std::string& path, std::string_view bytes);
 
+/// Takes a name that no file has, by creating it empty: "<stem><extension>", else "<stem>-2...". Of
+/// several programs that ask at once, each gets a name of its own. A link is a name that is taken.
+/// @param path the name @return an errno; 0: done
+[[nodiscard]] int takeNewName(const std::string& stem, const std::string& extension,
+                              std::string& path);
+
+/// 16 hexadecimal digits that nobody can guess; empty where the system gives none.
+[[nodiscard]] std::string randomName();
+
 /// Gives a finished file, in the same folder, its name: as above.
 /// @return an errno; 0: done
 [[nodiscard]] int renameDurably(const std::string& finished, const std::string& path);

@@ -209,15 +209,6 @@ bool ImpedanceReport::asPredicted() const {
 
 Expected<ImpedanceReport> measureImpedance(const Models& models, const ImpedanceOptions& options,
                                            const ImpedanceProgress& progress) {
-  if (models.rendering.physics_divisor > 1) {
-    return Diagnostic{models.rendering.path,
-                      0,
-                      "physics_divisor",
-                      std::to_string(models.rendering.physics_divisor),
-                      "has no felt impedance in closed form: a held avatar answers a sine with "
-                      "other frequencies, too",
-                      "measure with physics_divisor = 1"};
-  }
   ImpedanceReport report{models.device.name,
                          models.rendering.name,
                          models.hand.name,

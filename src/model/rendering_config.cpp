@@ -117,8 +117,6 @@ void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
 void readRendering(TomlTable& root, const DeviceModel& device, RenderingConfig& config) {
   config.name = root.text("name");
   config.paper = root.flag("paper", false);
-  config.physics_divisor =
-      static_cast<int>(root.integer("physics_divisor", 1, kMostPhysicsDivisor, 1));
   Common common;
   common.gamma = root.number("gamma", kGamma, common.gamma);
   common.velocity_filter_hz = root.number("velocity_filter_hz", kFilter, common.velocity_filter_hz);

@@ -26,16 +26,11 @@ struct AxisRendering {
                               ///< corrected)
 };
 
-/// Most ticks of the device per physics step.
-inline constexpr int kMostPhysicsDivisor = 8;
-
 /// A rendering file: the gains that go with a device.
 struct RenderingConfig {
   std::string path;
   std::string name;
-  bool paper = false;  ///< the paper's own law: γ = 0, f_d = 0
-  /// Ticks per physics step, 1 .. kMostPhysicsDivisor. Between two steps the avatar is held.
-  int physics_divisor = 1;
+  bool paper = false;               ///< the paper's own law: γ = 0, f_d = 0
   std::vector<AxisRendering> axes;  ///< in the device's order, one for each of its axes
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/command.hpp"
+#include "core/mover.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 
@@ -21,6 +22,11 @@ class Player {
   /// Target one period later: position and velocity, continuous.
   WHOLEHAND_RT virtual void advance(double period_s, AxisPosition& q,
                                     AxisVelocity& qd) noexcept = 0;
+
+  /// Who decides the target.
+  [[nodiscard]] WHOLEHAND_RT virtual Mover mover() const noexcept { return Mover::kVirtualPatient; }
+  /// Help that a page gives to the person who decides it.
+  [[nodiscard]] WHOLEHAND_RT virtual Help help() const noexcept { return Help::kUnsaid; }
 
   /// Receives a command before the tick that takes it, in the thread that ticks.
   WHOLEHAND_RT virtual void command(const Command&) noexcept {}

@@ -4,7 +4,8 @@
 
 namespace wholehand {
 
-ScriptedPlayer::ScriptedPlayer(Intention intention) : intention_(std::move(intention)) {}
+ScriptedPlayer::ScriptedPlayer(Intention intention, Mover mover)
+    : intention_(std::move(intention)), mover_(mover) {}
 
 AxisPosition ScriptedPlayer::start() const {
   return intention_.start();

@@ -40,6 +40,7 @@ void SteeredPlayer::reset() {
 }
 
 void SteeredPlayer::takeOver() noexcept {
+  help_ = Help::kUnsaid;
   aim_ = q_;
   for (int i = 0; i < axes_; ++i) {
     person_[i] = movingFollower(q_[i], qd_[i], person_limits_[i]);
@@ -50,7 +51,10 @@ void SteeredPlayer::takeOver() noexcept {
 void SteeredPlayer::command(const Command& command) noexcept {
   if (command.type == CommandType::kAim) {
     const bool ours = steering_ == Steering::kPerson && command.aim.size() == axes_;
-    if (ours && allFinite(command.aim)) aim_ = command.aim;
+    if (!ours || !allFinite(command.aim)) return;
+    aim_ = command.aim;
+    const bool said = command.index >= 0 && command.index < kHelps;
+    help_ = said ? static_cast<Help>(command.index) : Help::kUnsaid;
   } else if (command.type == CommandType::kSteer) {
     const bool person = command.index == static_cast<std::int32_t>(Steering::kPerson);
     const Steering asked = person ? Steering::kPerson : Steering::kVirtualPatient;

@@ -48,6 +48,13 @@ class SteeredPlayer final : public Player {
   /// one, or one without the device's axes, is ignored. In the thread that ticks, before the tick.
   WHOLEHAND_RT void command(const Command& command) noexcept override;
 
+  [[nodiscard]] WHOLEHAND_RT Mover mover() const noexcept override {
+    return steering_ == Steering::kPerson ? Mover::kPerson : virtual_patient_->mover();
+  }
+  [[nodiscard]] WHOLEHAND_RT Help help() const noexcept override {
+    return steering_ == Steering::kPerson ? help_ : Help::kUnsaid;
+  }
+
   [[nodiscard]] Steering steering() const noexcept { return steering_; }
 
  private:
@@ -60,13 +67,14 @@ class SteeredPlayer final : public Player {
   int axes_;
   Limits person_limits_{}, blend_limits_{};
   Steering steering_ = Steering::kVirtualPatient;
-  bool handed_back_ = false;  // the virtual patient has not advanced since the return
-  Followers person_{};        // hand steered by the person
-  Followers offset_{};        // offset of the hand from the virtual patient's target
-  AxisPosition aim_;          // target of the person
-  AxisPosition seen_;         // device position of the last tick; no axes before the first
-  double period_s_ = 0.0;     // last argument of advance()
-  AxisPosition q_;            // last result of advance()
+  bool handed_back_ = false;   // the virtual patient has not advanced since the return
+  Followers person_{};         // hand steered by the person
+  Followers offset_{};         // offset of the hand from the virtual patient's target
+  AxisPosition aim_;           // target of the person
+  Help help_ = Help::kUnsaid;  // as the last target says
+  AxisPosition seen_;          // device position of the last tick; no axes before the first
+  double period_s_ = 0.0;      // last argument of advance()
+  AxisPosition q_;             // last result of advance()
   AxisVelocity qd_;
 };
 

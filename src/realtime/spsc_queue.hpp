@@ -9,12 +9,6 @@
 
 namespace wholehand {
 
-/// Copies a record into the ring and out of it. A record type that is rarely full overloads this.
-template <class Record>
-void copyUsed(const Record& from, Record& to) noexcept {
-  to = from;
-}
-
 /// Lock-free ring buffer between one producer thread and one consumer thread. Neither side ever
 /// waits: a full ring drops the record and counts it. All storage is allocated at construction.
 ///
@@ -44,7 +38,7 @@ class SpscQueue {
         return false;
       }
     }
-    copyUsed(record, slots_[tail & mask_]);
+    slots_[tail & mask_] = record;
     tail_.store(tail + 1, std::memory_order_release);
     return true;
   }
@@ -58,7 +52,7 @@ class SpscQueue {
         return false;
       }
     }
-    copyUsed(slots_[head & mask_], record);
+    record = slots_[head & mask_];
     head_.store(head + 1, std::memory_order_release);
     return true;
   }

@@ -97,8 +97,6 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   if (Expected<Done> enabled = device_.enable(); !enabled) return refuseArming(enabled.errors());
   if (!safety_.stops().arm()) return stopped();
   prepared_ = false;
-  ticks_to_step_ = 0;
-  hand_moved_ = true;
   const int axes = config_.gains.axes;
   velocity_ = VelocityState{};
   damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};

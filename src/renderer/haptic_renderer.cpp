@@ -2,7 +2,6 @@
 
 #include "control/bilateral_coupling.hpp"
 #include "core/effort_sum.hpp"
-#include "core/grid.hpp"
 #include "physics/body_pool.hpp"
 #include "physics/hand_probe.hpp"
 
@@ -23,21 +22,6 @@ std::vector<LiveParameter> allLiveParameters(const RendererConfig& config,
   return all;
 }
 
-/// Rounds what an exercise reports to the steps that it states; it goes on with its own numbers.
-void roundValues(const std::vector<double>& steps, ExerciseRecord& exercise) noexcept {
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    double& value = exercise.values[i];
-    if (steps[i] > 0.0) value = onGrid(value, steps[i]);
-  }
-}
-
-std::vector<double> valueSteps(const Exercise* exercise) {
-  if (exercise == nullptr) return {};
-  std::vector<double> steps = exercise->description().value_steps;
-  steps.resize(std::min(steps.size(), static_cast<std::size_t>(kMaxExerciseValues)));
-  return steps;
-}
-
 }  // namespace
 
 HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
@@ -47,7 +31,6 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       world_(world),
       pool_(scene.game.slots > 0 ? dynamic_cast<BodyPool*>(&world) : nullptr),
       exercise_(exercise),
-      value_steps_(valueSteps(exercise)),
       config_(config),
       safety_(config.safety, config.gains, config.period_s),
       parameters_(allLiveParameters(config, exercise)),
@@ -137,6 +120,8 @@ void HapticRenderer::readDevice(TickRecord& record) noexcept {
   record.q_m = reading_.q_m;
   record.intention = reading_.intention;
   record.patient_effort = reading_.patient_effort;
+  record.moved_by = reading_.moved_by;
+  record.help = reading_.help;
   safety_.judgeReading(fault, record);
 }
 
@@ -153,18 +138,12 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
 }
 
 void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
-  if (hand_moved_) {  // else it is held between two steps
-    hand_moved_ = false;
-    definite_ = refreshDynamics();
-  }
-  if (!definite_) record.faults |= Fault::kSingularInertia;
-}
-
-bool HapticRenderer::refreshDynamics() noexcept {
   const Eigen::Vector3d& gravity_m_s2 = config_.gravity_m_s2;
-  return state_.kinematics != nullptr
-             ? dynamics_.updateFrom(*state_.kinematics, state_.theta_dot, gravity_m_s2)
-             : dynamics_.update(state_.theta, state_.theta_dot, gravity_m_s2);
+  const bool definite =
+      state_.kinematics != nullptr
+          ? dynamics_.updateFrom(*state_.kinematics, state_.theta_dot, gravity_m_s2)
+          : dynamics_.update(state_.theta, state_.theta_dot, gravity_m_s2);
+  if (!definite) record.faults |= Fault::kSingularInertia;
 }
 
 void HapticRenderer::probeHand(TickRecord& record) noexcept {
@@ -186,8 +165,7 @@ void HapticRenderer::couple(TickRecord& record) noexcept {
   const int elapsed = static_cast<int>(record.elapsed_periods);
   velocity_ = estimateVelocity(velocity_, record.q_m, gains, elapsed, config_.period_s);
   record.qd_mf = velocity_.filtered;
-  avatar_damping_ = avatarDamping(dynamics_.reducedInertia(), gains.k_pm,
-                                  gains.physics_divisor * config_.period_s);
+  avatar_damping_ = avatarDamping(dynamics_.reducedInertia(), gains.k_pm, config_.period_s);
   record.f_s =
       avatarEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s, avatar_damping_, gains);
   record.coupling =
@@ -214,7 +192,6 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   input.pool = pool_ != nullptr ? &pool_report_ : nullptr;
   input.may_push = mayPush(record) && safety_.rendering();
   exercise_->tick(input, record.exercise, record.placements);
-  roundValues(value_steps_, record.exercise);
   query_ = exercise_->query();
 }
 
@@ -249,20 +226,13 @@ void HapticRenderer::stepWorld(TickRecord& record) noexcept {
     world_.placeBodies(record.placements);
     safety_.notePlaced(record.placements);
   }
-  if (ticks_to_step_ > 0) {
-    --ticks_to_step_;
-    return;
-  }
-  ticks_to_step_ = config_.gains.physics_divisor - 1;
-  hand_moved_ = true;
   HandDrive drive;
   drive.effort = record.f_s;
   dynamics_.distribute(record.f_s, drive.torque);
   drive.armature = config_.gains.armature;
   drive.armature_effort = dynamics_.armatureEffort(record.f_s);
   drive.reduced_inertia_inverse = &dynamics_.reducedInertiaInverse();
-  const double step_s = config_.gains.physics_divisor * config_.period_s;
-  safety_.judgeStep(world_.step(drive, step_s), record);
+  safety_.judgeStep(world_.step(drive, config_.period_s), record);
   world_.contacts(contacts_);
 }
 

@@ -125,7 +125,6 @@ class HapticRenderer {
   void readDevice(TickRecord& record) noexcept;
   void observeWorld(TickRecord& record) noexcept;
   void updateDynamics(TickRecord& record) noexcept;
-  [[nodiscard]] bool refreshDynamics() noexcept;
   void probeHand(TickRecord& record) noexcept;
   void couple(TickRecord& record) noexcept;
   void exercise(TickRecord& record) noexcept;
@@ -143,7 +142,6 @@ class HapticRenderer {
   PhysicsWorld& world_;
   BodyPool* const pool_;  ///< bodies of a game in world_; null without
   Exercise* exercise_;
-  const std::vector<double> value_steps_;  ///< of the exercise's values
   const RendererConfig config_;
   SafetyChain safety_;
   ParameterRamps parameters_;
@@ -161,9 +159,6 @@ class HapticRenderer {
   ContactList contacts_;
   VelocityState velocity_;
   AxisDamping avatar_damping_;  ///< D in the current posture
-  int ticks_to_step_ = 0;       ///< until the next physics step; 0: in this tick
-  bool hand_moved_ = true;      ///< by a step or an arming, since the dynamics were updated
-  bool definite_ = true;        ///< the inertia at that update
   AdaptiveDampingState damping_;
   bool device_open_ = false, was_open_ = false;  ///< now, and before prepare()
   bool prepared_ = false;

@@ -30,25 +30,25 @@ using Json = nlohmann::json;
 
 /// Version of the data; counts incompatible changes.
 constexpr int kVersion = 1;
-constexpr std::uint64_t kChunksAtOnce = 4, kTicksBetweenProgress = 10'000;
+constexpr std::uint64_t kTicksBetweenProgress = 10'000;
 /// Limits that keep a page below 2 MB: states before packing, and afterwards.
 constexpr std::uint64_t kMostStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
 constexpr std::size_t kMostSeries_bytes = 360'000, kMostBodies_bytes = 300'000;
 constexpr int kMostColumns = 800, kFewestColumns = 100;
 
-/// Datasets that a report does not need, and the rules of none that it reads.
-const LeftOut kLeftOut = {{"patient_effort", "tank"}, {}};
+/// Datasets that a report does not need.
+const LeftOut kLeftOut = {{"digest", "patient_effort", "tank"}, {}};
 /// Datasets that it needs only for the states that it shows, one tick in hundreds.
-const LeftOut kLeftOutBetweenStates = {
-    {"patient_effort", "tank", "theta", "parameters", "palm_body", "palm_target_distance_m"},
-    {"link", "point_m", "normal", "torque_nm", "distance_m"}};
+const LeftOut kLeftOutBetweenStates = {{"digest", "patient_effort", "tank", "theta", "parameters",
+                                        "palm_body", "palm_target_distance_m"},
+                                       {"link", "point_m", "normal", "torque_nm", "distance_m"}};
 
 /// All data of a page, or only the figures for comparison with another session.
 enum class Detail { kAll, kFigures };
 
 Expected<ViewedRecording> openAny(const std::string& path) {
-  if (!BlackBoxReader::isBox(path)) return viewRecording(path, kChunksAtOnce, kLeftOut);
+  if (!BlackBoxReader::isBox(path)) return viewRecording(path, kLeftOut);
   auto box = BlackBoxReader::openBox(path);
   if (!box) return box.errors();
   ViewedRecording viewed;
@@ -63,6 +63,7 @@ class StateSample {
   StateSample(std::shared_ptr<const SceneFacts> facts, std::uint64_t size, Detail detail)
       : encoder_(std::move(facts)),
         last_(size - 1),
+        inserted_(last_),
         step_(detail == Detail::kAll ? 1 + (size - 1) / kMostStates : size) {}
 
   [[nodiscard]] const std::vector<std::uint64_t>& rows() const { return rows_; }
@@ -78,6 +79,15 @@ class StateSample {
     rows_.push_back(row);
     bytes_ += added.size();
     if (bytes_ > kMostStates_bytes) dropEverySecond();
+  }
+  /// Adds a state out of order, which is never dropped. @pre all others were added
+  void insert(std::uint64_t row, const TickRecord& record) {
+    inserted_ = row;
+    const auto at = std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin();
+    if (std::cmp_less(at, rows_.size()) && rows_[at] == row) return;
+    add(row, record);
+    std::rotate(messages_.begin() + at, messages_.end() - 1, messages_.end());
+    std::rotate(rows_.begin() + at, rows_.end() - 1, rows_.end());
   }
   [[nodiscard]] Json json() {
     std::string packed = pack();
@@ -99,7 +109,7 @@ class StateSample {
     std::vector<std::uint64_t> rows;
     bytes_ = 0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (rows_[i] % step_ != 0 && rows_[i] != last_) continue;
+      if (rows_[i] % step_ != 0 && rows_[i] != last_ && rows_[i] != inserted_) continue;
       bytes_ += messages_[i].size();
       messages.push_back(std::move(messages_[i]));
       rows.push_back(rows_[i]);
@@ -110,6 +120,7 @@ class StateSample {
 
   wire::StateEncoder encoder_;
   const std::uint64_t last_;
+  std::uint64_t inserted_;
   std::uint64_t step_;
   std::vector<std::uint64_t> rows_;
   std::vector<std::string> messages_;
@@ -147,10 +158,11 @@ class ReportCollector {
         engineering_(meta_) {}
 
   /// @param before the previous tick; null when unknown
-  void add(const TickRecord& record, const TickRecord* before) {
+  void add(std::uint64_t row, const TickRecord& record, const TickRecord* before) {
     series_.add(record, before);
-    therapy_.add(record, before != nullptr && missingBetween(before->tick, record.tick,
-                                                             record.elapsed_periods) == 0);
+    const bool follows =
+        before != nullptr && missingBetween(before->tick, record.tick, record.elapsed_periods) == 0;
+    therapy_.add(record, follows, row);
     engineering_.add(record);
     bodies_.see(record);
   }
@@ -160,6 +172,9 @@ class ReportCollector {
     states_.add(row, record);
     bodies_.keep(row);
   }
+  [[nodiscard]] const StrongestContact& strongest() const { return therapy_.strongest(); }
+  /// Adds the state of the strongest contact, which the page shows as a picture.
+  void insertState(std::uint64_t row, const TickRecord& record) { states_.insert(row, record); }
   void skipUnreadable(std::uint64_t tick) {
     series_.skipUnreadable(static_cast<double>(tick) * meta_.period_s);
   }
@@ -196,22 +211,24 @@ class ReportCollector {
 
 /// @param states the same recording with all that a state shows; null: no states
 /// @param size ticks to collect: while it is written, a recording opened later has more
-void collect(RecordingReader& reader, RecordingReader* states, std::uint64_t size,
-             ReportCollector& collector, const std::function<void(double)>& progress) {
+UnreadTicks collect(RecordingReader& reader, RecordingReader* states, std::uint64_t size,
+                    ReportCollector& collector, const std::function<void(double)>& progress) {
   TickRecord state;
   std::array<TickRecord, 2> records;
   TickRecord *record = &records[0], *before = &records[1];
   bool known = false;
+  UnreadTicks unread;
   for (std::uint64_t i = 0; i < std::min(size, reader.size()); ++i) {
     if (progress && i % kTicksBetweenProgress == 0) {
       progress(static_cast<double>(i) / static_cast<double>(size));
     }
     if (!reader.read(i, *record)) {
       collector.skipUnreadable(reader.outline().numbers[i]);
+      if (unread.count++ == 0) unread.first = i;
       known = false;
       continue;
     }
-    collector.add(*record, known ? before : nullptr);
+    collector.add(i, *record, known ? before : nullptr);
     if (states == &reader && collector.wantsState(i)) collector.addState(i, *record);
     if (states != nullptr && states != &reader && collector.wantsState(i) &&
         states->read(i, state)) {
@@ -220,10 +237,16 @@ void collect(RecordingReader& reader, RecordingReader* states, std::uint64_t siz
     std::swap(record, before);
     known = true;
   }
+  const StrongestContact& strongest = collector.strongest();
+  if (states != nullptr && strongest.force_n > 0.0 && states->read(strongest.row, state)) {
+    collector.insertState(strongest.row, state);
+  }
+  return unread;
 }
 
 Expected<Json> dataOf(const std::string& recording_path, Detail detail,
-                      const std::function<void(double)>& progress, std::uint64_t long_from) {
+                      const std::function<void(double)>& progress, std::uint64_t long_from,
+                      Diagnostics* not_shown = nullptr) {
   const auto viewed = openAny(recording_path);
   if (!viewed) return viewed.errors();
   RecordingReader& reader = *viewed->reader;
@@ -232,8 +255,8 @@ Expected<Json> dataOf(const std::string& recording_path, Detail detail,
   const bool is_long = detail == Detail::kAll && reader.size() >= long_from &&
                        !BlackBoxReader::isBox(recording_path);
   if (is_long) {
-    between = viewRecording(recording_path, kChunksAtOnce, kLeftOutBetweenStates);
-    whole = viewRecording(recording_path, 1, kLeftOut);
+    between = viewRecording(recording_path, kLeftOutBetweenStates);
+    whole = viewRecording(recording_path, kLeftOut);
     if (!between) return between.errors();
     if (!whole) return whole.errors();
   }
@@ -245,9 +268,10 @@ Expected<Json> dataOf(const std::string& recording_path, Detail detail,
   const auto facts = std::make_shared<const SceneFacts>(scene ? *scene : SceneFacts{});
   ReportCollector collector(*viewed, facts, detail);
   RecordingReader* states = is_long ? whole->reader.get() : &reader;
-  collect(is_long ? *between->reader : reader, scene ? states : nullptr, reader.size(), collector,
-          progress);
+  const UnreadTicks unread = collect(is_long ? *between->reader : reader, scene ? states : nullptr,
+                                     reader.size(), collector, progress);
   Json data = collector.json(scene.ok());
+  if (not_shown != nullptr) *not_shown = notShown(*viewed, unread, recording_path);
   const std::string name = std::filesystem::path(recording_path).filename().string();
   data["about"] =
       Json::parse(replayAbout(*viewed, name, false, *facts, scene ? "" : format(scene.errors())));
@@ -261,7 +285,8 @@ Expected<Json> dataOf(const std::string& recording_path, Detail detail,
 }  // namespace
 
 Expected<Json> reportData(const std::string& recording_path, const std::string& before_path,
-                          const std::function<void(double)>& progress, std::uint64_t long_from) {
+                          const std::function<void(double)>& progress, std::uint64_t long_from,
+                          Diagnostics* not_shown) {
   std::error_code missing;
   if (!before_path.empty() && std::filesystem::equivalent(recording_path, before_path, missing)) {
     return Diagnostic{before_path,
@@ -278,7 +303,7 @@ Expected<Json> reportData(const std::string& recording_path, const std::string& 
     if (!figures) return figures.errors();
     before = std::move(*figures);
   }
-  auto data = dataOf(recording_path, Detail::kAll, progress, long_from);
+  auto data = dataOf(recording_path, Detail::kAll, progress, long_from, not_shown);
   if (data && !before_path.empty()) (*data)["before"] = std::move(before);
   return data;
 }

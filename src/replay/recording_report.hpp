@@ -20,9 +20,11 @@ inline constexpr std::uint64_t kLongRecording_ticks = 1'500'000;  // a state in 
 /// @param before_path the previous session, whose figures are shown for comparison; empty: none
 /// @param progress called now and then with the fraction read, 0 to 1
 /// @param long_from ticks of a long recording; the result does not depend on it
+/// @param not_shown set to what of the recording the page does not show (notShown()); null: unasked
 [[nodiscard]] Expected<nlohmann::json> reportData(const std::string& recording_path,
                                                   const std::string& before_path,
                                                   const std::function<void(double)>& progress = {},
-                                                  std::uint64_t long_from = kLongRecording_ticks);
+                                                  std::uint64_t long_from = kLongRecording_ticks,
+                                                  Diagnostics* not_shown = nullptr);
 
 }  // namespace wholehand

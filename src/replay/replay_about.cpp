@@ -48,8 +48,7 @@ Json resultsOf(RecordingReader& recording) {
 bool canRunAgain(const RecordingReader& recording) {
   const RecordingMeta& meta = recording.meta();
   const RecordingOutline& outline = recording.outline();
-  return meta.schema >= kSchemaOfLaw && !meta.models_changed && outline.numbers.front() == 0 &&
-         outline.missing == 0;
+  return !meta.models_changed && outline.numbers.front() == 0 && outline.missing == 0;
 }
 
 }  // namespace
@@ -65,6 +64,7 @@ std::string replayAbout(const ViewedRecording& viewed, const std::string& name, 
   const auto time_s = [&](std::uint64_t tick) { return static_cast<double>(tick) * meta.period_s; };
   Json about = {{"name", name},
                 {"title", meta.title},
+                {"profile", meta.profile},
                 {"created_utc", meta.created_utc},
                 {"program_version", meta.git_version},
                 {"period_s", meta.period_s},

@@ -19,8 +19,6 @@ namespace {
 
 constexpr const char* kBytes = "application/octet-stream";
 constexpr int kCannotBeRead = 422;
-/// Reading this many quarters of a second at once needs fewer HDF5 calls.
-constexpr std::uint64_t kChunksOfPlots = 16;
 
 Diagnostic refusal(const std::string& path, std::string problem, std::string remedy) {
   return {path, 0, "", "", std::move(problem), std::move(remedy)};
@@ -34,7 +32,7 @@ ReplayAnswer replayRefusal(int status, const std::string& why) {
           json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
 }
 
-const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as, std::uint64_t chunks_at_once,
+const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as,
                                                          const LeftOut& left_out) const {
   if (as) return *as;
   if (BlackBoxReader::isBox(path_)) {
@@ -42,7 +40,7 @@ const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as, std::uint64
                  "take its last seconds out with: wholehand replay --extract seconds.h5 " + path_);
     return *as;
   }
-  as = viewRecording(path_, chunks_at_once, left_out);
+  as = viewRecording(path_, left_out);
   if (*as && as->value().reader->size() == 0) {
     as = refusal(path_, "holds no ticks", "record a run that lasts a while");
   }
@@ -52,8 +50,7 @@ const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as, std::uint64
 ReplayAnswer ReplayedRecording::answer(const ReplayQuestion& question) {
   const bool bodies = question.what == ReplayQuestion::What::kBodies;
   const bool plots = bodies || question.what == ReplayQuestion::What::kSeries;
-  const auto& viewed =
-      plots ? open(plotted_, kChunksOfPlots, leftOutOfSeries()) : open(shown_, 1, {});
+  const auto& viewed = plots ? open(plotted_, leftOutOfSeries()) : open(shown_, {});
   if (!viewed) return replayRefusal(kCannotBeRead, format(viewed.errors()));
   if (bodies) return {200, kBytes, gameBodiesOf(*viewed->reader)};
   if (plots) return {200, kBytes, seriesMessage(*viewed->reader, question.series)};

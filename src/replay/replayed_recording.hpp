@@ -27,8 +27,7 @@ class ReplayedRecording {
  private:
   /// Opened once, at first use.
   using Opened = std::optional<Expected<ViewedRecording>>;
-  [[nodiscard]] const Expected<ViewedRecording>& open(Opened& as, std::uint64_t chunks_at_once,
-                                                      const LeftOut& left_out) const;
+  [[nodiscard]] const Expected<ViewedRecording>& open(Opened& as, const LeftOut& left_out) const;
   /// Reads the files that the recording carries, once.
   void prepareScene(const RecordingMeta& meta);
   [[nodiscard]] ReplayAnswer answerShown(const ViewedRecording& viewed,

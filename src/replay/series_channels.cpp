@@ -67,8 +67,9 @@ void fillSeriesValues(const TickRecord& record, const RecordingMeta& meta,
 }
 
 LeftOut leftOutOfSeries() {
-  return {{"stage_cpu_ns", "patient_effort", "theta", "coupling_error_rad", "bodies",
-           "effort_limit", "tank", "palm_body", "palm_target_distance_m", "parameters"},
+  return {{"stage_cpu_ns", "digest", "moved_by", "help", "patient_effort", "theta",
+           "coupling_error_rad", "bodies", "effort_limit", "tank", "palm_body",
+           "palm_target_distance_m", "parameters"},
           {"capsule", "link", "body", "point_m", "normal", "torque_nm", "distance_m"}};
 }
 

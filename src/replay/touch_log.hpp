@@ -1,5 +1,7 @@
 #pragma once
 
+#include "replay/moved_time.hpp"
+
 #include <Eigen/Core>
 
 #include <string>
@@ -13,17 +15,25 @@ struct Touch {
   double from_s = 0.0, to_s = 0.0;
   double largest_force_n = 0.0;  ///< sum of the contact forces' magnitudes
   double held_s = 0.0;           ///< time with fingers on one side and thumb or palm on the other
+  MovedTime moved;
+};
+
+/// One tick of a hand and a body.
+struct BodyContact {
+  double time_s = 0.0, duration_s = 0.0;
+  double force_n = 0.0;  ///< sum of the contact forces' magnitudes
+  bool held = false;
 };
 
 /// The hand's interaction with one body.
 struct BodyStory {
   std::string name;
   std::vector<Touch> touches;
-  double travelled_m = 0.0;  ///< length of its path, steps under 1 mm (solver jitter) left out
+  /// Length of its path while the person moved the hand, steps under 1 mm (solver jitter) left out.
+  double travelled_m = 0.0;
 
-  [[nodiscard]] double longest_s() const;
-  [[nodiscard]] double largestForce_n() const;
-  [[nodiscard]] double held_s() const;
+  /// The person's touches (moved_time.hpp).
+  [[nodiscard]] std::vector<Touch> persons() const;
 };
 
 /// Follows one body through a recording.
@@ -31,10 +41,11 @@ class TouchLog {
  public:
   TouchLog(int body, std::string name) : body_(body) { story_.name = std::move(name); }
 
-  /// Adds the contact of a tick (no contact: touching = false).
-  void contact(double time_s, double period_s, bool touching, double force_n, bool held);
-  /// Adds the body's position of a tick.
-  void position(const Eigen::Vector3d& position_m);
+  /// Adds a tick in which the hand touches the body. @param before time moved before it @param now
+  /// the same with it
+  void contact(const BodyContact& contact, const MovedTime& before, const MovedTime& now);
+  /// Adds the body's position of a tick. @param person the person moves the hand in it
+  void position(const Eigen::Vector3d& position_m, bool person);
   /// A slot of a game is empty: where the next body appears is no way.
   void leave() { here_ = false; }
   [[nodiscard]] bool wasThere() const { return seen_; }
@@ -43,6 +54,7 @@ class TouchLog {
  private:
   int body_;
   BodyStory story_;
+  MovedTime begin_;  ///< of the last touch
   bool seen_ = false, here_ = false;
   Eigen::Vector3d anchor_m_ = Eigen::Vector3d::Zero();
 };

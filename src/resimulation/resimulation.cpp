@@ -1,10 +1,9 @@
 #include "resimulation/resimulation.hpp"
 
 #include "assembly/rig.hpp"
+#include "core/tick_digest.hpp"
 #include "realtime/thread_setup.hpp"
 #include "resimulation/recorded_files.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -17,8 +16,10 @@ class RecordedTicks {
   virtual ~RecordedTicks() = default;
   // Reads the next tick's inputs. False at the end.
   virtual Expected<bool> next(TickInput& input) = 0;
-  // Reads that tick as it was recorded, if available, by its number.
-  virtual bool recorded(std::uint64_t tick, TickRecord& record) = 0;
+  // Reads that tick as it was recorded, if available, by its number; its digest, too.
+  virtual bool recorded(std::uint64_t tick, TickRecord& record, std::uint64_t& digest) = 0;
+  // The recorded numbers are those of the tick to the bit.
+  [[nodiscard]] virtual bool isExact() const = 0;
 };
 
 Diagnostic cannotRun(const std::string& path, std::string why, std::string remedy) {
@@ -36,6 +37,11 @@ class TicksOfRecording final : public RecordedTicks {
     if (!recording_.read(row_, record_)) return unreadable(path_, row_, recording_.size());
     const std::uint64_t expected = row_++ == 0 ? 0 : before + record_.elapsed_periods;
     if (record_.tick != expected) {
+      const RecordingOutline& outline = recording_.outline();
+      if (outline.contradicted_tick == expected) {
+        return cannotRun(path_, "tick " + std::to_string(expected) + " " + outline.contradiction,
+                         "the file was changed, or the disk refused a part of it");
+      }
       return cannotRun(path_,
                        row_ == 1 ? "it begins with tick " + std::to_string(record_.tick)
                                  : "tick " + std::to_string(expected) + " is missing",
@@ -45,14 +51,18 @@ class TicksOfRecording final : public RecordedTicks {
     input.q_m = record_.q_m;
     input.elapsed_periods = record_.elapsed_periods;
     input.faults = record_.faults & kInputFaults;
+    input.moved_by = record_.moved_by;
+    input.help = record_.help;
     input.command_count = record_.command_count;
     input.commands = record_.commands;
     return true;
   }
-  bool recorded(std::uint64_t, TickRecord& record) override {
+  bool recorded(std::uint64_t, TickRecord& record, std::uint64_t& digest) override {
     record = record_;
+    digest = recording_.digest();
     return true;
   }
+  [[nodiscard]] bool isExact() const override { return recording_.isExact(); }
 
  private:
   RecordingReader& recording_;
@@ -66,9 +76,11 @@ class TicksOfBox final : public RecordedTicks {
   explicit TicksOfBox(BlackBoxReader& box) : box_(box) { known_ = box_.read(0, record_); }
 
   Expected<bool> next(TickInput& input) override { return box_.nextInput(input); }
-  bool recorded(std::uint64_t tick, TickRecord& record) override {
+  [[nodiscard]] bool isExact() const override { return true; }
+  bool recorded(std::uint64_t tick, TickRecord& record, std::uint64_t& digest) override {
     if (!known_ || record_.tick != tick) return false;
     record = record_;
+    digest = box_.digest();
     known_ = box_.read(++row_, record_);
     return true;
   }
@@ -90,12 +102,16 @@ class FedDevice final : public HapticDevice {
   void feed(const TickInput& input) noexcept {
     q_m_ = input.q_m;
     faults_ = input.faults;
+    moved_by_ = input.moved_by;
+    help_ = input.help;
   }
   [[nodiscard]] Expected<Done> open() override { return Done{}; }
   [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] bool simulated() const noexcept override { return simulated_; }
   [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
     reading.q_m = q_m_;
+    reading.moved_by = moved_by_;
+    reading.help = help_;
     return faults_ & kOfReading;
   }
   [[nodiscard]] Fault write(const AxisEffort&) noexcept override {
@@ -107,10 +123,18 @@ class FedDevice final : public HapticDevice {
   const bool simulated_;
   AxisPosition q_m_;
   Fault faults_ = Fault::kNone;
+  Mover moved_by_ = Mover::kNobody;
+  Help help_ = Help::kUnsaid;
 };
 
 // Rebuilds the recorded renderer, armed as it was.
 Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::string& path) {
+  if (meta.models_changed) {
+    return cannotRun(path,
+                     "what was rendered is not what the files in it say: the models were "
+                     "changed in memory, or the files after they were read",
+                     "write the change into the files and record again");
+  }
   auto models = recordedModels(meta, path);
   if (!models) return models.errors();
   RigOptions options;
@@ -127,7 +151,7 @@ Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::st
   return rig;
 }
 
-void runTick(Rig& rig, const TickInput& input, TickRecord& record) {
+void runTick(Rig& rig, const TickInput& input, bool first, TickRecord& record) {
   static_cast<FedDevice&>(*rig.device).feed(input);
   if (any(input.faults & Fault::kGentleStop)) {
     rig.renderer->requestGentleStop();
@@ -135,6 +159,8 @@ void runTick(Rig& rig, const TickInput& input, TickRecord& record) {
     rig.renderer->requestStop();
   }
   if (any(input.faults & Fault::kEmergencyStop)) rig.renderer->requestEmergencyStop();
+  record.tick = first ? 0 : record.tick + input.elapsed_periods;
+  record.time_s = static_cast<double>(record.tick) * rig.options.period_s;
   record.command_count = input.command_count;
   record.commands = input.commands;
   rig.renderer->tick(input.elapsed_periods, record);
@@ -142,43 +168,26 @@ void runTick(Rig& rig, const TickInput& input, TickRecord& record) {
 
 Expected<Resimulation> resimulate(RecordedTicks& ticks, const RecordingMeta& meta,
                                   const std::string& path) {
-  if (meta.schema < kSchemaOfLaw) {
-    return cannotRun(
-        path,
-        fmt::format("it was recorded under an earlier law of rendering (schema version "
-                    "{}; today's since {})",
-                    meta.schema, kSchemaOfLaw),
-        "replay it without --resimulate or make a report; to run it again, use a "
-        "program of its time: " +
-            meta.git_version);
-  }
-  if (meta.models_changed) {
-    return cannotRun(path,
-                     "what was rendered is not what the files in it say: the models were "
-                     "changed in memory, or the files after they were read",
-                     "write the change into the files and record again");
-  }
   const DenormalsFlushed as_recorded;
   auto rig = armedRig(meta, path);
   if (!rig) return rig.errors();
   Resimulation result;
   TickInput input;
   TickRecord recorded, again;
+  std::uint64_t digest = 0;
   while (true) {
     const Expected<bool> more = ticks.next(input);
     if (!more) return more.errors();
     if (!*more) return result;
-    again.tick = result.ticks == 0 ? 0 : again.tick + input.elapsed_periods;
-    again.time_s = static_cast<double>(again.tick) * meta.period_s;
-    runTick(**rig, input, again);
+    runTick(**rig, input, result.ticks == 0, again);
     ++result.ticks;
-    if (!ticks.recorded(again.tick, recorded)) continue;
+    if (!ticks.recorded(again.tick, recorded, digest)) continue;
     ++result.compared;
-    result.difference = firstDifference(recorded, again);
-    if (!result.difference.field.empty()) {
-      result.different_tick = recorded.tick;
-      return result;
-    }
+    if (!result.different_tick && digest != digestOf(again)) result.different_tick = again.tick;
+    result.visible = differences(recorded, again, ticks.isExact());
+    if (result.visible.empty()) continue;
+    result.visible_tick = again.tick;
+    return result;
   }
 }
 
@@ -198,6 +207,21 @@ Expected<Resimulation> resimulate(BlackBoxReader& box, const std::string& path) 
   }
   TicksOfBox ticks(box);
   return resimulate(ticks, box.meta(), path);
+}
+
+Expected<std::uint64_t> recordAgain(InputJournalReader& journal, const std::string& path,
+                                    RecordingWriter& writer) {
+  const DenormalsFlushed as_recorded;
+  auto rig = armedRig(journal.meta(), path);
+  if (!rig) return rig.errors();
+  TickInput input;
+  TickRecord record;
+  for (bool first = true; journal.next(input); first = false) {
+    runTick(**rig, input, first, record);
+    writer.append(record);
+  }
+  writer.close();
+  return writer.written();
 }
 
 }  // namespace wholehand

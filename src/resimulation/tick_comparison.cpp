@@ -1,118 +1,114 @@
 #include "resimulation/tick_comparison.hpp"
 
+#include "core/tick_digest.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
+#include <string_view>
 
 namespace wholehand {
 namespace {
 
-// Not ==: NaN must equal itself, and 0 must differ from -0.
-bool sameBits(double a, double b) {
-  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+struct ComputedColumn {
+  std::string_view name;
+  std::vector<double> numbers;
+};
+
+std::vector<ComputedColumn> computed(const TickRecord& record) {
+  std::vector<ComputedColumn> columns;
+  visitComputed(record, [&columns](const char* name, const double* numbers, int count) {
+    if (columns.empty() || columns.back().name != name) columns.push_back({name, {}});
+    columns.back().numbers.insert(columns.back().numbers.end(), numbers, numbers + count);
+  });
+  return columns;
 }
 
-// Collects the first difference between two ticks.
-class Comparison {
- public:
-  void check(const char* name, double a, double b) {
-    if (!found.field.empty() || sameBits(a, b)) return;
-    found = {name, fmt::format("{:.17g}", a), fmt::format("{:.17g}", b)};
-  }
-  template <class Array>
-  void checkArray(const char* name, const Array& a, const Array& b) {
-    if (a.size() != b.size()) {
-      check((std::string(name) + ".size").c_str(), a.size(), b.size());
-      return;
-    }
-    for (int i = 0; i < a.size(); ++i) check(fmt::format("{}[{}]", name, i).c_str(), a[i], b[i]);
-  }
-  void check(const std::string& name, const Vec3& a, const Vec3& b) {
-    check((name + ".x").c_str(), a.x, b.x);
-    check((name + ".y").c_str(), a.y, b.y);
-    check((name + ".z").c_str(), a.z, b.z);
-  }
-  void check(const std::string& name, const BodyState& a, const BodyState& b) {
-    check(name + ".position_m", a.position_m, b.position_m);
-    check((name + ".orientation_xyzw.x").c_str(), a.orientation_xyzw.x, b.orientation_xyzw.x);
-    check((name + ".orientation_xyzw.y").c_str(), a.orientation_xyzw.y, b.orientation_xyzw.y);
-    check((name + ".orientation_xyzw.z").c_str(), a.orientation_xyzw.z, b.orientation_xyzw.z);
-    check((name + ".orientation_xyzw.w").c_str(), a.orientation_xyzw.w, b.orientation_xyzw.w);
-    check(name + ".velocity_m_s", a.velocity_m_s, b.velocity_m_s);
-    check(name + ".angular_velocity_rad_s", a.angular_velocity_rad_s, b.angular_velocity_rad_s);
-  }
-  void check(const std::string& name, const Contact& a, const Contact& b) {
-    check((name + ".capsule").c_str(), a.capsule, b.capsule);
-    check((name + ".link").c_str(), a.link, b.link);
-    check((name + ".body").c_str(), a.body, b.body);
-    check(name + ".point_m", a.point_m, b.point_m);
-    check(name + ".normal", a.normal, b.normal);
-    check(name + ".force_n", a.force_n, b.force_n);
-    check(name + ".torque_nm", a.torque_nm, b.torque_nm);
-    check((name + ".distance_m").c_str(), a.distance_m, b.distance_m);
-  }
+/// Columns that a recording keeps in double precision (recording_layout.cpp).
+bool isDouble(std::string_view column) {
+  return column == "q_m" || column == "parameters" || column == "events/value" ||
+         column == "faults";
+}
 
-  TickDifference found;
-};
+// Not ==: NaN equals itself, and 0 differs from -0.
+template <class T>
+bool same(T a, T b) {
+  return (std::isnan(a) && std::isnan(b)) || (a == b && std::signbit(a) == std::signbit(b));
+}
+
+bool same(double a, double b, bool exact) {
+  return exact ? same<double>(a, b) : same<float>(static_cast<float>(a), static_cast<float>(b));
+}
+
+void compare(const ComputedColumn& recorded, const ComputedColumn& again, bool exact,
+             std::vector<TickDifference>& out) {
+  const std::size_t count = recorded.numbers.size();
+  TickDifference found{std::string(recorded.name), 0, 0, 0.0, 0.0};
+  if (count != again.numbers.size()) {
+    found.recorded = static_cast<double>(count);
+    found.again = static_cast<double>(again.numbers.size());
+    out.push_back(found);
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double a = recorded.numbers[i], b = again.numbers[i];
+    if (same(a, b, exact || isDouble(recorded.name))) continue;
+    if (found.numbers++ > 0) continue;
+    found.place = static_cast<int>(i);
+    found.recorded = a;
+    found.again = b;
+  }
+  if (found.numbers > 0) out.push_back(found);
+}
+
+/// A column of one number per axis, by its length.
+bool isPerAxis(const TickDifference& d) {
+  constexpr std::array kNames = {"q_m",  "qd_mf",      "q_s",      "qd_s",     "effort_limit",
+                                 "f_s",  "closure",    "phi",      "coupling", "exercise_effort",
+                                 "wall", "damping",    "rendered", "tank",     "tank_effort",
+                                 "sent", "wall_active"};
+  return std::find(kNames.begin(), kNames.end(), d.column) != kNames.end();
+}
 
 }  // namespace
 
-TickDifference firstDifference(const TickRecord& first, const TickRecord& again) {
-  Comparison c;
-  c.check("faults", static_cast<double>(first.faults), static_cast<double>(again.faults));
-  c.check("safety_state", static_cast<double>(first.safety_state),
-          static_cast<double>(again.safety_state));
-  c.check("fault_axis", first.fault_axis, again.fault_axis);
-  c.checkArray("q_m", first.q_m, again.q_m);
-  c.checkArray("qd_mf", first.qd_mf, again.qd_mf);
-  c.checkArray("q_s", first.q_s, again.q_s);
-  c.checkArray("qd_s", first.qd_s, again.qd_s);
-  c.checkArray("theta", first.theta, again.theta);
-  c.check("coupling_error_rad", first.coupling_error_rad, again.coupling_error_rad);
-  c.check("palm_distance_m", first.palm_distance_m, again.palm_distance_m);
-  c.checkArray("f_s", first.f_s, again.f_s);
-  c.checkArray("coupling", first.coupling, again.coupling);
-  c.checkArray("exercise_effort", first.exercise.effort, again.exercise.effort);
-  c.check("alpha", first.exercise.alpha, again.exercise.alpha);
-  c.checkArray("wall", first.exercise.wall, again.exercise.wall);
-  c.check("palm_body", first.palm_body, again.palm_body);
-  c.check("palm_target_distance_m", first.palm_target_distance_m, again.palm_target_distance_m);
-  c.checkArray("tank", first.tank, again.tank);
-  c.checkArray("tank_effort", first.tank_effort, again.tank_effort);
-  c.checkArray("closure", first.closure, again.closure);
-  c.checkArray("effort_limit", first.effort_limit, again.effort_limit);
-  c.check("parameter_count", first.parameter_count, again.parameter_count);
-  c.check("value_count", first.exercise.value_count, again.exercise.value_count);
-  c.check("event_count", first.exercise.event_count, again.exercise.event_count);
-  c.checkArray("phi", first.phi, again.phi);
-  c.checkArray("damping", first.damping, again.damping);
-  c.checkArray("rendered", first.rendered, again.rendered);
-  c.check("authority", first.authority, again.authority);
-  c.checkArray("sent", first.sent, again.sent);
-  c.check("body_count", first.body_count, again.body_count);
-  c.check("contact_count", first.contact_count, again.contact_count);
-  c.check("contacts_dropped", first.contacts_dropped, again.contacts_dropped);
-  if (!c.found.field.empty()) return c.found;
-  for (int i = 0; i < first.parameter_count; ++i) {
-    c.check(fmt::format("parameters[{}]", i).c_str(), first.parameters[i], again.parameters[i]);
+std::vector<TickDifference> differences(const TickRecord& recorded, const TickRecord& again,
+                                        bool exact) {
+  const std::vector<ComputedColumn> a = computed(recorded), b = computed(again);
+  std::vector<TickDifference> out;
+  const auto in = [](const std::vector<ComputedColumn>& columns, std::string_view name) {
+    const auto found = std::find_if(columns.begin(), columns.end(),
+                                    [name](const ComputedColumn& c) { return c.name == name; });
+    return found == columns.end() ? ComputedColumn{name, {}} : *found;
+  };
+  for (const ComputedColumn& column : a) compare(column, in(b, column.name), exact, out);
+  for (const ComputedColumn& column : b) {
+    if (in(a, column.name).numbers.empty()) compare({column.name, {}}, column, exact, out);
   }
-  for (int i = 0; i < first.exercise.value_count; ++i) {
-    c.check(fmt::format("exercise_values[{}]", i).c_str(), first.exercise.values[i],
-            again.exercise.values[i]);
+  return out;
+}
+
+std::string describe(const TickDifference& d, const std::vector<std::string>& axis_names) {
+  if (d.numbers == 0) {
+    return fmt::format("{}: {:.0f} numbers recorded, now {:.0f}", d.column, d.recorded, d.again);
   }
-  for (int i = 0; i < first.exercise.event_count; ++i) {
-    const ExerciseEvent &a = first.exercise.events[i], &b = again.exercise.events[i];
-    c.check(fmt::format("events[{}].type", i).c_str(), a.type, b.type);
-    c.check(fmt::format("events[{}].index", i).c_str(), a.index, b.index);
-    c.check(fmt::format("events[{}].value", i).c_str(), a.value, b.value);
+  const auto place = static_cast<std::size_t>(d.place);
+  std::string where = d.column;
+  if (isPerAxis(d) && place < axis_names.size()) {
+    where += " of " + axis_names[place];
+  } else if (d.place > 0 || d.numbers > 1) {
+    where += fmt::format("[{}]", d.place);
   }
-  for (int i = 0; i < first.body_count; ++i)
-    c.check(fmt::format("bodies[{}]", i), first.bodies[i], again.bodies[i]);
-  for (int i = 0; i < first.contact_count; ++i) {
-    c.check(fmt::format("contacts[{}]", i), first.contacts[i], again.contacts[i]);
+  std::string text = fmt::format("{}: recorded {:.9g}, now {:.9g}", where, d.recorded, d.again);
+  const double more = d.again - d.recorded;
+  if (std::isfinite(more)) {
+    text += fmt::format(", {:.3g} {}", std::abs(more), more < 0.0 ? "less" : "more");
   }
-  return c.found;
+  if (d.numbers > 1) text += fmt::format(" ({} numbers of it differ)", d.numbers);
+  return text;
 }
 
 }  // namespace wholehand

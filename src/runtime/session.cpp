@@ -11,7 +11,7 @@ namespace wholehand {
 Session::Session(HapticRenderer& renderer, const SessionConfig& config)
     : renderer_(renderer),
       config_(config),
-      queue_(config.queue_ticks),
+      queue_(config.queue_bytes),
       commands_(config.queue_commands) {}
 
 Session::~Session() {

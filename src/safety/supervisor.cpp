@@ -14,13 +14,14 @@ constexpr double kStillCounts = 1.5;    // encoder counts: a broken encoder may 
 constexpr double kTravel = 5.0;         // ranges of travel of the other axes while an encoder is
                                         // stuck
 constexpr double kEffortOfLimit = 0.2;  // change of the axis's own effort meanwhile
-constexpr double kBodySpeedChange_m_s = 10.0;
-constexpr double kBodySpinChange_rad_s = 500.0;
-constexpr double kAvatarSpeed = 10.0;   // of the device's speed limit
-constexpr int kFastTicks = 2;           // consecutive ticks beyond the speed limit
-constexpr double kMovedOfRange = 0.05;  // motion between arming and the first tick
-constexpr double kGap_s = 0.005;        // longer gaps blend the effort in again
-constexpr double kGapsWithin_s = 1.0;   // window for counting gaps
+constexpr double kBodySpeedRise_m_s = 10.0;
+constexpr double kBodySpinRise_rad_s = 500.0;
+constexpr double kSpinOfLostSpeed_rad_m = 3000.0;  // 6 / length: a rod of 2 mm stopped at its end
+constexpr double kAvatarSpeed = 10.0;              // of the device's speed limit
+constexpr int kFastTicks = 2;                      // consecutive ticks beyond the speed limit
+constexpr double kMovedOfRange = 0.05;             // motion between arming and the first tick
+constexpr double kGap_s = 0.005;                   // longer gaps blend the effort in again
+constexpr double kGapsWithin_s = 1.0;              // window for counting gaps
 constexpr std::uint32_t kStall_periods = 5;
 constexpr double kCatchUp_s = 0.2;
 constexpr double kLongestSimulatedGap_s = 0.5;
@@ -30,9 +31,23 @@ void add(Finding& finding, Fault fault, int axis) noexcept {
   finding.faults |= fault;
 }
 
-bool farther(const Vec3& a, const Vec3& b, double distance) noexcept {
-  const double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-  return !(x * x + y * y + z * z <= distance * distance);
+double squared(const Vec3& v) noexcept {
+  return v.x * v.x + v.y * v.y + v.z * v.z;
+}
+
+// Written so that what is no number explodes, too.
+bool explodes(const BodyState& body, const Vec3& velocity_before_m_s,
+              const Vec3& spin_before_rad_s) noexcept {
+  const double speed2 = squared(body.velocity_m_s), spin2 = squared(body.angular_velocity_rad_s);
+  if (speed2 <= kBodySpeedRise_m_s * kBodySpeedRise_m_s &&
+      spin2 <= kBodySpinRise_rad_s * kBodySpinRise_rad_s) {
+    return false;
+  }
+  const double rise_m_s = std::sqrt(speed2) - std::sqrt(squared(velocity_before_m_s));
+  const double spin_rise_rad_s = std::sqrt(spin2) - std::sqrt(squared(spin_before_rad_s));
+  const double from_impact_rad_s = kSpinOfLostSpeed_rad_m * std::max(0.0, -rise_m_s);
+  return !(rise_m_s <= kBodySpeedRise_m_s) ||
+         !(spin_rise_rad_s <= kBodySpinRise_rad_s + from_impact_rad_s);
 }
 
 void watchTiming(DeviceWatchState& state, int elapsed_periods, const SupervisorConfig& config,
@@ -191,9 +206,7 @@ Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
   state.body_count = observed.body_count;
   for (int i = 0; i < observed.body_count; ++i) {
     const BodyState& body = observed.bodies[i];
-    if (known && (farther(body.velocity_m_s, state.velocity_m_s[i], kBodySpeedChange_m_s) ||
-                  farther(body.angular_velocity_rad_s, state.angular_velocity_rad_s[i],
-                          kBodySpinChange_rad_s))) {
+    if (known && explodes(body, state.velocity_m_s[i], state.angular_velocity_rad_s[i])) {
       fault = Fault::kBodiesExploded;
     }
     state.velocity_m_s[i] = body.velocity_m_s;

@@ -84,11 +84,13 @@ struct WorldWatchState {
   double catch_up_left_s = 0.0;  ///< the hand still catches up after a stall
 };
 
-/// kBodiesExploded when a body's velocity changes by more than 10 m/s or 500 rad/s within one step,
-/// or when the simulated hand is ten times as fast as the device may be. That is ten times what
-/// contact with a hand within its limits can cause. A long fall is not an explosion. When gaps are
-/// only counted, the check pauses for 0.2 s after a gap of more than 5 periods, in which the
-/// simulated hand catches up with the device. Real-time safe.
+/// kBodiesExploded when a body's speed rises by more than 10 m/s within one step, when its spin
+/// rises by more than 500 rad/s and what an impact makes of the speed that it lost (3000 rad/s per
+/// m/s: a rod of 2 mm stopped at its end), or when the simulated hand is ten times as fast as the
+/// device may be. That is ten times what contact with a hand within its limits can cause. Neither a
+/// long fall nor its impact is an explosion. When gaps are only counted, the check pauses for 0.2 s
+/// after a gap of more than 5 periods, in which the simulated hand catches up with the device.
+/// Real-time safe.
 [[nodiscard]] WHOLEHAND_RT Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
                                             const SupervisorConfig& config) noexcept;
 

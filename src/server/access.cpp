@@ -10,7 +10,7 @@ namespace wholehand {
 
 namespace {
 
-constexpr std::string_view kCookie = "wholehand_token=";
+constexpr std::string_view kCookie = "wholehand_token";
 
 /// "localhost:8080" → "localhost", "[::1]:8080" → "[::1]".
 std::string_view withoutPort(std::string_view authority) {
@@ -26,15 +26,20 @@ bool namesThisMachine(std::string_view name) {
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
-std::string_view cookieToken(std::string_view cookies) {
+/// Tokens in the cookies whose name begins with ours, of any port and age.
+std::vector<std::string_view> cookieTokens(std::string_view cookies) {
+  std::vector<std::string_view> tokens;
   for (std::string_view rest = cookies; !rest.empty();) {
     const std::size_t end = std::min(rest.find(';'), rest.size());
     std::string_view one = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
     while (!one.empty() && one.front() == ' ') one.remove_prefix(1);
-    if (one.starts_with(kCookie)) return one.substr(kCookie.size());
+    const std::size_t equals = one.find('=');
+    if (one.starts_with(kCookie) && equals != std::string_view::npos) {
+      tokens.push_back(one.substr(equals + 1));
+    }
   }
-  return {};
+  return tokens;
 }
 
 Diagnostics faultsOfToken(const char* key, const std::string& token) {
@@ -160,8 +165,9 @@ std::string_view Access::shownToken(const Credentials& c) const {
   const std::string_view bearer = c.authorization.starts_with(kBearer)
                                       ? c.authorization.substr(kBearer.size())
                                       : std::string_view();
-  for (const std::string_view token :
-       {queryValue(c.query, "token"), bearer, cookieToken(c.cookie)}) {
+  std::vector<std::string_view> shown = cookieTokens(c.cookie);
+  shown.insert(shown.begin(), {queryValue(c.query, "token"), bearer});
+  for (const std::string_view token : shown) {
     if (roleOf(token)) return token;
   }
   return {};
@@ -185,7 +191,8 @@ std::optional<Role> Access::roleOf(const Credentials& c) const {
 std::string Access::cookieFor(const Credentials& c) const {
   const std::string_view token = queryValue(c.query, "token");
   if (!guarded() || !roleOf(token)) return {};
-  return std::string(kCookie) + std::string(token) + "; HttpOnly; SameSite=Strict; Path=/";
+  return std::string(kCookie) + "_" + std::to_string(port_) + "=" + std::string(token) +
+         "; HttpOnly; SameSite=Strict; Path=/";
 }
 
 }  // namespace wholehand

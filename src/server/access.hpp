@@ -45,6 +45,7 @@ class Access {
   /// @pre authorized(c)
   [[nodiscard]] std::optional<Role> roleOf(const Credentials& c) const;
   /// Set-Cookie header for a request that carries the token in its query; empty for others.
+  /// Browsers send one cookie of a name to every port of a machine, so the name has our port.
   [[nodiscard]] std::string cookieFor(const Credentials& c) const;
 
  private:
@@ -55,7 +56,8 @@ class Access {
   [[nodiscard]] bool guarded() const { return !keys_.empty(); }
   /// Role that a token opens; empty for an unknown token. Takes the same time for every token.
   [[nodiscard]] std::optional<Role> roleOf(std::string_view token) const;
-  /// First valid token of the request; empty: none.
+  /// First valid token of the request; empty: none. A wrong one beside it, as in another program's
+  /// cookie, changes nothing.
   [[nodiscard]] std::string_view shownToken(const Credentials& c) const;
 
   std::string address_;

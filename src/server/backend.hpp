@@ -26,10 +26,6 @@ namespace wholehand {
 /// Stopping.
 enum class RunState : std::int8_t { kDisarmed, kRendering, kRampingDown, kStopped, kFaulted };
 
-/// How much help the pages give the player. Same order as in the schema. kUnsaid: the player
-/// chooses.
-enum class Help : std::uint8_t { kUnsaid, kFull, kSome, kNone };
-
 enum class LiveParameterGroup : std::int8_t { kPatient, kHand, kExercise };
 
 /// A live parameter as clients see it.
@@ -105,7 +101,7 @@ struct LoopStatus {
   std::uint64_t recording_bytes = 0;
   std::optional<DeviceStatus> device;  ///< none: simulated
   bool rested = false;                 ///< the last session ended in a rest that a player asked for
-  Help help = Help::kUnsaid;           ///< as set by the therapist
+  Help help = Help::kUnsaid;           ///< as set by the therapist; kUnsaid: the player chooses
   std::vector<double> parameters;      ///< current values, in the order of SceneFacts::parameters
   std::shared_ptr<const GameBodies> bodies;  ///< of a game; null: none. A change is a new object
   std::shared_ptr<const RegisteredBodies> registered;  ///< likewise
@@ -122,7 +118,8 @@ enum class OrderType {
   kAction,
   kOwnerAlive,  ///< value 1: the game that holds the controls is alive; 0: it went silent
   kUnattended,  ///< nobody has held the controls or ordered anything for long; a loop armed by a
-                ///< client is to stop
+                ///< client is to stop, another one that somebody joined is to begin anew
+  kAttended,    ///< somebody has taken the controls
   kSaveProfile,
   kLoadProfile,
   kSetHelp,
@@ -149,7 +146,7 @@ struct Order {
   AxisPosition aim;    ///< kAim
   Steering steering = Steering::kVirtualPatient;
   ExerciseAction action = ExerciseAction::kNext;
-  Help help = Help::kUnsaid;  ///< kSetHelp
+  Help help = Help::kUnsaid;  ///< kSetHelp, kAim
   /// kAnswer: number of the question; kHoldToMove: number of the press; else Command.id: a stop
   /// that a client repeats until it is answered keeps it.
   std::uint32_t number = 0;
@@ -170,6 +167,7 @@ struct Order {
 struct RecordingEntry {
   std::string name;  ///< file name without folder
   std::string title;
+  std::string profile;  ///< code of the person whose profile was open; empty: none, or not known
   std::string created_utc;
   double duration_s = 0.0;
   std::uint64_t bytes = 0;

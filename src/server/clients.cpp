@@ -145,14 +145,15 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   const bool stops = decoded && decoded->stops();
   // A page sends heartbeats from another thread than its orders: their numbers are unordered.
   const bool beat = decoded && decoded->type == wire::ClientMessageType::kHeartbeat;
+  if (entry->second.closing && !stops) return;
   if (!within_rate && !stops) {
     refuseForRate(entry, decoded ? &*decoded : nullptr, now_ns);
   } else if (text) {
-    refuse(entry, 0, "text", refused(Refusal::kUnreadable, "this is text; messages are binary"),
-           now_ns);
+    refuseUnread(entry, 0, "text",
+                 refused(Refusal::kUnreadable, "this is text; messages are binary"), now_ns);
   } else if (!decoded) {
-    refuse(entry, 0, counterOf(decoded.errors()),
-           refused(wire::refusalOf(decoded.errors()), format(decoded.errors())), now_ns);
+    refuseUnread(entry, wire::commandIdOf(message), counterOf(decoded.errors()),
+                 refused(wire::refusalOf(decoded.errors()), format(decoded.errors())), now_ns);
   } else if (decoded->id <= entry->second.last_command && !stops && !beat) {
     refuse(entry, decoded->id, "replayed",
            refused(Refusal::kReplayed,
@@ -160,10 +161,19 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
                                decoded->id, entry->second.last_command)),
            now_ns);
   } else {
-    entry->second.last_command = std::max(entry->second.last_command, decoded->id);
+    if (!beat) entry->second.last_command = std::max(entry->second.last_command, decoded->id);
     obey(entry, *decoded, now_ns);
   }
   followControls(now_ns);
+}
+
+// Without its number an answer reaches nobody who waits: the connection ends, and says why.
+void Clients::refuseUnread(Entry entry, std::uint32_t command, const char* counter,
+                           const OrderReply& refusal, std::int64_t now_ns) {
+  refuse(entry, command, counter, refusal, now_ns);
+  if (command != 0) return;
+  entry->second.closing = true;
+  entry->second.line->close(refusal.reason);
 }
 
 // A client that waits for an answer gets one, with the command's number. For messages without
@@ -258,6 +268,11 @@ void Clients::followControls(std::int64_t now_ns) {
   if (advice.silent_client != 0) {
     log_.write(fmt::format("client {} was silent and lost the controls", advice.silent_client),
                now_ns);
+  }
+  if (advice.holder_changed && desk_.held()) {
+    Order attended;
+    attended.type = OrderType::kAttended;
+    orderQuietly(attended);
   }
   if (advice.holder_changed) tellControls();
 }

@@ -38,6 +38,8 @@ class ClientLine {
   [[nodiscard]] virtual std::int64_t writingSince_ns() const = 0;
   /// Address of the peer, without its port.
   [[nodiscard]] virtual std::string address() const = 0;
+  /// Ends the connection once what waits has been written, and tells the client why.
+  virtual void close(const std::string& reason) = 0;
   /// Ends the connection at once.
   virtual void cut() = 0;
 };
@@ -95,6 +97,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
     std::int64_t allowance_ns = 0;          ///< time of `allowance`
     std::int64_t last_rate_reply_ns = 0;
     std::uint64_t state = 0;   ///< number of the newest state sent to it
+    bool closing = false;      ///< a message of it could not be read
     bool aim_refused = false;  ///< an aim by datagram was refused; reported once, until one is
                                ///< accepted
   };
@@ -105,6 +108,8 @@ class Clients : public std::enable_shared_from_this<Clients> {
               std::int64_t now_ns, bool reply = true);
   [[nodiscard]] bool withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns);
   void refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns);
+  void refuseUnread(Entry entry, std::uint32_t command, const char* counter,
+                    const OrderReply& refusal, std::int64_t now_ns);
   void obey(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
   [[nodiscard]] Standing standingOf(std::uint32_t client, const Order& order,
                                     const LoopStatus& status) const;

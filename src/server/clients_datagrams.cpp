@@ -16,6 +16,7 @@ class SilentLine final : public ClientLine {
   [[nodiscard]] std::size_t waiting() const override { return 0; }
   [[nodiscard]] std::int64_t writingSince_ns() const override { return 0; }
   [[nodiscard]] std::string address() const override { return "udp"; }
+  void close(const std::string&) override {}
   void cut() override {}
 };
 

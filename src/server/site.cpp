@@ -215,6 +215,7 @@ HttpAnswer Site::recordingList() const {
   for (const RecordingEntry& r : backend_.recordings()) {
     list.push_back({{"name", r.name},
                     {"title", r.title},
+                    {"profile", r.profile},
                     {"created_utc", r.created_utc},
                     {"duration_s", r.duration_s},
                     {"ticks_missing", r.ticks_missing},

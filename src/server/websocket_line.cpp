@@ -19,15 +19,27 @@ void WebSocketLine::join(Role role) {
 }
 
 void WebSocketLine::deliver(SharedBytes message) {
+  if (closing_) return;
   queue_.push_back(std::move(message));
   if (!writing_) writeNext();
 }
 
 bool WebSocketLine::offer(SharedBytes state, std::int64_t arrived_ns) {
-  if (writing_) return false;
+  if (writing_ || closing_) return false;
   arrived_ns_ = arrived_ns;
   write(std::move(state));
   return true;
+}
+
+void WebSocketLine::close(const std::string& reason) {
+  if (closing_) return;
+  closing_ = reason;
+  if (!writing_) end();
+}
+
+// The pending read ends with the connection.
+void WebSocketLine::end() {
+  stream_->close(*closing_, [self = shared_from_this()] { (void)self; });
 }
 
 void WebSocketLine::read() {
@@ -68,7 +80,11 @@ void WebSocketLine::haveWritten(bool sent) {
   traffic_.bytes_sent += writing_->size();
   if (arrived_ns_ != 0) traffic_.addAge(now_ns - arrived_ns_);
   writing_.reset();
-  if (!queue_.empty()) writeNext();
+  if (!queue_.empty()) {
+    writeNext();
+  } else if (closing_) {
+    end();
+  }
 }
 
 }  // namespace wholehand

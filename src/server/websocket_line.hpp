@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace wholehand {
@@ -28,6 +29,7 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
   std::size_t waiting() const override { return queue_.size(); }
   std::int64_t writingSince_ns() const override { return writing_ ? since_ns_ : 0; }
   std::string address() const override { return address_; }
+  void close(const std::string& reason) override;
   void cut() override { stream_->cut(); }
 
  private:
@@ -36,6 +38,7 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
   void writeNext();
   void write(SharedBytes message);
   void haveWritten(bool sent);
+  void end();
 
   std::unique_ptr<WebSocketStream> stream_;
   const std::string address_;
@@ -43,6 +46,7 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
   Traffic& traffic_;
   std::uint32_t number_ = 0;
   std::deque<SharedBytes> queue_;
+  std::optional<std::string> closing_;  ///< why the connection ends
   SharedBytes writing_;
   std::int64_t since_ns_ = 0;    ///< start of the current write
   std::int64_t arrived_ns_ = 0;  ///< arrival of the state in writing_; 0: not a state

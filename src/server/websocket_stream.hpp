@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace wholehand {
 
@@ -33,6 +34,10 @@ class WebSocketStream {
   /// @param message must stay valid until `then`
   /// @param then gets true when all was sent; false when the connection has ended
   void write(std::span<const std::uint8_t> message, std::function<void(bool sent)> then);
+  /// Closes with code 1008 and a reason, of which at most 123 bytes are sent. Nothing is written
+  /// afterwards.
+  /// @pre no write is under way
+  void close(const std::string& reason, std::function<void()> then);
   /// Closes the connection at once.
   void cut();
 

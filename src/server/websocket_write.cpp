@@ -1,3 +1,4 @@
+#include "core/printable.hpp"
 #include "server/websocket_socket.hpp"
 
 #include <utility>
@@ -19,6 +20,19 @@ void WebSocketStream::write(std::span<const std::uint8_t> message,
   socket_->stream.async_write(
       net::const_buffer(message.data(), message.size()),
       [then = std::move(then)](ErrorCode error, std::size_t) { then(!error); });
+}
+
+void WebSocketStream::close(const std::string& reason, std::function<void()> then) {
+  namespace websocket = boost::beast::websocket;
+  constexpr std::size_t kMost_bytes = 123;  // of a close frame
+  std::string text = printable(reason);
+  if (text.size() > kMost_bytes) {
+    std::size_t end = kMost_bytes;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+    text.resize(end);  // between two characters
+  }
+  const websocket::close_reason why(websocket::close_code::policy_error, text);
+  socket_->stream.async_close(why, [then = std::move(then)](ErrorCode) { then(); });
 }
 
 void WebSocketStream::cut() {

@@ -115,6 +115,9 @@ inline constexpr std::size_t kLargestClientMessage = 40 * 1024;
 /// possible.
 [[nodiscard]] Expected<ClientMessage> decode(std::span<const std::uint8_t> message);
 
+/// Command.id of a message that decode() refuses, for the answer; 0 where it cannot be read.
+[[nodiscard]] std::uint32_t commandIdOf(std::span<const std::uint8_t> message);
+
 /// Refusal code for clients, from the errors of decode().
 [[nodiscard]] Refusal refusalOf(const Diagnostics& errors);
 

@@ -15,6 +15,7 @@ namespace {
 constexpr flatbuffers::uoffset_t kDepth = 8, kTables = 8 + kMostBodyItems;
 /// Smallest message: root offset and identifier.
 constexpr std::size_t kSmallestMessage = 8;
+struct alignas(16) AlignedBytes : std::array<std::uint8_t, kLargestClientMessage> {};
 constexpr const char* kVersionKey = "schema_version";
 
 Diagnostic refusal(const char* key, std::string value, std::string problem, std::string remedy) {
@@ -36,7 +37,11 @@ Expected<ClientMessage> decodeAim(const fb::Aim& aim, ClientMessage m) {
     return refusal("aim", std::to_string(n) + " axes", "is not a posture",
                    "must have 1 to " + std::to_string(kMaxAxes) + " axes");
   }
+  if (aim.by() > fb::Help::MAX) {
+    return refusal("help", std::to_string(static_cast<int>(aim.by())), "is not known", "");
+  }
   m.order.type = OrderType::kAim;
+  m.order.help = static_cast<Help>(aim.by());
   m.order.aim = AxisPosition(static_cast<int>(n));
   for (flatbuffers::uoffset_t i = 0; i < n; ++i) {
     const double value = static_cast<double>(q->Get(i));
@@ -189,7 +194,7 @@ Expected<ClientMessage> decode(std::span<const std::uint8_t> message) {
                    "must be at most " + std::to_string(kLargestClientMessage) + " bytes");
   }
   // Numbers are read in place, and are aligned as in the format only in our own buffer.
-  alignas(16) std::array<std::uint8_t, kLargestClientMessage> bytes;
+  AlignedBytes bytes;
   if (!message.empty()) std::memcpy(bytes.data(), message.data(), message.size());
   if (message.size() < kSmallestMessage || !fb::MessageBufferHasIdentifier(bytes.data())) {
     return refusal("message", "", "is not one of Wholehand's", "");
@@ -199,6 +204,16 @@ Expected<ClientMessage> decode(std::span<const std::uint8_t> message) {
     return refusal("message", "", "is damaged or cut short", "");
   }
   return decodePayload(*fb::GetMessage(bytes.data()));
+}
+
+std::uint32_t commandIdOf(std::span<const std::uint8_t> message) {
+  if (message.size() < kSmallestMessage || message.size() > kLargestClientMessage) return 0;
+  AlignedBytes bytes;
+  std::memcpy(bytes.data(), message.data(), message.size());
+  flatbuffers::Verifier verifier(bytes.data(), message.size(), kDepth, kTables);
+  if (!fb::MessageBufferHasIdentifier(bytes.data()) || !fb::VerifyMessageBuffer(verifier)) return 0;
+  const fb::Command* command = fb::GetMessage(bytes.data())->payload_as_Command();
+  return command == nullptr ? 0 : command->id();
 }
 
 Refusal refusalOf(const Diagnostics& errors) {

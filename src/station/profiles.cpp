@@ -59,7 +59,9 @@ std::vector<std::string> Profiles::list() const {
   if (!kept()) return names;
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().stem().string();
-    if (it->path().extension() == ".toml" && isProfileName(name)) names.push_back(name);
+    std::error_code gone;
+    const bool file = it->is_regular_file(gone);
+    if (file && it->path().extension() == ".toml" && isProfileName(name)) names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -84,6 +86,11 @@ Expected<Done> Profiles::save(const Profile& profile) const {
 
 Expected<Profile> Profiles::load(const std::string& name) const {
   if (!kept() || !isProfileName(name)) return notAName(name);
+  std::error_code error;
+  const fs::file_status there = fs::status(pathOf(name), error);
+  if (fs::exists(there) && !fs::is_regular_file(there)) {  // a pipe would hold up every order
+    return Diagnostic{pathOf(name), 0, "", "", "is no regular file", "move it away"};
+  }
   TomlFile file(pathOf(name), "profile");
   if (!file.readable()) return file.finish();
   TomlTable& root = file.root();

@@ -1,7 +1,9 @@
 #include "station/session_files.hpp"
 
+#include "files/durable_file.hpp"
 #include "files/text_file.hpp"
 #include "station/file_name.hpp"
+#include "telemetry/recording.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -35,6 +38,7 @@ void readNote(const fs::path& recording, RecordingEntry& entry) {
     return found != note.end() && found->is_string() ? found->get<std::string>() : std::string();
   };
   entry.title = text("title");
+  entry.profile = text("profile");
   entry.created_utc = text("created_utc");
   if (const auto found = note.find("duration_s"); found != note.end() && found->is_number()) {
     entry.duration_s = found->get<double>();
@@ -51,26 +55,53 @@ std::string utcNow() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
 }
 
-std::string SessionFiles::nameNew(const std::string& person, const std::string& exercise,
-                                  int level) const {
+Expected<std::string> SessionFiles::nameNew(const std::string& person, const std::string& exercise,
+                                            int level) const {
+  const auto refusal = [this](const std::string& why) {
+    return Diagnostic{folder_,
+                      0,
+                      "",
+                      "",
+                      "takes no new recording: " + why,
+                      "make room, or start the program in a folder that you may write to"};
+  };
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) return {};
+  if (error) return refusal(error.message());
   const std::string who = fileNamePart(person), what = fileNamePart(exercise);
   const std::string stem =
-      fmt::format("{}/{:%Y%m%d-%H%M%S}-{}{}{}-level-{}", folder_,
-                  fmt::localtime(std::chrono::system_clock::now()), who, who.empty() ? "" : "-",
-                  what.empty() ? "scene" : what, level);
-  std::string path = stem + kExtension;
-  for (int i = 2; fs::exists(path, error); ++i) path = fmt::format("{}-{}{}", stem, i, kExtension);
+      fmt::format("{}/{:%Y%m%d-%H%M%S}-{}{}{}-level-{}", folder_, fmt::localtime(now_()), who,
+                  who.empty() ? "" : "-", what.empty() ? "scene" : what, level);
+  std::string path;
+  if (const int failed = takeNewName(stem, kExtension, path); failed != 0) {
+    return refusal(std::strerror(failed));
+  }
   return path;
 }
 
+bool SessionFiles::isInside(const std::string& path) const {
+  return kept() && !path.empty() && fs::path(path).parent_path() == fs::path(folder_);
+}
+
+void SessionFiles::giveBack(const std::string& path) const {
+  std::error_code error;
+  const auto bytes = isInside(path) ? fs::file_size(path, error) : 1;
+  if (!error && bytes == 0) fs::remove(path, error);
+}
+
+void SessionFiles::remove(const std::string& path) const {
+  if (!isInside(path)) return;
+  std::error_code error;
+  for (const std::string& part : recordingParts(path)) fs::remove(part, error);
+  fs::remove(path, error);
+}
+
 void SessionFiles::note(const std::string& path, const std::string& title,
-                        const std::string& began_utc, double duration_s,
+                        const std::string& person, const std::string& began_utc, double duration_s,
                         std::uint64_t ticks_missing) const {
-  if (!kept() || path.empty() || fs::path(path).parent_path() != fs::path(folder_)) return;
+  if (!isInside(path)) return;
   const nlohmann::json note = {{"title", title},
+                               {"profile", person},
                                {"created_utc", began_utc},
                                {"duration_s", duration_s},
                                {"ticks_missing", ticks_missing}};
@@ -93,6 +124,7 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
     if (unknown) continue;
     std::error_code elsewhere;
     entry.being_written = fs::equivalent(path, being_written, elsewhere);
+    if (entry.bytes == 0 && !entry.being_written) continue;  // a name that was taken, no more
     if (!entry.being_written) readNote(path, entry);
     entries.push_back(std::move(entry));
   }

@@ -1,8 +1,11 @@
 #pragma once
 
+#include "core/expected.hpp"
 #include "server/backend.hpp"
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,18 +18,26 @@ namespace wholehand {
 /// lists show, so that listing opens no HDF5 file while another is being written.
 class SessionFiles {
  public:
+  using WallClock = std::function<std::chrono::system_clock::time_point()>;
+
   /// @param folder created with the first recording; empty: no recordings are kept
-  explicit SessionFiles(std::string folder) : folder_(std::move(folder)) {}
+  explicit SessionFiles(std::string folder, WallClock now = std::chrono::system_clock::now)
+      : folder_(std::move(folder)), now_(std::move(now)) {}
 
   [[nodiscard]] bool kept() const { return !folder_.empty(); }
-  /// Path for a new recording: "<folder>/20261120-093812-p-014-cocktail-bar-level-1.h5". The time
-  /// comes first, so that sorting by name sorts by time. Creates the folder; empty when that fails.
+  /// Takes the name of a new recording by creating an empty file, and the folder:
+  /// "<folder>/20261120-093812-p-014-cocktail-bar-level-1.h5". The time comes first, so that
+  /// sorting by name sorts by time. No other program gets the name, whatever its clock says.
   /// @param person the loaded profile; empty: none
-  [[nodiscard]] std::string nameNew(const std::string& person, const std::string& exercise,
-                                    int level) const;
+  [[nodiscard]] Expected<std::string> nameNew(const std::string& person,
+                                              const std::string& exercise, int level) const;
+  /// Removes the empty file of a name that no recording has filled.
+  void giveBack(const std::string& path) const;
+  /// Removes a finished recording of this folder, with all its parts.
+  void remove(const std::string& path) const;
   /// Writes the JSON file of a finished recording; does nothing for one outside the folder.
-  void note(const std::string& path, const std::string& title, const std::string& began_utc,
-            double duration_s, std::uint64_t ticks_missing) const;
+  void note(const std::string& path, const std::string& title, const std::string& person,
+            const std::string& began_utc, double duration_s, std::uint64_t ticks_missing) const;
   /// Recordings, newest first. Those without a JSON file are described from their HDF5 file.
   /// @param being_written path of the recording in progress, which is listed wherever it is; empty:
   /// none
@@ -39,7 +50,10 @@ class SessionFiles {
   /// has its name; else empty.
   [[nodiscard]] std::string outsidePath(const std::string& being_written) const;
 
+  [[nodiscard]] bool isInside(const std::string& path) const;
+
   std::string folder_;
+  WallClock now_;
 };
 
 }  // namespace wholehand

@@ -39,10 +39,12 @@ struct StationConfig {
   std::uint64_t seed = 1;         ///< of the virtual patient; incremented by every arming
   std::string config_folder;      ///< holds exercises/ and hands/, which clients may load
   std::string profiles_folder;    ///< patient profiles (station/profiles.hpp); empty: none
-  std::string recordings_folder;  ///< recordings of sessions armed by clients; empty: none
+  std::string recordings_folder;  ///< recordings of all sessions; empty: none are made
   /// File of the first session, whoever arms it; later ones are numbered (pathOfSession). Empty:
   /// recordings_folder.
   std::string record;
+  /// How long a session that run() armed lasts while nobody takes part in it (Station).
+  std::chrono::seconds renew_after{600};
   /// How long a finished level is shown before the virtual patient plays it again.
   std::chrono::milliseconds repeat_after{8000};
   std::string program_version;
@@ -81,6 +83,16 @@ struct StationOutcome {
 /// recording; a rig is rehearsed before its first arming. A stop fades the exercise's effort out
 /// before the ramp to neutral; an emergency stop ramps at once. After either, and after a fault,
 /// nothing pushes until somebody arms. A refused order to arm changes nothing.
+///
+/// Every session is recorded from its first tick, or clients are told that it is not (an empty
+/// SceneFacts::recording). A session that run() armed is a demonstration until somebody takes part:
+/// takes the controls, steers, or orders anything. One that nobody joined within renew_after ends,
+/// its recording is removed, and the program arms again: recorded for ever, it would write 14 GB a
+/// day. The session itself ends, not only its recording: a recording that begins in the middle
+/// cannot be re-simulated. Whether anybody has joined is decided after the last tick, so a person
+/// who joins while the session ends keeps its recording, and steers the next session from its first
+/// tick. A session that somebody joined and left (OrderType::kUnattended) ends in the same way, and
+/// its recording stays. Not renewed: a session whose file was named (StationConfig::record).
 class Station final : public ServerBackend {
  public:
   explicit Station(StationConfig config);

@@ -106,6 +106,7 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
                                        bool for_client) {
   RunPlan plan;
   plan.title = title();
+  plan.profile = profile_;
   plan.seed = config_.seed + arming_;
   plan.record = record;
   plan.duration_ticks = duration_ticks;
@@ -171,6 +172,7 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   }
   record_path_ = record;
   began_utc_ = utcNow();
+  recorded_profile_ = profile_;
   told_of_loss_ = false;
   {
     const std::lock_guard lock(mutex_);
@@ -193,11 +195,15 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
                               : std::vector<std::string>{});
   stops_.clear();
   status_.latched = Fault::kNone;
+  const bool steered = renewing_ && status_.steering == Steering::kPerson;
   status_.steering = Steering::kVirtualPatient;
   unsent_steer_.reset();
+  left_alone_ = false;
+  began_at_ = now();
   status_.run_state = RunState::kRendering;
   rest_ending_ = 0;
   catchUp(parameters, place);
+  if (steered) (void)steer(Steering::kPerson);
   if (takes_bodies) {
     beginRegistry();
     handOverKept();
@@ -248,14 +254,35 @@ OrderReply Station::Core::armForClient(const Task& task) {
   if (!config_.record.empty()) {
     return arm(task, pathOfSession(config_.record, outcome_.sessions + 1), ticksLeft(), true);
   }
-  const std::string exercise = scene()->exercise_name;
-  const std::string record =
-      files_.kept() ? files_.nameNew(profile_, exercise, models_.files.level) : "";
-  if (files_.kept() && record.empty()) {
-    say("what follows is not recorded: there is no folder " + config_.recordings_folder +
-        ", and none can be made");
+  const std::string record = newRecording();
+  OrderReply reply = arm(task, record, ticksLeft(), true);
+  if (!reply.accepted) files_.giveBack(record);
+  return reply;
+}
+
+// The first session, which no client asked for, and those that follow it while nobody takes part.
+// Without a disk it runs unrecorded: there is nobody who could be told that it cannot be armed.
+OrderReply Station::Core::armUnasked(const Task& task, std::uint64_t duration_ticks) {
+  const std::string record = config_.record.empty() ? newRecording() : config_.record;
+  OrderReply reply = arm(task, record, duration_ticks, false);
+  if (reply.accepted || !config_.record.empty()) return reply;
+  files_.giveBack(record);
+  if (record.empty() || reply.refusal != Refusal::kCannotStart) return reply;
+  const std::string why = reply.reason;
+  reply = arm(task, "", duration_ticks, false);
+  if (reply.accepted) say("what follows is not recorded: " + why);
+  return reply;
+}
+
+// Takes the name of a new recording; empty when none can be made.
+std::string Station::Core::newRecording() {
+  if (!files_.kept()) return {};
+  auto named = files_.nameNew(profile_, scene()->exercise_name, models_.files.level);
+  if (!named) {
+    say("what follows is not recorded: " + format(named.errors()));
+    return {};
   }
-  return arm(task, record, ticksLeft(), true);
+  return *named;
 }
 
 }  // namespace wholehand

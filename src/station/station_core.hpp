@@ -93,6 +93,9 @@ class Station::Core {
   OrderReply arm(const Task& task, const std::string& record, std::uint64_t duration_ticks,
                  bool for_client);
   OrderReply armForClient(const Task& task);
+  OrderReply armUnasked(const Task& task, std::uint64_t duration_ticks);
+  [[nodiscard]] std::string newRecording();
+  bool renewSession();
   OrderReply startSession(std::unique_ptr<Player> player, const Task& task,
                           const std::string& record, std::uint64_t duration_ticks, bool for_client);
   [[nodiscard]] Expected<std::unique_ptr<Rig>> makeRig(std::unique_ptr<Player> player) const;
@@ -119,6 +122,7 @@ class Station::Core {
   void stopGently(bool goes_on = false);
   /// @param goes_on a load continues the rendering: no ending that a person must see
   void finishSession(bool goes_on = false);
+  bool discardUnjoined(RunOutcome& ended);
   void refreshStatus();
   void publishScene(const std::string& recording);
   void runTask();
@@ -155,6 +159,7 @@ class Station::Core {
   OrderReply handOver(CheckedOrders& checked);
   OrderReply keep(CheckedOrders& checked, std::uint32_t claim);
   bool takeBack(const Command& removal);
+  void noteJoined(const Order& order);
   void dropKept();
   void handOverKept();
   void beginRegistry();
@@ -183,8 +188,8 @@ class Station::Core {
   std::unique_ptr<SafetyLog> safety_;   ///< set by load()
   std::optional<Rehearsal> rehearsed_;  ///< rehearsal of the loaded rig
   std::uint64_t arming_ = 0;
-  mutable std::atomic<std::uint32_t> rehearsed_ticks_{0};  ///< of a rehearsal under way
-  std::string record_path_, began_utc_;                    ///< of the running session
+  mutable std::atomic<std::uint32_t> rehearsed_ticks_{0};   ///< of a rehearsal under way
+  std::string record_path_, began_utc_, recorded_profile_;  ///< of the running session
   std::string being_written_;  ///< recording that scene_ names; guarded by mutex_
   bool told_of_loss_ = false;  ///< its loss of ticks was reported
   StationClock::time_point status_at_;
@@ -203,7 +208,12 @@ class Station::Core {
   /// Order::number of the newest stop since somebody asked to arm, by client and kind: the same
   /// again is a repetition.
   std::map<std::tuple<std::uint32_t, OrderType, bool>, std::uint32_t> stops_;
-  bool armed_for_client_ = false;        ///< else armed by run(), which gave its duration
+  bool armed_for_client_ = false;        ///< else armed by the program itself
+  bool joined_ = false;                  ///< somebody takes part in the session, or in the next one
+  bool left_alone_ = false;              ///< whoever took part has left
+  bool keep_recording_ = false;          ///< somebody took part before the session was to end
+  bool renewing_ = false;                ///< the session ends, and the program arms the next one
+  StationClock::time_point began_at_;    ///< of the running session
   std::uint32_t claim_ = 0;              ///< newest claim on the controls
   bool over_ = false;                    ///< no more orders are carried out
   bool owner_alive_ = true;              ///< latest value; passed to a session that begins

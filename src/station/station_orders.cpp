@@ -1,15 +1,14 @@
 // Orders and queries of clients: any thread.
 #include "runtime/interrupt_scope.hpp"
+#include "station/report_mark.hpp"
 #include "station/station_core.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 namespace wholehand {
-namespace fs = std::filesystem;
 namespace {
 
 using Clock = StationClock;
@@ -60,6 +59,10 @@ OrderReply Station::Core::act(const Command& command) {
 // Steering must reach the loop even when its queue is full of aims: the latest request is retried
 // with every record.
 OrderReply Station::Core::steer(Steering by) {
+  if (!live_ && renewing_) {  // from the first tick of the next session
+    status_.steering = by;
+    return {true, ""};
+  }
   if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
   if (config_.make_device)
     return refused(Refusal::kOther, "the person at the device moves the hand");
@@ -153,10 +156,23 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
       reply = refused(Refusal::kTooMany, "too many orders wait already; try again");
     } else {
       reply = enqueue(order, asked, done);
-      if (reply.accepted) return;
+      if (reply.accepted) {
+        noteJoined(order);
+        return;
+      }
     }
+    if (reply.accepted) noteJoined(order);
   }
   done(reply);
+}
+
+// What the program orders by itself is nobody's part.
+void Station::Core::noteJoined(const Order& order) {
+  const bool own = order.type == OrderType::kOwnerAlive || order.type == OrderType::kUnattended ||
+                   (order.type == OrderType::kSteer && order.steering != Steering::kPerson);
+  if (own) return;
+  joined_ = true;
+  left_alone_ = false;
 }
 
 OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
@@ -184,6 +200,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
       }
       command.type = CommandType::kAim;
       command.aim = order.aim;
+      command.index = static_cast<std::int32_t>(order.help);
       return push(command);
     case OrderType::kSteer:
       return steer(order.steering);
@@ -197,9 +214,15 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
       live_->setOwnerAlive(owner_alive_);
       break;
     case OrderType::kUnattended:
-      if (!live_ || !armed_for_client_ || status_.run_state != RunState::kRendering) break;
+      if (!live_ || status_.run_state != RunState::kRendering) break;
+      if (!armed_for_client_) {
+        left_alone_ = joined_;
+        break;
+      }
       say("nobody has held the controls or ordered anything for long: the session ends");
       takeStop(order, asked);
+      break;
+    case OrderType::kAttended:  // noteJoined()
       break;
     case OrderType::kAnswer:
     case OrderType::kHoldToMove:
@@ -272,6 +295,7 @@ void Station::Core::keepLatest(const TickRecord& record) {
     const std::lock_guard lock(mutex_);
     sendUnsent();
     followRegistry(record);
+    joined_ = joined_ || record.moved_by == Mover::kPerson;
   }
   const std::lock_guard lock(latest_mutex_);
   latest_ = record;
@@ -300,15 +324,19 @@ std::string Station::Core::reportFolder(const std::string& name, std::string& wh
     return {};
   }
   std::string folder = recording.substr(0, recording.size() - 3) + "-report";
-  if (fs::exists(folder + "/index.html")) return folder;
+  const std::string identity = identityOf(recording);
+  if (isReportOf(folder, identity)) return folder;
   if (!config_.make_report) {
     why = "this program makes no reports";
     return {};
   }
+  unmarkReport(folder);
   if (auto made = config_.make_report(recording, folder); !made) {
     why = format(made.errors());
     return {};
   }
+  // Replaced meanwhile: the next one who asks has the report made again.
+  if (identityOf(recording) == identity) markReport(folder, identity);
   return folder;
 }
 

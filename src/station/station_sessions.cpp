@@ -111,11 +111,12 @@ void Station::Core::finishSession(bool goes_on) {
     say(fmt::format("the recording holds {} of {} ticks: {}", ended.written,
                     ended.written + missing, record_path_));
   }
-  files_.note(record_path_, title(), began_utc_,
+  const bool discarded = discardUnjoined(ended);
+  files_.note(record_path_, title(), recorded_profile_, began_utc_,
               static_cast<double>(ended.summary.ticks) * config_.rig.period_s, missing);
   outcome_.faulted = outcome_.faulted || ended.faulted;
   // Clients that are told of the end find the recording in the list.
-  if (!record_path_.empty()) publishScene("");
+  if (discarded || !record_path_.empty()) publishScene("");
   {
     // Its world is destroyed outside the lock, so that no order waits for it.
     const std::lock_guard lock(mutex_);
@@ -131,10 +132,63 @@ void Station::Core::finishSession(bool goes_on) {
     tracker_.reset();
   }
   over.reset();
+  if (discarded && goes_on) {  // nobody's session has no results
+    --outcome_.sessions;
+    return;
+  }
   outcome_.last = EndedSession{outcome_.sessions, std::move(ended), safety_->transitions(),
                                rehearsed_, record_path_};
   if (config_.ended) config_.ended(*outcome_.last);
   record_path_.clear();
+}
+
+// After the last tick. Removes the recording that the program made of its own accord and that
+// nobody took part in. What faulted is kept.
+bool Station::Core::discardUnjoined(RunOutcome& ended) {
+  bool joined = false, asked_for = false;
+  {
+    const std::lock_guard lock(mutex_);
+    joined = std::exchange(keep_recording_, false) || joined_;
+    joined_ = joined_ && renewing_;  // whoever joins while it ends is in the next one, too
+    asked_for = armed_for_client_ || !config_.record.empty();
+  }
+  if (joined || asked_for || ended.faulted || record_path_.empty()) return false;
+  files_.remove(record_path_);
+  record_path_.clear();
+  ended.written = 0;
+  return true;
+}
+
+// Ends a session that the program armed and that nobody has joined for long, or that everybody has
+// left, and arms the next one. False when it is not yet time.
+bool Station::Core::renewSession() {
+  Task again;
+  {
+    const std::lock_guard lock(mutex_);
+    const bool alone = !joined_ && now() - began_at_ >= config_.renew_after;
+    if (armed_for_client_ || !config_.record.empty() || !(alone || left_alone_) ||
+        status_.run_state != RunState::kRendering) {
+      return false;
+    }
+    again.order.type = OrderType::kArm;
+    again.order.endings_seen = status_.endings;
+    again.asked = orders_;
+    again.starts = true;
+    renewing_ = true;
+    keep_recording_ = std::exchange(joined_, false);
+  }
+  stopGently(true);
+  OrderReply reply;
+  {
+    const std::lock_guard lock(mutex_);
+    reply = any(status_.latched) ? refused(Refusal::kStopCame, "it ended by a fault")
+                                 : mayStillDo(again);
+  }
+  if (reply.accepted) reply = armUnasked(again, ticksLeft());
+  const std::lock_guard lock(mutex_);
+  renewing_ = false;
+  if (!reply.accepted) ++status_.endings;
+  return true;
 }
 
 void Station::Core::stopGently(bool goes_on) {
@@ -282,6 +336,7 @@ void Station::Core::watchSession() {
     finishSession();
     return;
   }
+  if (renewSession()) return;
   restartLevel();
   if (Clock::now() < status_at_) return;
   refreshStatus();
@@ -298,7 +353,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
     first.order.endings_seen = 1;
     first.asked = kFirstArming;
     first.starts = true;
-    const OrderReply reply = arm(first, config_.record, duration_ticks, false);
+    const OrderReply reply = armUnasked(first, duration_ticks);
     // Whoever stopped may arm.
     const bool stopped = reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
     if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {

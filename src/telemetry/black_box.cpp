@@ -1,5 +1,6 @@
+#include "core/record_packing.hpp"
+#include "files/durable_file.hpp"
 #include "telemetry/mapped_box.hpp"
-#include "telemetry/record_packing.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -54,16 +55,15 @@ MappedBox::Sizes MappedBox::sizesOf(const RecordingMeta& meta, const BlackBoxPla
 
 MappedBox::MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan)
     : path_(plan.path),
-      temporary_(plan.path + ".part"),
+      temporary_(plan.path + "." + randomName() + ".part"),
       crash_text_("\nwholehand: crashed; the last seconds are in " + plan.path +
                   ": wholehand replay " + plan.path + " --resimulate\n"),
       stop_(plan.stop),
       stop_whom_(plan.stop_whom),
       folders_(foldersOf(plan.path)),
-      meta_(black_box::packMeta(meta, plan.encoder_step)),
+      meta_(black_box::packMeta(meta)),
       sizes_(sizesOf(meta, plan)) {
-  log_.encoder_step = AxisPosition(static_cast<int>(plan.encoder_step.size()));
-  std::copy(plan.encoder_step.begin(), plan.encoder_step.end(), log_.encoder_step.data());
+  log_ = inputLogOf(meta);
   header_.header_bytes = sizeof(Header);
   const std::size_t length = std::min(meta.git_version.size(), header_.program.size() - 1);
   std::copy_n(meta.git_version.begin(), length, header_.program.begin());

@@ -14,9 +14,8 @@
 namespace wholehand {
 
 struct BlackBoxPlan {
-  std::string path;                  ///< the file; its missing parent folders are created when it
-                                     ///< is written
-  std::vector<double> encoder_step;  ///< per axis [m or rad]; 0: none
+  std::string path;  ///< the file; its missing parent folders are created when it
+                     ///< is written
   std::uint64_t most_ticks = std::numeric_limits<std::uint64_t>::max();  ///< longest possible run
   /// First call of the crash handler: lets a running loop ramp the device to neutral; the process
   /// ends only after it. Async-signal-safe; may be null.

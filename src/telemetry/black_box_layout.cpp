@@ -1,5 +1,7 @@
 #include "telemetry/black_box_layout.hpp"
 
+#include "telemetry/meta_fields.hpp"
+
 #include <cstring>
 
 namespace wholehand::black_box {
@@ -90,35 +92,20 @@ class Unpacker {
   std::size_t left_;
 };
 
-/// Every field in file order.
-template <class Archive, class Meta, class Steps>
-bool visit(Archive& a, Meta& m, Steps& encoder_step) {
-  return a(m.created_utc) && a(m.git_version) && a(m.seed) && a(m.period_s) && a(m.engine) &&
-         a(m.simulated_clock) && a(m.uncertified) && a(m.paper) && a(m.simulated_device) &&
-         a(m.title) && a(m.axis_names) && a(m.axis_units) && a(m.effort_limits) &&
-         a(m.lever_arms_m) && a(m.armed_position) && a(m.joint_names) && a(m.body_names) &&
-         a(m.capsule_names) && a(m.exercise) && a(m.level) && a(m.parameter_names) &&
-         a(m.value_names) && a(m.event_names) && a(m.parameter_values) && a(m.files) &&
-         a(encoder_step);
-}
-
 }  // namespace
 
-std::vector<std::byte> packMeta(RecordingMeta meta, std::vector<double> encoder_step) {
+std::vector<std::byte> packMeta(const RecordingMeta& meta) {
   Packer packer;
-  visit(packer, meta, encoder_step);
-  packer(meta.models_changed);
-  packer(meta.passport);
+  recording::visitMeta([&packer](const char*, const auto& value) { return packer(value); }, meta);
+  packer(meta.files);
   return std::move(packer.bytes);
 }
 
-bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta,
-                std::vector<double>& encoder_step) {
+bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta) {
   Unpacker unpacker(in, bytes);
-  if (!visit(unpacker, meta, encoder_step)) return false;
-  if (unpacker.atEnd()) return true;  // an older file ends here
-  if (!unpacker(meta.models_changed)) return false;
-  return unpacker.atEnd() || (unpacker(meta.passport) && unpacker.atEnd());
+  return recording::visitMeta([&unpacker](const char*, auto& value) { return unpacker(value); },
+                              meta) &&
+         unpacker(meta.files) && unpacker.atEnd();
 }
 
 }  // namespace wholehand::black_box

@@ -15,7 +15,7 @@
 namespace wholehand::black_box {
 
 inline constexpr std::array<char, 8> kMagic = {'W', 'H', 'B', 'L', 'K', 'B', 'O', 'X'};
-inline constexpr std::uint32_t kFormat = 1;
+inline constexpr std::uint32_t kFormat = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -63,9 +63,8 @@ struct PartHeader {
   std::uint64_t bytes = 0;
 };
 
-/// Serialises a recording's meta and the encoder steps, and parses them. False when damaged.
-[[nodiscard]] std::vector<std::byte> packMeta(RecordingMeta meta, std::vector<double> encoder_step);
-[[nodiscard]] bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta,
-                              std::vector<double>& encoder_step);
+/// Serialises a recording's meta, and parses it. False when damaged.
+[[nodiscard]] std::vector<std::byte> packMeta(const RecordingMeta& meta);
+[[nodiscard]] bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta);
 
 }  // namespace wholehand::black_box

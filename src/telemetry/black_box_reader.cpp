@@ -1,8 +1,9 @@
 #include "telemetry/black_box_reader.hpp"
 
 #include "core/crc32.hpp"
+#include "core/record_packing.hpp"
+#include "core/tick_digest.hpp"
 #include "telemetry/black_box_layout.hpp"
-#include "telemetry/record_packing.hpp"
 #include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_layout.hpp"
 
@@ -67,6 +68,8 @@ class MemoryReader final : public BlackBoxReader {
   [[nodiscard]] std::uint64_t size() const override { return entries_.size(); }
   [[nodiscard]] const RecordingOutline& outline() const override { return outline_; }
   bool read(std::uint64_t i, TickRecord& record) override;
+  [[nodiscard]] std::uint64_t digest() const override { return digest_; }
+  [[nodiscard]] bool isExact() const override { return true; }
   [[nodiscard]] const BlackBoxCause& cause() const override { return cause_; }
   [[nodiscard]] bool inputsWhole() const override { return header_.inputs_whole != 0; }
   bool nextInput(TickInput& input) override;
@@ -87,9 +90,9 @@ class MemoryReader final : public BlackBoxReader {
   BlackBoxCause cause_;
   std::array<Bytes, static_cast<std::size_t>(Part::kCount)> parts_{};
   RecordingMeta meta_;
-  std::vector<double> encoder_step_;
   std::vector<Entry> entries_;  ///< entries that were not overwritten meanwhile
   RecordingOutline outline_;
+  std::uint64_t digest_ = 0;
   InputLogState log_;
   std::size_t next_input_ = 0;  ///< where in its part
   std::uint64_t input_ticks_ = 0;
@@ -136,12 +139,10 @@ std::string MemoryReader::findParts() {
 
 std::string MemoryReader::readMeta() {
   const Bytes bytes = part(Part::kMeta);
-  const bool ok = black_box::unpackMeta(bytes.data(), bytes.size(), meta_, encoder_step_) &&
-                  recording::unusable(meta_).empty() &&
-                  encoder_step_.size() == meta_.axis_names.size();
+  const bool ok = black_box::unpackMeta(bytes.data(), bytes.size(), meta_) &&
+                  recording::unusable(meta_).empty();
   if (!ok) return "is damaged: its description cannot be read";
-  log_.encoder_step = AxisPosition(static_cast<int>(encoder_step_.size()));
-  std::copy(encoder_step_.begin(), encoder_step_.end(), log_.encoder_step.data());
+  log_ = inputLogOf(meta_);
   return {};
 }
 
@@ -191,7 +192,7 @@ std::string MemoryReader::readInputs() {
   while (nextInput(input)) ++input_ticks_;
   if (next_input_ != part(Part::kInputs).size()) return "is damaged: its inputs cannot be read";
   next_input_ = 0;
-  log_.counts = {};
+  log_ = inputLogOf(meta_);
   return {};
 }
 
@@ -234,7 +235,9 @@ bool MemoryReader::read(std::uint64_t i, TickRecord& record) {
   if (i >= entries_.size()) return false;
   const Entry& entry = entries_[i];
   const Bytes bytes = part(Part::kData).subspan(entry.begin - header_.data_begin, entry.bytes);
-  return unpackRecord(bytes.data(), bytes.size(), record) && record.tick == entry.tick;
+  if (!unpackRecord(bytes.data(), bytes.size(), record) || record.tick != entry.tick) return false;
+  digest_ = digestOf(record);
+  return true;
 }
 
 }  // namespace

@@ -20,8 +20,7 @@ H5Z_filter_t filterAt(hid_t properties, unsigned index) {
 }
 
 /// Undoes the "shuffle" filter, which stores the first bytes of all elements, then their second
-/// bytes, and so on. Most planes are all zeros, since well-predicted numbers differ in their low
-/// bytes only.
+/// bytes, and so on. Many planes are all zeros.
 void unshuffle(const std::vector<std::byte>& planes, std::size_t element_bytes, std::byte* out) {
   const std::size_t elements = planes.size() / element_bytes;
   std::fill_n(out, planes.size(), std::byte{0});
@@ -38,7 +37,7 @@ void unshuffle(const std::vector<std::byte>& planes, std::size_t element_bytes, 
 
 std::uint64_t ChunkReader::chunkRows(hid_t dataset, const ColumnShape& column) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
-  const std::vector<std::uint64_t> shape = column.fileShape();
+  const std::vector<std::uint64_t>& shape = column.shape;
   const int rank = static_cast<int>(shape.size()) + 1;
   std::vector<hsize_t> chunk(shape.size() + 1);
   if (!properties.ok() || H5Pget_layout(properties.get()) != H5D_CHUNKED ||
@@ -67,7 +66,7 @@ bool unpackChunk(const std::vector<std::byte>& packed, std::size_t element_bytes
 bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t first,
                        std::uint64_t chunk_rows, std::byte* rows) {
   const std::size_t bytes = chunk_rows * column.rowBytes();
-  std::vector<hsize_t> offset(column.fileShape().size() + 1, 0);
+  std::vector<hsize_t> offset(column.shape.size() + 1, 0);
   offset.front() = first;
   hsize_t stored = 0;
   // An unwritten chunk has no bytes; a damaged file may claim terabytes.
@@ -84,15 +83,13 @@ bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t f
   }
   // A constant column has the same few bytes in every chunk; zlib would fill them in one by one.
   if (packed_.size() > bytes / kConstant) {
-    return unpackChunk(packed_, column.elementBytes(), planes_, rows);
+    return unpackChunk(packed_, hdf5::byteSize(column.type), planes_, rows);
   }
   Unpacked& last = last_[dataset];
-  if (last.packed != packed_ || last.rows.size() != bytes ||
-      last.element_bytes != column.elementBytes()) {
+  if (last.packed != packed_ || last.rows.size() != bytes) {
     last.rows.resize(bytes);
-    last.element_bytes = column.elementBytes();
     last.packed.clear();  // if it is damaged, nothing is kept
-    if (!unpackChunk(packed_, column.elementBytes(), planes_, last.rows.data())) return false;
+    if (!unpackChunk(packed_, hdf5::byteSize(column.type), planes_, last.rows.data())) return false;
     last.packed = packed_;
   }
   std::copy(last.rows.begin(), last.rows.end(), rows);

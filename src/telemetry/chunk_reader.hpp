@@ -9,7 +9,7 @@
 #include <vector>
 
 /// Reads whole chunks directly, bypassing HDF5's pipeline, which copies every byte four times and
-/// allocates memory per chunk (docs/adr/0038-whole-chunks-are-read-directly.md). Private to
+/// allocates memory per chunk (docs/adr/0074-plain-recordings.md). Private to
 /// telemetry.
 namespace wholehand::recording {
 
@@ -34,7 +34,6 @@ class ChunkReader {
  private:
   struct Unpacked {
     std::vector<std::byte> packed, rows;
-    std::size_t element_bytes = 0;
   };
   std::vector<std::byte> packed_, planes_;
   std::unordered_map<hid_t, Unpacked> last_;  ///< last chunk of few bytes, per dataset

@@ -29,15 +29,14 @@ RowSpaces selectRows(hid_t dataset, const ColumnShape& column, std::uint64_t fir
 
 std::vector<hsize_t> dimensions(const ColumnShape& column, std::uint64_t rows) {
   std::vector<hsize_t> dims = {rows};
-  const std::vector<std::uint64_t> shape = column.fileShape();
-  dims.insert(dims.end(), shape.begin(), shape.end());
+  dims.insert(dims.end(), column.shape.begin(), column.shape.end());
   return dims;
 }
 
 bool readRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
               std::byte* rows) {
   const RowSpaces spaces = selectRows(dataset, column, first, count);
-  return spaces.ok && H5Dread(dataset, elementType(column, true).get(), spaces.in_memory.get(),
+  return spaces.ok && H5Dread(dataset, hdf5::memoryType(column.type), spaces.in_memory.get(),
                               spaces.in_file.get(), H5P_DEFAULT, rows) >= 0;
 }
 
@@ -46,7 +45,7 @@ bool writeRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, st
   const std::vector<hsize_t> size = dimensions(column, first + count);
   if (H5Dset_extent(dataset, size.data()) < 0) return false;
   const RowSpaces spaces = selectRows(dataset, column, first, count);
-  return spaces.ok && H5Dwrite(dataset, elementType(column, true).get(), spaces.in_memory.get(),
+  return spaces.ok && H5Dwrite(dataset, hdf5::memoryType(column.type), spaces.in_memory.get(),
                                spaces.in_file.get(), H5P_DEFAULT, rows) >= 0;
 }
 

@@ -12,8 +12,7 @@ constexpr std::uint64_t kLargestText = std::uint64_t{1} << 31U;
 constexpr std::uint64_t kLargestList = std::uint64_t{1} << 24U;
 constexpr hssize_t kLongestList = 100000;
 
-/// Fixed-length UTF-8, zero-padded. Never variable-length: HDF5 stores such texts in a heap without
-/// checksums, and crashes when that is damaged.
+/// Fixed-length UTF-8, zero-padded.
 Handle textType(std::size_t bytes) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type.get(), std::max<std::size_t>(bytes, 1));
@@ -42,7 +41,6 @@ Handle openAttribute(hid_t object, const char* name, H5T_class_t wanted, hssize_
   const Handle type(H5Aget_type(attribute.get()), H5Tclose);
   const Handle space(H5Aget_space(attribute.get()), H5Sclose);
   if (!type.ok() || !space.ok() || H5Tget_class(type.get()) != wanted) return {};
-  if (wanted == H5T_STRING && H5Tis_variable_str(type.get()) != 0) return {};
   count = H5Sget_simple_extent_npoints(space.get());
   return count >= 0 && count <= kLongestList ? std::move(attribute) : Handle();
 }
@@ -65,11 +63,22 @@ bool writeTexts(hid_t object, const char* name, const Handle& space,
   return writeRaw(object, name, type.get(), type.get(), space, data.data());
 }
 
+/// Texts of variable length, which HDF5 allocates.
+std::vector<std::string> copied(const std::vector<char*>& pointers, std::size_t count) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < count; ++i) {
+    texts.emplace_back(pointers[i] != nullptr ? pointers[i] : "");
+  }
+  return texts;
+}
+
 struct TypePair {
   hid_t file, memory;
 };
 TypePair typesOf(NumberType type) noexcept {
   switch (type) {
+    case NumberType::kFloat32:
+      return {H5T_IEEE_F32LE, H5T_NATIVE_FLOAT};
     case NumberType::kFloat64:
       return {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE};
     case NumberType::kUint64:
@@ -101,7 +110,9 @@ hid_t memoryType(NumberType type) noexcept {
 }
 
 std::size_t byteSize(NumberType type) noexcept {
-  return type == NumberType::kUint32 || type == NumberType::kInt32 ? 4 : 8;
+  const bool is_long =
+      type == NumberType::kFloat64 || type == NumberType::kUint64 || type == NumberType::kInt64;
+  return is_long ? 8 : 4;
 }
 
 bool writeAttribute(hid_t object, const char* name, const std::string& text) {
@@ -141,8 +152,16 @@ bool readAttribute(hid_t object, const char* name, std::vector<std::string>& tex
   const Handle attribute = openAttribute(object, name, H5T_STRING, count);
   if (!attribute.ok()) return false;
   const Handle type(H5Aget_type(attribute.get()), H5Tclose);
-  const std::size_t width = H5Tget_size(type.get());
   const std::size_t size = count;
+  if (H5Tis_variable_str(type.get()) > 0) {
+    const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+    std::vector<char*> pointers(std::max<std::size_t>(size, 1), nullptr);
+    if (H5Aread(attribute.get(), type.get(), pointers.data()) < 0) return false;
+    texts = copied(pointers, size);
+    H5Dvlen_reclaim(type.get(), space.get(), H5P_DEFAULT, pointers.data());
+    return true;
+  }
+  const std::size_t width = H5Tget_size(type.get());
   if (width == 0 || width > kLargestList / std::max<std::size_t>(size, 1)) return false;
   std::string data(width * std::max<std::size_t>(size, 1), '\0');
   if (size > 0 && H5Aread(attribute.get(), type.get(), data.data()) < 0) return false;
@@ -161,6 +180,11 @@ bool hasVariableText(hid_t object) {
     return type.ok() && H5Tis_variable_str(type.get()) > 0 ? 1 : 0;  // 1 ends the search
   };
   return H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, is_variable, nullptr) > 0;
+}
+
+bool isVariableText(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  return type.ok() && H5Tis_variable_str(type.get()) > 0;
 }
 
 bool readAttribute(hid_t object, const char* name, std::vector<double>& values) {
@@ -197,16 +221,24 @@ bool writeText(hid_t group, const char* name, const std::string& attribute_name,
 
 bool readText(hid_t group, const char* name, std::string& attribute_name, std::string& text) {
   const Handle dataset(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
-  std::uint64_t bytes = 0;
-  if (!dataset.ok() || !readAttribute(dataset.get(), "name", attribute_name) ||
-      !readAttribute(dataset.get(), "bytes", bytes) || bytes > kLargestText) {
-    return false;
-  }
+  if (!dataset.ok() || !readAttribute(dataset.get(), "name", attribute_name)) return false;
   const Handle type(H5Dget_type(dataset.get()), H5Tclose);
   const Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 ||
-      H5Tget_size(type.get()) != std::max<std::uint64_t>(bytes, 1) ||
-      H5Sget_simple_extent_npoints(space.get()) != 1) {
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1) {
+    return false;
+  }
+  if (H5Tis_variable_str(type.get()) > 0) {
+    std::vector<char*> pointer(1, nullptr);
+    if (H5Dread(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, pointer.data()) < 0) {
+      return false;
+    }
+    text = copied(pointer, 1).front();
+    H5Dvlen_reclaim(type.get(), space.get(), H5P_DEFAULT, pointer.data());
+    return true;
+  }
+  std::uint64_t bytes = 0;
+  if (!readAttribute(dataset.get(), "bytes", bytes) || bytes > kLargestText ||
+      H5Tget_size(type.get()) != std::max<std::uint64_t>(bytes, 1)) {
     return false;
   }
   text.assign(std::max<std::uint64_t>(bytes, 1), '\0');
@@ -214,39 +246,6 @@ bool readText(hid_t group, const char* name, std::string& attribute_name, std::s
       H5Dread(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0;
   text.resize(bytes);
   return done;
-}
-
-bool writeNumbers(hid_t group, const char* name, const std::vector<double>& rows,
-                  std::size_t width) {
-  const std::array<hsize_t, 2> size = {rows.size() / width, width};
-  const Handle space(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
-  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  if (!rows.empty()) {
-    H5Pset_chunk(properties.get(), 2, size.data());
-    H5Pset_shuffle(properties.get());
-    H5Pset_deflate(properties.get(), 9);
-  }
-  const Handle dataset(H5Dcreate2(group, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT,
-                                  properties.get(), H5P_DEFAULT),
-                       H5Dclose);
-  return dataset.ok() && (rows.empty() || H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL,
-                                                   H5S_ALL, H5P_DEFAULT, rows.data()) >= 0);
-}
-
-bool readNumbers(hid_t group, const char* name, std::vector<double>& rows, std::size_t width) {
-  const Handle dataset(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
-  if (!dataset.ok()) return false;
-  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
-  const Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  std::array<hsize_t, 2> size{};
-  if (H5Tget_class(type.get()) != H5T_FLOAT || H5Sget_simple_extent_ndims(space.get()) != 2 ||
-      H5Sget_simple_extent_dims(space.get(), size.data(), nullptr) != 2 || size[1] != width ||
-      size[0] > kLargestList / width) {
-    return false;
-  }
-  rows.resize(size[0] * size[1]);
-  return rows.empty() ||
-         H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()) >= 0;
 }
 
 }  // namespace wholehand::hdf5

@@ -53,13 +53,13 @@ class Handle {
 void beginHdf5() noexcept;
 
 /// Type of a number in the file (little-endian) and in memory.
-enum class NumberType { kFloat64, kUint64, kInt64, kUint32, kInt32 };
+enum class NumberType { kFloat32, kFloat64, kUint64, kInt64, kUint32, kInt32 };
 [[nodiscard]] hid_t fileType(NumberType type) noexcept;
 [[nodiscard]] hid_t memoryType(NumberType type) noexcept;
 [[nodiscard]] std::size_t byteSize(NumberType type) noexcept;
 
-// Attributes. Functions return false on any failure. Texts are UTF-8 of fixed length, zero-padded
-// to the longest of a list; lists are one-dimensional.
+// Attributes. Functions return false on any failure. Texts are written as UTF-8 of fixed length,
+// zero-padded to the longest of a list, and read of any length; lists are one-dimensional.
 bool writeAttribute(hid_t object, const char* name, const std::string& text);
 bool writeAttribute(hid_t object, const char* name, const std::vector<std::string>& texts);
 bool writeAttribute(hid_t object, const char* name, const std::vector<double>& values);
@@ -70,19 +70,16 @@ bool readAttribute(hid_t object, const char* name, std::vector<std::string>& tex
 bool readAttribute(hid_t object, const char* name, std::vector<double>& values);
 bool readAttribute(hid_t object, const char* name, double& value);
 bool readAttribute(hid_t object, const char* name, std::uint64_t& value);
-/// True when an attribute of the object is a variable-length text, which is not supported.
+/// True when an attribute of the object is a text of variable length. HDF5 1.10 keeps those in a
+/// heap without checksums, and crashes where that is damaged: they are never written here.
 [[nodiscard]] bool hasVariableText(hid_t object);
+/// True for a dataset of such a text.
+[[nodiscard]] bool isVariableText(hid_t dataset);
 
 /// Writes a scalar dataset that holds a whole text (or any bytes), exactly.
 bool writeText(hid_t group, const char* name, const std::string& attribute_name,
                const std::string& text);
-/// Reads a dataset of writeText().
+/// Reads a dataset of writeText(), or one of a text that h5py wrote.
 bool readText(hid_t group, const char* name, std::string& attribute_name, std::string& text);
-
-/// Writes a compressed dataset of rows of `width` numbers.
-bool writeNumbers(hid_t group, const char* name, const std::vector<double>& rows,
-                  std::size_t width);
-/// Reads a dataset of writeNumbers(). False when its rows have another width.
-bool readNumbers(hid_t group, const char* name, std::vector<double>& rows, std::size_t width);
 
 }  // namespace wholehand::hdf5

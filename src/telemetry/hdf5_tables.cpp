@@ -29,7 +29,7 @@ std::string openDataset(hid_t group, const ColumnShape& column, Dataset& dataset
   const std::vector<hsize_t> expected = dimensions(column, 0);
   const int rank = H5Sget_simple_extent_ndims(space.get());
   if (rank != static_cast<int>(expected.size()) ||
-      H5Tequal(type.get(), elementType(column, false).get()) <= 0) {
+      H5Tequal(type.get(), hdf5::fileType(column.type)) <= 0) {
     return "has a dataset '" + column.name + "' of another form";
   }
   std::vector<hsize_t> dims(expected.size());

@@ -15,7 +15,7 @@ namespace {
 constexpr auto kPause = std::chrono::milliseconds(1);
 constexpr auto kRecorderPause = std::chrono::milliseconds(5);  // latency is irrelevant here
 /// Flush interval without ticks (paused, late), when the recorder does not notice time passing.
-constexpr auto kFlushAfter = std::chrono::milliseconds(400);
+constexpr auto kFlushAfter = std::chrono::milliseconds(1000);
 }  // namespace
 
 void TelemetryHub::start() {
@@ -23,7 +23,7 @@ void TelemetryHub::start() {
   stopping_ = recorder_stopping_ = false;
   failures_.reserve(failures_.size() + sinks_.size() + 3);  // recorder, statistics, source
   if (writer_ != nullptr) {
-    to_recorder_ = std::make_unique<SpscQueue<TickRecord>>(kWaitingTicks);
+    to_recorder_ = std::make_unique<RecordQueue>(kWaiting_bytes);
     recorder_ = std::thread([this] { runRecorder(); });
   }
   thread_ = std::thread([this] { run(); });

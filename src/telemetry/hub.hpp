@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/tick_record.hpp"
-#include "realtime/spsc_queue.hpp"
+#include "realtime/record_queue.hpp"
 
 #include <array>
 #include <atomic>
@@ -78,12 +78,13 @@ class TelemetryHub {
   bool drain() noexcept;
   bool drainToRecorder() noexcept;
 
-  /// Queue capacity towards the disk; four seconds at 1 kHz.
-  static constexpr std::size_t kWaitingTicks = 4096;
+  /// Queue capacity towards the disk: at 1 kHz 13 s of free motion, 5 s with 10 bodies and 20
+  /// contacts.
+  static constexpr std::size_t kWaiting_bytes = std::size_t{24} << 20U;
 
   Source source_;
   RecordingWriter* writer_ = nullptr;
-  std::unique_ptr<SpscQueue<TickRecord>> to_recorder_;  ///< null without a recorder
+  std::unique_ptr<RecordQueue> to_recorder_;  ///< null without a recorder
   TickStatistics* statistics_ = nullptr;
   std::vector<Sink> sinks_;
   std::thread thread_, recorder_;

@@ -14,7 +14,8 @@ enum : unsigned {
   kFaults = 2U,    // of kInputFaults
   kCommands = 4U,  // their number, then the commands
   kRaw = 8U,       // a bit for each axis that is not at a whole count
-  kMoved = 16U     // per axis: eight bytes, or the change in counts
+  kMoved = 16U,    // per axis: eight bytes, or the change in counts
+  kMover = 32U     // who moves and by whose help, if it is another than before
 };
 
 /// Beyond it, not every integer is a double.
@@ -164,6 +165,13 @@ Motion motionOf(InputLogState& state, const AxisPosition& q_m) noexcept {
 
 }  // namespace
 
+InputLogState inputLogOf(const RecordingMeta& meta) {
+  InputLogState state;
+  state.encoder_step = AxisPosition(static_cast<int>(meta.encoder_step.size()));
+  std::copy(meta.encoder_step.begin(), meta.encoder_step.end(), state.encoder_step.data());
+  return state;
+}
+
 std::size_t logInput(InputLogState& state, const TickRecord& record, std::byte* out) noexcept {
   const Motion motion = motionOf(state, record.q_m);
   const Fault faults = record.faults & kInputFaults;
@@ -173,10 +181,17 @@ std::size_t logInput(InputLogState& state, const TickRecord& record, std::byte* 
   if (record.command_count > 0) what |= kCommands;
   if (motion.raw != 0) what |= kRaw;
   if (motion.moved) what |= kMoved;
+  if (record.moved_by != state.moved_by || record.help != state.help) what |= kMover;
   Out to(out);
   to.number(what);
   if ((what & kElapsed) != 0) to.number(record.elapsed_periods);
   if ((what & kFaults) != 0) to.number(static_cast<std::uint64_t>(faults));
+  if ((what & kMover) != 0) {
+    state.moved_by = record.moved_by;
+    state.help = record.help;
+    to.number(static_cast<std::uint64_t>(state.moved_by));
+    to.number(static_cast<std::uint64_t>(state.help));
+  }
   if ((what & kCommands) != 0) logCommands(record, to);
   if ((what & kRaw) != 0) to.number(motion.raw);
   if (motion.moved) {
@@ -195,12 +210,18 @@ std::size_t readInput(InputLogState& state, const std::byte* in, std::size_t byt
                       TickInput& input) {
   In from(in, bytes);
   input = TickInput{};
-  const std::uint64_t what = from.upTo(kElapsed | kFaults | kCommands | kRaw | kMoved);
+  const std::uint64_t what = from.upTo(kElapsed | kFaults | kCommands | kRaw | kMoved | kMover);
   if ((what & kElapsed) != 0) {
     input.elapsed_periods = static_cast<std::uint32_t>(from.upTo(UINT32_MAX));
   }
   if ((what & kFaults) != 0)
     input.faults = static_cast<Fault>(from.upTo(UINT32_MAX)) & kInputFaults;
+  if ((what & kMover) != 0) {
+    state.moved_by = static_cast<Mover>(from.upTo(kMovers - 1));
+    state.help = static_cast<Help>(from.upTo(kHelps - 1));
+  }
+  input.moved_by = state.moved_by;
+  input.help = state.help;
   if ((what & kCommands) != 0) readCommands(from, input);
   const std::uint64_t raw = (what & kRaw) != 0 ? from.upTo(UINT32_MAX) : 0;
   input.q_m = AxisPosition(state.encoder_step.size());

@@ -2,6 +2,7 @@
 
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
+#include "telemetry/recording.hpp"
 
 #include <array>
 #include <cstddef>
@@ -18,6 +19,8 @@ struct TickInput {
   AxisPosition q_m;
   std::uint32_t elapsed_periods = 1;
   Fault faults = Fault::kNone;  ///< subset of kInputFaults
+  Mover moved_by = Mover::kNobody;
+  Help help = Help::kUnsaid;
   std::int32_t command_count = 0;
   std::array<Command, kMaxCommands> commands{};
 };
@@ -25,11 +28,15 @@ struct TickInput {
 /// Largest entry of a tick in the log [bytes].
 inline constexpr std::size_t kMostInputBytes = 3072;
 
-/// State of both ends of the log: last position of each axis in encoder counts.
+/// State of both ends of the log: last position of each axis in encoder counts, and who moved.
 struct InputLogState {
   AxisPosition encoder_step;  ///< [m or rad]; 0: the axis has none
   std::array<std::int64_t, kMaxAxes> counts{};
+  Mover moved_by = Mover::kNobody;
+  Help help = Help::kUnsaid;
 };
+/// State at the beginning of a recording's log.
+[[nodiscard]] InputLogState inputLogOf(const RecordingMeta& meta);
 
 /// Writes a tick's inputs losslessly and returns the bytes written: one byte if nothing moved, else
 /// one more for each axis; eight for an axis that is not at a whole count. Real-time safe.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <numeric>
 #include <type_traits>
 #include <utility>
 
@@ -39,16 +38,13 @@ void clear(TickRecord& record) noexcept {
 
 }  // namespace
 
-RecordedTables::RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_at_once,
-                               const LeftOut& left_out)
+RecordedTables::RecordedTables(const RecordingMeta& meta, const LeftOut& left_out)
     : meta_(meta),
       ticks_(tickColumns(meta)),
       contacts_(contactColumns()),
       events_(eventColumns()),
       commands_(commandColumns(meta)),
-      block_(chunkRows(meta.period_s)),
-      chunks_at_once_(chunks_at_once) {
-  ticks_.unpack(predictions(shapesOf(tickColumns(meta)), meta), block_);
+      block_(chunkRows(meta.period_s)) {
   ticks_.leaveOut(left_out.of_ticks);
   contacts_.table.leaveOut(left_out.of_contacts);
 }
@@ -62,12 +58,22 @@ std::string RecordedTables::openTable(TablesSource& file, const char* name,
   return problem.empty() ? problem : "is damaged: it " + problem;
 }
 
-std::string RecordedTables::open(TablesSource& file, bool being_written) {
-  outline_.being_written = being_written;
+std::string RecordedTables::open(TablesSource& file, WriterState writer) {
+  outline_.being_written = writer == WriterState::kWriting;
   for (const std::string& problem :
        {openTable(file, "ticks", ticks_), openTable(file, "contacts", contacts_.table),
         openTable(file, "events", events_.table), openTable(file, "commands", commands_.table)}) {
     if (!problem.empty()) return problem;
+  }
+  if (writer == WriterState::kClosed) {
+    for (const auto& [name, flaw] :
+         {std::pair{"/ticks", &ticks_.flaw()}, std::pair{"/contacts", &contacts_.table.flaw()},
+          std::pair{"/events", &events_.table.flaw()},
+          std::pair{"/commands", &commands_.table.flaw()}}) {
+      if (outline_.flaw.empty() && !flaw->empty()) {
+        outline_.flaw = std::string(name).append(" ").append(*flaw);
+      }
+    }
   }
   const std::uint64_t bytes = file.bytes();
   if (bytes == 0) return "is truncated or damaged";
@@ -77,126 +83,72 @@ std::string RecordedTables::open(TablesSource& file, bool being_written) {
       return "is damaged: it claims more ticks than a file of its size can hold";
     }
   }
-  return findTicks(file) ? "" : "is truncated or damaged: its ticks cannot be read";
-}
-
-bool RecordedTables::findTicks(TablesSource& file) {
-  const std::uint64_t described = takeBlocks(readIndex(file));
-  return findRowsFrom(described) && countMissingFrom(described);
-}
-
-// No blocks when the index is missing or damaged.
-std::vector<BlockRow> RecordedTables::readIndex(TablesSource& file) const {
-  std::unique_ptr<TableSource> source = file.table("index");
-  TableReader<BlockRow> index(indexColumns());
-  if (source == nullptr || !index.open(std::move(source)).empty()) return {};
-  const std::uint64_t rows = std::min(index.rows(), ticks_.rows() / block_);
-  if (!index.load(0, rows)) return {};
-  std::vector<BlockRow> blocks(rows);
-  for (std::uint64_t i = 0; i < rows; ++i) index.get(i, blocks[i]);
-  blocks.resize(plausibleBlocks(blocks, {block_, ticks_.rows(), contacts_.table.rows(),
-                                         events_.table.rows(), commands_.table.rows()}));
-  return blocks;
-}
-
-// Uses the index as far as it is valid; returns the rows that it describes.
-std::uint64_t RecordedTables::takeBlocks(const std::vector<BlockRow>& blocks) {
-  const auto skips = [this](const BlockRow& b) { return b.last_tick - b.first_tick != block_ - 1; };
-  std::size_t taken = 0;
-  while (taken < blocks.size()) {
-    std::size_t end = taken + 1;
-    while (end < blocks.size() && skips(blocks[end]) == skips(blocks[taken])) ++end;
-    if (!takeNumbers(blocks, taken, end)) break;
-    taken = end;
-  }
-  for (std::size_t i = 0; i < taken; ++i) {
-    outline_.missing += blocks[i].missing;
-    contacts_.addBlock(blocks[i].contacts);
-    events_.addBlock(blocks[i].events);
-    commands_.addBlock(blocks[i].commands);
-  }
-  rows_.resize(taken * block_);
-  std::iota(rows_.begin(), rows_.end(), 0);
-  return rows_.size();
-}
-
-// If a block skips ticks, reads their numbers from /ticks.
-bool RecordedTables::takeNumbers(const std::vector<BlockRow>& blocks, std::size_t begin,
-                                 std::size_t end) {
-  const std::uint64_t rows = (end - begin) * block_;
-  std::vector<std::uint64_t> numbers(rows);
-  if (blocks[begin].last_tick - blocks[begin].first_tick == block_ - 1) {
-    for (std::uint64_t i = 0; i < rows; ++i) {
-      numbers[i] = blocks[begin + i / block_].first_tick + i % block_;
-    }
-  } else {
-    if (!ticks_.read("tick", begin * block_, rows, numbers)) return false;
-    for (std::size_t b = begin; b < end; ++b) {
-      const auto first = numbers.begin() + static_cast<std::ptrdiff_t>((b - begin) * block_);
-      const auto last = first + static_cast<std::ptrdiff_t>(block_ - 1);
-      if (*first != blocks[b].first_tick || *last != blocks[b].last_tick) return false;
-    }
-  }
-  outline_.numbers.insert(outline_.numbers.end(), numbers.begin(), numbers.end());
-  return true;
+  findRows();
+  countMissing();
+  return ticks_.rows() > 0 && rows_.empty() ? "is truncated or damaged: its ticks cannot be read"
+                                            : "";
 }
 
 // A row whose number, contacts, events or commands never reached the disk is a hole: later rows are
-// read nevertheless, and the gap in tick numbers shows it.
-bool RecordedTables::findRowsFrom(std::uint64_t first_row) {
-  const std::uint64_t end = ticks_.rows(), rows = end - first_row;
+// read nevertheless, and the gap in tick numbers shows it. Where a count cannot be read, read()
+// refuses the tick.
+void RecordedTables::findRows() {
+  constexpr std::int32_t kUnknown = -1;
+  const std::uint64_t rows = ticks_.rows();
   std::vector<std::uint64_t> numbers;
   std::vector<std::int32_t> contacts, events, commands;
-  if (!ticks_.read("tick", first_row, rows, numbers) ||
-      !ticks_.read("contact_count", first_row, rows, contacts) ||
-      !ticks_.read("event_count", first_row, rows, events) ||
-      !ticks_.read("command_count", first_row, rows, commands) ||
-      !contacts_.findBlocks(end, block_) || !events_.findBlocks(end, block_) ||
-      !commands_.findBlocks(end, block_)) {
-    return false;
+  const std::uint64_t unread = ticks_.readSound("tick", block_, UINT64_MAX, numbers);
+  if (unread > 0) {
+    outline_.flaw = "/ticks has " + std::to_string(unread) + " rows of 'tick' that cannot be read";
   }
+  ticks_.readSound("contact_count", block_, kUnknown, contacts);
+  ticks_.readSound("event_count", block_, kUnknown, events);
+  ticks_.readSound("command_count", block_, kUnknown, commands);
+  contacts_.findBlocks(rows, block_);
+  events_.findBlocks(rows, block_);
+  commands_.findBlocks(rows, block_);
   TickRecord counts;  // large: cleared once
   for (std::uint64_t i = 0; i < rows; ++i) {
+    if (numbers[i] == UINT64_MAX) continue;
     counts.contact_count = contacts[i];
     counts.exercise.event_count = events[i];
     counts.command_count = commands[i];
-    if (numbers[i] == UINT64_MAX || !isWhole(first_row + i, counts)) continue;
-    rows_.push_back(first_row + i);
+    const bool known = contacts[i] != kUnknown && events[i] != kUnknown && commands[i] != kUnknown;
+    if (known && !isWhole(i, counts)) {
+      if (!outline_.contradicted_tick) {
+        outline_.contradicted_tick = numbers[i];
+        outline_.contradiction = contradiction(i, counts);
+      }
+      continue;
+    }
+    rows_.push_back(i);
     outline_.numbers.push_back(numbers[i]);
   }
-  return true;
 }
 
 // Reads no whole column when the ticks are consecutive.
-bool RecordedTables::countMissingFrom(std::uint64_t first_row) {
-  const std::size_t begin = std::lower_bound(rows_.begin(), rows_.end(), first_row) - rows_.begin();
-  const std::size_t from = std::max<std::size_t>(begin, 1);
-  if (from >= rows_.size() ||
-      outline_.numbers.back() - outline_.numbers[from - 1] == rows_.size() - from) {
-    return true;
+void RecordedTables::countMissing() {
+  if (rows_.empty() || outline_.numbers.back() - outline_.numbers.front() == rows_.size() - 1) {
+    return;
   }
   std::vector<std::uint32_t> elapsed;
-  if (!ticks_.read("elapsed_periods", first_row, ticks_.rows() - first_row, elapsed)) return false;
-  for (std::size_t i = from; i < rows_.size(); ++i) {
+  ticks_.readSound("elapsed_periods", block_, std::uint32_t{1}, elapsed);
+  for (std::size_t i = 1; i < rows_.size(); ++i) {
     outline_.missing +=
-        missingBetween(outline_.numbers[i - 1], outline_.numbers[i], elapsed[rows_[i] - first_row]);
+        missingBetween(outline_.numbers[i - 1], outline_.numbers[i], elapsed[rows_[i]]);
   }
-  return true;
-}
-
-bool RecordedTables::load(std::uint64_t row, std::uint64_t rows) {
-  const std::uint64_t first = row / rows * rows;
-  const std::uint64_t end = std::min(ticks_.rows(), first + rows);
-  return ticks_.load(first, end - first) && contacts_.load(first, end, block_) &&
-         events_.load(first, end, block_) && commands_.load(first, end, block_);
 }
 
 // A damaged chunk affects no other one, and is not retried for each of its rows.
 bool RecordedTables::loadAround(std::uint64_t row) {
   if (row / block_ == unreadable_block_) return false;
   hdf5::beginHdf5();
-  if (chunks_at_once_ > 1 && load(row, chunks_at_once_ * block_)) return true;
-  if (load(row, block_)) return true;
+  const std::uint64_t first = row / block_ * block_;
+  const std::uint64_t end = std::min(ticks_.rows(), first + block_);
+  if (ticks_.load(first, end - first) && contacts_.load(first, end, block_) &&
+      events_.load(first, end, block_) && commands_.load(first, end, block_)) {
+    return true;
+  }
   unreadable_block_ = row / block_;
   return false;
 }
@@ -228,13 +180,34 @@ bool RecordedTables::isWhole(std::uint64_t row, const TickRecord& counts) const 
          commands_.isWhole(row, counts.command_count, kMaxCommands);
 }
 
+// @pre !isWhole()
+std::string RecordedTables::contradiction(std::uint64_t row, const TickRecord& counts) const {
+  const auto said = [row](const auto& side, const char* table, const char* column,
+                          std::int32_t count, int most) {
+    if (side.isWhole(row, count, most)) return std::string();
+    const std::int32_t rows = side.count(row);
+    return "has " + std::to_string(rows) + (rows == 1 ? " row in " : " rows in ") + table +
+           ", its " + column + " says " + std::to_string(count);
+  };
+  std::string text =
+      said(contacts_, "/contacts", "contact_count", counts.contact_count, kMaxContacts);
+  if (text.empty()) {
+    text = said(events_, "/events", "event_count", counts.exercise.event_count, kMaxExerciseEvents);
+  }
+  if (text.empty()) {
+    text = said(commands_, "/commands", "command_count", counts.command_count, kMaxCommands);
+  }
+  return text;
+}
+
 bool RecordedTables::read(std::uint64_t index, TickRecord& record) {
   if (index >= rows_.size()) return false;
   const std::uint64_t i = rows_[index];
   if (!holds(i) && !loadAround(i)) return false;
   clear(record);
   ticks_.get(i, record);
-  // The index contradicts the rows, or no tick wrote these numbers.
+  digest_ = ticks_.number<std::uint64_t>(kDigest, i);
+  // Damaged since it was opened, or no tick wrote these numbers.
   if (record.tick != outline_.numbers[index] || !isWhole(i, record) || !isPlausible(record)) {
     return false;
   }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/tick_record.hpp"
-#include "telemetry/block_index.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/recording_view.hpp"
 #include "telemetry/side_table.hpp"
@@ -14,14 +13,20 @@
 
 namespace wholehand::recording {
 
+/// What the writer of a file did last.
+enum class WriterState : std::uint8_t {
+  kClosed,
+  kLeft,  ///< it was killed: some datasets may be a little longer than others
+  kWriting
+};
+
 /// The ticks of an open file: finds the complete ones and reads them. Private to telemetry.
 class RecordedTables {
  public:
-  /// @param chunks_at_once number of chunks read around a tick
-  RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_at_once, const LeftOut& left_out);
+  RecordedTables(const RecordingMeta& meta, const LeftOut& left_out);
 
   /// Opens the tables and finds the complete ticks. Returns the error, or an empty text.
-  std::string open(TablesSource& file, bool being_written);
+  std::string open(TablesSource& file, WriterState writer);
   [[nodiscard]] std::uint64_t size() const noexcept { return rows_.size(); }
   /// Outline of the complete ticks.
   [[nodiscard]] const RecordingOutline& outline() const noexcept { return outline_; }
@@ -31,21 +36,19 @@ class RecordedTables {
   std::optional<std::uint64_t> leaveOutDamagedEnd();
   /// Reads the i-th complete tick. False past the end, and where the file is damaged.
   bool read(std::uint64_t i, TickRecord& record);
+  /// Digest of the tick that was read last; 0 where it is left out.
+  [[nodiscard]] std::uint64_t digest() const noexcept { return digest_; }
 
  private:
   template <class Row>
   std::string openTable(TablesSource& file, const char* name, TableReader<Row>& table);
-  bool findTicks(TablesSource& file);
-  std::vector<BlockRow> readIndex(TablesSource& file) const;
-  std::uint64_t takeBlocks(const std::vector<BlockRow>& blocks);
-  bool takeNumbers(const std::vector<BlockRow>& blocks, std::size_t begin, std::size_t end);
-  bool findRowsFrom(std::uint64_t first_row);
-  bool countMissingFrom(std::uint64_t first_row);
+  void findRows();
+  void countMissing();
   // The functions below take a row of the file.
   bool loadAround(std::uint64_t row);
-  bool load(std::uint64_t row, std::uint64_t rows);
   [[nodiscard]] bool holds(std::uint64_t row) const;
   [[nodiscard]] bool isWhole(std::uint64_t row, const TickRecord& counts) const;
+  [[nodiscard]] std::string contradiction(std::uint64_t row, const TickRecord& counts) const;
 
   const RecordingMeta& meta_;
   TableReader<TickRecord> ticks_;
@@ -54,8 +57,8 @@ class RecordedTables {
   SideTable<CommandRow> commands_;
   std::vector<std::uint64_t> rows_;  ///< file rows that hold a complete tick
   RecordingOutline outline_;
-  const std::uint64_t block_;  ///< rows per chunk
-  const std::uint64_t chunks_at_once_;
+  std::uint64_t digest_ = 0;
+  const std::uint64_t block_;                    ///< rows per chunk
   std::uint64_t unreadable_block_ = UINT64_MAX;  ///< block whose reading failed last
 };
 

@@ -5,48 +5,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace wholehand {
 
-/// Schema version of new recordings; versions since kOldestRecordingSchema are readable. Below 3, a
-/// tick has no safety_state (disarmed) and no fault_axis (-1). Below kSchemaOfLaw, it was rendered
-/// by another law (docs/adr/0018-one-spring.md): it reads and replays, but does not re-simulate bit
-/// by bit. Below kPackedSchema, every number is stored as it is; schema 4 can still be written, for
-/// readers that do not support packing. Below kRowElementSchema, each number is an element of its
-/// dataset and is packed by fewer rules (docs/adr/0047-smaller-recordings.md). Below kGridSchema,
-/// numbers of the virtual patient are doubles to the last bit
-/// (docs/adr/0065-patients-on-a-grid.md). Below kStepSchema, numbers on a grid are packed by their
-/// bits, and the description has no inertia (docs/adr/0070-recordings-know-the-inertia.md).
-inline constexpr std::uint64_t kRecordingSchema = 8, kOldestRecordingSchema = 2, kSchemaOfLaw = 4,
-                               kPackedSchema = 5, kRowElementSchema = 6, kGridSchema = 7,
-                               kStepSchema = 8;
-
-/// The avatar's reduced inertia, armature included, as a polynomial of its posture: a sum of terms,
-/// each a product of Chebyshev polynomials of the axes times a matrix. Empty when unknown.
-struct RecordedInertia {
-  std::vector<double> lower, upper;  ///< per axis: where the polynomials' variable is -1 and 1
-  std::vector<double> degrees;       ///< terms x axes; whole numbers up to kMostDegree
-  std::vector<double> coefficients;  ///< terms x lower triangle, row by row
-  static constexpr double kMostDegree = 63.0;
-};
-
-/// Parameters of the rendering law by which a recording is packed. All empty when unknown.
-struct RecordedLaw {
-  std::vector<double> k_pm, k_dm, gamma;  ///< per axis, as CouplingGains
-  std::vector<double> filter_tau_s;       ///< per axis, of the velocity filter
-  std::vector<double> theta0;             ///< per joint
-  std::vector<double> synergy;            ///< G, a row for each joint
-  std::vector<double> encoder_step;       ///< per axis, of the device [m or rad]
-  std::uint64_t output_delay_ticks = 0;   ///< of the device
-  // Since kStepSchema; empty in older ones.
-  std::vector<double> device_damping, tank_capacity;  ///< per axis, of the energy tank
-  std::vector<double> effort_dead, effort_full;       ///< per axis, of the adaptive damping
-  std::vector<double> phi_kept;                       ///< per axis: share of φ after one period
-  std::vector<double> hand_axis, palm_contact;        ///< per axis: 0 or 1
-  RecordedInertia inertia;
-};
+/// Schema version of recordings; files of another one are refused.
+inline constexpr std::uint64_t kRecordingSchema = 9;
 
 /// Everything needed to understand a recording and to run it again; written once into its /meta.
 struct RecordingMeta {
@@ -63,15 +29,15 @@ struct RecordingMeta {
   bool models_changed = false;
   bool simulated_device = true;  ///< late ticks and stuck encoders were only counted
   /// Digest of the passport of a real device, or "without" if it had none and --without-passport
-  /// was given; empty for other devices, and in files older than passports.
+  /// was given; empty for other devices.
   std::string passport;
-  RecordedLaw law;
-  std::uint64_t schema = kRecordingSchema;          ///< of the file that it was read from, or is
-                                                    ///< written to
   std::string title;                                ///< "Reach and grasp"; shown by the report
+  std::string profile;                              ///< code of the person whose profile was open;
+                                                    ///< empty: none
   std::vector<std::string> axis_names, axis_units;  ///< "m" or "rad"
   std::vector<double> effort_limits;                ///< per axis [N or N·m]
   std::vector<double> lever_arms_m;                 ///< per axis; 0: no tip
+  std::vector<double> encoder_step;                 ///< per axis [m or rad]; 0: none
   std::vector<double> armed_position;               ///< device position at arming
   std::vector<std::string> joint_names, body_names, capsule_names;
   /// Slots for the bodies of a game, the last of body_names. With 0 the commands have no numbers.
@@ -79,7 +45,6 @@ struct RecordingMeta {
   std::string exercise;  ///< empty: none
   int level = 0;
   std::vector<std::string> parameter_names, value_names, event_names;
-  std::vector<double> value_steps;  ///< grids of the values, 0 without; empty: none has one
   /// The value_names that are results: labels and units as shown, factors from value to shown
   /// number, and decimals. Empty in files older than results, and in black boxes.
   std::vector<std::string> result_names, result_labels, result_units;
@@ -95,7 +60,8 @@ struct RecordingMeta {
 class RecordingWriter {
  public:
   /// Creates the file under a temporary name and renames it when its parameters are completely
-  /// written; only then is an existing file replaced.
+  /// written; only then is an existing file replaced. Beside it stand its inputs until it is
+  /// complete (telemetry/input_journal.hpp).
   static Expected<std::unique_ptr<RecordingWriter>> create(const std::string& path,
                                                            const RecordingMeta& meta);
   virtual ~RecordingWriter() = default;
@@ -123,6 +89,13 @@ class RecordingWriter {
 struct RecordingOutline {
   std::vector<std::uint64_t> numbers;  ///< tick numbers in order (TickRecord::tick)
   std::uint64_t missing = 0;           ///< ticks between them that ran, but are not in the file
+  /// The first tick that is missing although it has a row, since other rows contradict it, and how:
+  /// "has 1 row in /events, its event_count says 0".
+  std::optional<std::uint64_t> contradicted_tick;
+  std::string contradiction;
+  /// What of the tables cannot be read, or in what those of a file that was closed contradict each
+  /// other; empty: nothing.
+  std::string flaw;
   bool being_written = false;
 };
 
@@ -142,6 +115,11 @@ class RecordingReader {
   /// Reads the i-th complete tick without stage times. False past the end, and where the file is
   /// damaged (unreadable()).
   virtual bool read(std::uint64_t i, TickRecord& record) = 0;
+  /// Digest of the tick that was read last, as it was computed (core/tick_digest.hpp).
+  [[nodiscard]] virtual std::uint64_t digest() const = 0;
+  /// Whether the numbers of read() are those of the tick to the bit. Those of a recording are
+  /// rounded to single precision, but for what a re-run needs.
+  [[nodiscard]] virtual bool isExact() const = 0;
 };
 
 /// Number of ticks missing between two consecutive ticks of a recording, without those that the

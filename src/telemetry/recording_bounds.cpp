@@ -18,39 +18,6 @@ namespace {
 constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
 constexpr std::int32_t kMostContactsDropped = 1'000'000;
 
-// The polynomial of the inertia: as many numbers as its terms have.
-bool isWhole(const RecordedInertia& inertia, std::size_t axes) {
-  constexpr std::size_t kMostTerms = 4096;
-  const std::size_t terms = inertia.degrees.size() / axes;
-  const auto possible = [](double d) {
-    return d >= 0.0 && d <= RecordedInertia::kMostDegree && d == std::floor(d);
-  };
-  if (inertia.coefficients.empty()) return terms == 0;
-  return terms <= kMostTerms && inertia.degrees.size() == terms * axes &&
-         inertia.coefficients.size() == terms * (axes * (axes + 1) / 2) &&
-         inertia.lower.size() == axes && inertia.upper.size() == axes &&
-         std::all_of(inertia.degrees.begin(), inertia.degrees.end(), possible);
-}
-
-// Packed numbers can be restored only with all of these.
-bool isWhole(const RecordedLaw& law, std::size_t axes, std::size_t joints) {
-  constexpr std::uint64_t kMostDelayTicks = 1000;
-  if (law.output_delay_ticks > kMostDelayTicks) return false;
-  const bool per_joint = law.theta0.size() == joints && law.synergy.size() == joints * axes;
-  const auto per_axis = [&law](std::size_t n) {
-    return law.k_pm.size() == n && law.k_dm.size() == n && law.gamma.size() == n &&
-           law.filter_tau_s.size() == n && law.encoder_step.size() == n;
-  };
-  const auto later = [&law](std::size_t n) {
-    return law.device_damping.size() == n && law.tank_capacity.size() == n &&
-           law.effort_dead.size() == n && law.effort_full.size() == n && law.phi_kept.size() == n &&
-           law.hand_axis.size() == n && law.palm_contact.size() == n;
-  };
-  return (per_axis(axes) && per_joint && (later(axes) || later(0)) && isWhole(law.inertia, axes)) ||
-         (per_axis(0) && law.theta0.empty() && law.synergy.empty() && later(0) &&
-          law.inertia.coefficients.empty());
-}
-
 }  // namespace
 
 std::string unusable(const RecordingMeta& meta) {
@@ -61,8 +28,10 @@ std::string unusable(const RecordingMeta& meta) {
            " are possible";
   }
   if (meta.axis_units.size() != axes || meta.effort_limits.size() != axes ||
-      meta.lever_arms_m.size() != axes || meta.armed_position.size() != axes) {
-    return "has not one unit, effort limit, lever arm and armed position for each axis";
+      meta.lever_arms_m.size() != axes || meta.encoder_step.size() != axes ||
+      meta.armed_position.size() != axes) {
+    return "has not one unit, effort limit, lever arm, encoder step and armed position for each "
+           "axis";
   }
   for (const std::vector<std::string>* texts :
        {&meta.axis_names, &meta.axis_units, &meta.joint_names, &meta.body_names,
@@ -73,21 +42,20 @@ std::string unusable(const RecordingMeta& meta) {
     }
   }
   for (const std::string& text :
-       {meta.title, meta.created_utc, meta.git_version, meta.engine, meta.exercise}) {
+       {meta.title, meta.profile, meta.created_utc, meta.git_version, meta.engine, meta.exercise}) {
     if (!isPrintable(text, 500)) return "holds texts that cannot be shown";
   }
   if (!within(meta.joint_names.size(), kMaxJoints)) return "names too many joints";
-  if (!isWhole(meta.law, axes, meta.joint_names.size())) {
-    return "has not one number of the law for each axis and joint";
-  }
   if (!within(meta.body_names.size(), kMaxBodies)) return "names too many bodies";
   if (!within(meta.parameter_names.size(), kMaxLiveParameters)) return "names too many parameters";
   if (meta.parameter_values.size() != meta.parameter_names.size()) {
     return "has not one value for each parameter";
   }
   if (!within(meta.value_names.size(), kMaxExerciseValues)) return "names too many values";
-  if (!meta.value_steps.empty() && meta.value_steps.size() != meta.value_names.size()) {
-    return "has not one step for each value";
+  const std::size_t results = meta.result_names.size();
+  if (meta.result_labels.size() != results || meta.result_units.size() != results ||
+      meta.result_factors.size() != results || meta.result_decimals.size() != results) {
+    return "has not one label, unit, factor and number of decimals for each result";
   }
   if (!(meta.period_s >= kLeastPeriod_s && meta.period_s <= kMostPeriod_s)) {
     return fmt::format("has a period of {} s; {} to {} are possible", meta.period_s, kLeastPeriod_s,

@@ -28,10 +28,7 @@ RecordingFile::RecordingFile(const RecordingMeta& meta)
     : ticks_(tickColumns(meta), chunkRows(meta.period_s)),
       contacts_(contactColumns(), kContactChunkRows),
       events_(eventColumns(), kRareChunkRows),
-      commands_(commandColumns(meta), kRareChunkRows),
-      index_(indexColumns(), kIndexChunkRows),
-      indexer_(chunkRows(meta.period_s)) {
-  ticks_.pack(predictions(shapesOf(tickColumns(meta)), meta));
+      commands_(commandColumns(meta), kRareChunkRows) {
   contacts_.beginChunks();
 }
 
@@ -64,8 +61,7 @@ std::string RecordingFile::createAt(const std::string& path, const RecordingMeta
     return group.ok() && table.create(group.get());
   };
   if (!make_table("ticks", ticks_) || !make_table("contacts", contacts_) ||
-      !make_table("events", events_) || !make_table("commands", commands_) ||
-      !make_table("index", index_)) {
+      !make_table("events", events_) || !make_table("commands", commands_)) {
     return "cannot be written by HDF5";
   }
   // From here on, readers may follow, and a kill leaves a readable file.
@@ -91,13 +87,6 @@ void RecordingFile::push(const TickRecord& record) {
   for (int i = 0; i < std::min<int>(record.command_count, kMaxCommands); ++i) {
     commands_.push({row, record.commands[i]});
   }
-  index(record);
-}
-
-void RecordingFile::index(const TickRecord& record) {
-  const auto rows = [](const auto& table) { return table.written() + table.pending(); };
-  const BlockRow after{0, 0, 0, rows(contacts_), rows(events_), rows(commands_)};
-  if (const auto block = indexer_.add(record, after)) index_.push(*block);
 }
 
 bool RecordingFile::claimRoom() {
@@ -105,8 +94,7 @@ bool RecordingFile::claimRoom() {
   if (H5Fget_filesize(file_.get(), &end) < 0) return false;
   // A chunk may be rewritten as a whole, hence twice the rows.
   const std::uint64_t rows = ticks_.pendingBytes() + contacts_.pendingBytes() +
-                             events_.pendingBytes() + commands_.pendingBytes() +
-                             index_.pendingBytes();
+                             events_.pendingBytes() + commands_.pendingBytes();
   return reserve_.claim(end + 2 * rows + kTablesBytes);
 }
 
@@ -122,11 +110,6 @@ RecordingFile::Written RecordingFile::write() {
   commands_.commit();
   ticks_.commit();
   noteBytes();
-  // After the rows that it describes, and in whole chunks: a growing chunk would be rewritten.
-  if (index_.pending() >= kIndexChunkRows) {
-    if (!index_.write()) return Written::kRefused;
-    index_.commit();
-  }
   return Written::kAll;
 }
 
@@ -136,7 +119,6 @@ void RecordingFile::takeRowsOf(RecordingFile& before) {
   events_.takeRowsOf(before.events_, rows);
   commands_.takeRowsOf(before.commands_, rows);
   ticks_.takeRowsOf(before.ticks_, rows);
-  indexer_.stop();
 }
 
 void RecordingFile::end() {
@@ -144,7 +126,6 @@ void RecordingFile::end() {
   contacts_.close();
   events_.close();
   commands_.close();
-  index_.close();
   file_.reset();
   reserve_.release();
 }

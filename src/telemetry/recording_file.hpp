@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/tick_record.hpp"
-#include "telemetry/block_index.hpp"
 #include "telemetry/disk_reserve.hpp"
 #include "telemetry/hdf5_handle.hpp"
 #include "telemetry/recording.hpp"
@@ -43,7 +42,6 @@ class RecordingFile {
  private:
   std::string createAt(const std::string& path, const RecordingMeta& meta);
   [[nodiscard]] bool claimRoom();
-  void index(const TickRecord& record);
   void noteBytes();
 
   DiskReserve reserve_;
@@ -52,8 +50,6 @@ class RecordingFile {
   TableWriter<ContactRow> contacts_;
   TableWriter<EventRow> events_;
   TableWriter<CommandRow> commands_;
-  TableWriter<BlockRow> index_;
-  BlockIndexer indexer_;
   std::uint64_t bytes_ = 0;
 };
 

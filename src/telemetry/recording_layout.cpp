@@ -1,5 +1,7 @@
 #include "telemetry/recording_layout.hpp"
 
+#include "core/tick_digest.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,12 +13,10 @@ namespace {
 using hdf5::NumberType;
 using Texts = std::vector<std::string>;
 
-/// Marks a missing value: an axis array shorter than the device (no virtual patient). A quiet NaN
-/// with its own payload, so that a computed NaN stays distinguishable.
-constexpr std::uint64_t kAbsent = 0x7FFC'5748'0000'0001ULL;
-
+/// What a number of the loop is stored as: a double that a re-run needs as one, or as a float.
 template <class T>
 constexpr NumberType numberType() {
+  if constexpr (std::is_same_v<T, float>) return NumberType::kFloat32;
   if constexpr (std::is_same_v<T, double>) return NumberType::kFloat64;
   if constexpr (std::is_same_v<T, std::uint64_t>) return NumberType::kUint64;
   if constexpr (std::is_same_v<T, std::int64_t>) return NumberType::kInt64;
@@ -27,47 +27,82 @@ constexpr NumberType numberType() {
   return NumberType::kInt32;
 }
 
-/// A plain number of a row, reached by `at`: Row& -> T&.
-template <class Row, class At>
+/// Marks a missing value: an axis array shorter than the device (no virtual patient). A quiet NaN
+/// with its own payload, so that a computed NaN stays distinguishable.
+template <class Stored>
+constexpr auto absent() {
+  if constexpr (sizeof(Stored) == sizeof(std::uint32_t)) {
+    return std::uint32_t{0x7FC5'7481U};
+  } else {
+    return std::uint64_t{0x7FFC'5748'0000'0001ULL};
+  }
+}
+
+/// A plain number of a row, reached by `at`: Row& -> T&, stored as itself or as Stored.
+template <class Row, class Stored = void, class At>
 Column<Row> number(const char* name, const char* unit, At at) {
   using T = std::remove_reference_t<std::invoke_result_t<At, Row&>>;
+  using S = std::conditional_t<std::is_void_v<Stored>, T, Stored>;
   Column<Row> c;
   c.name = name;
-  c.type = numberType<T>();
+  c.type = numberType<S>();
   c.units = {unit};
   c.store = [at](const Row& row, std::byte* out) {
-    std::memcpy(out, &at(const_cast<Row&>(row)), sizeof(T));
+    const S value = static_cast<S>(at(const_cast<Row&>(row)));
+    std::memcpy(out, &value, sizeof value);
   };
-  c.load = [at](const std::byte* in, Row& row) { std::memcpy(&at(row), in, sizeof(T)); };
+  c.load = [at](const std::byte* in, Row& row) {
+    S value{};
+    std::memcpy(&value, in, sizeof value);
+    at(row) = static_cast<T>(value);
+  };
   return c;
 }
 
-/// A block of doubles or int32 that lies contiguous in the row.
+/// As number(), of a double that no re-run needs.
 template <class Row, class At>
+Column<Row> single(const char* name, const char* unit, At at) {
+  return number<Row, float>(name, unit, at);
+}
+
+/// `width` numbers that lie contiguous in the row, each stored as Stored.
+template <class Row, class Stored, class At>
 Column<Row> block(const char* name, std::uint64_t width, const Texts& units, const Texts& labels,
                   At at) {
   using T = std::remove_pointer_t<std::invoke_result_t<At, Row&>>;
   Column<Row> c;
   c.name = name;
-  c.type = numberType<T>();
+  c.type = numberType<Stored>();
   c.shape = {width};
   c.units = units;
   c.labels = labels;
-  const std::size_t bytes = width * sizeof(T);
-  c.store = [at, bytes](const Row& row, std::byte* out) {
-    std::memcpy(out, at(const_cast<Row&>(row)), bytes);
+  c.store = [at, width](const Row& row, std::byte* out) {
+    const T* values = at(const_cast<Row&>(row));
+    for (std::uint64_t i = 0; i < width; ++i) {
+      const auto value = static_cast<Stored>(values[i]);
+      std::memcpy(out + i * sizeof value, &value, sizeof value);
+    }
   };
-  c.load = [at, bytes](const std::byte* in, Row& row) { std::memcpy(at(row), in, bytes); };
+  c.load = [at, width](const std::byte* in, Row& row) {
+    T* values = at(row);
+    for (std::uint64_t i = 0; i < width; ++i) {
+      Stored value{};
+      std::memcpy(&value, in + i * sizeof value, sizeof value);
+      values[i] = static_cast<T>(value);
+    }
+  };
   return c;
 }
 
 /// A value per axis or per joint, reached by `at`: Row& -> array&; the array may be shorter than
 /// the recording's.
-template <class Row, class At>
+template <class Row, class Stored = float, class At>
 Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& labels) {
   using Array = std::remove_reference_t<std::invoke_result_t<At, Row&>>;
+  using Bits = decltype(absent<Stored>());
   Column<Row> c;
   c.name = name;
+  c.type = numberType<Stored>();
   c.shape = {labels.size()};
   c.units = units;
   c.labels = labels;
@@ -75,8 +110,8 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
   c.store = [at, width](const Row& row, std::byte* out) {
     const Array& values = at(const_cast<Row&>(row));
     for (int i = 0; i < width; ++i) {
-      const double v =
-          i < values.size() ? static_cast<double>(values[i]) : std::bit_cast<double>(kAbsent);
+      const Stored v = i < values.size() ? static_cast<Stored>(values[i])
+                                         : std::bit_cast<Stored>(absent<Stored>());
       std::memcpy(out + i * sizeof v, &v, sizeof v);
     }
   };
@@ -84,9 +119,9 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
     Array values(width);
     int size = 0;
     for (; size < width; ++size) {
-      double v = 0.0;
+      Stored v{};
       std::memcpy(&v, in + size * sizeof v, sizeof v);
-      if (std::bit_cast<std::uint64_t>(v) == kAbsent) break;
+      if (std::bit_cast<Bits>(v) == absent<Stored>()) break;
       values[size] = static_cast<typename Array::Value>(v);
     }
     Array& array = at(row);
@@ -98,7 +133,7 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
 
 Column<TickRecord> bodyColumn(const Texts& names) {
   static_assert(sizeof(BodyState) == 13 * sizeof(double));
-  auto c = block<TickRecord>(
+  auto c = block<TickRecord, float>(
       "bodies", names.size() * 13,
       {"m", "m", "m", "1", "1", "1", "1", "m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s"}, names,
       [](TickRecord& r) { return reinterpret_cast<double*>(r.bodies.data()); });
@@ -113,6 +148,39 @@ Texts perUnit(const Texts& units, const char* per_m, const char* per_rad) {
   return out;
 }
 
+/// The digest is computed where a row is stored; a reader asks for it by TableReader::loaded().
+Column<TickRecord> digestColumn() {
+  Column<TickRecord> c;
+  c.name = kDigest;
+  c.type = NumberType::kUint64;
+  c.units = {"1"};
+  c.store = [](const TickRecord& row, std::byte* out) {
+    const std::uint64_t digest = digestOf(row);
+    std::memcpy(out, &digest, sizeof digest);
+  };
+  c.load = [](const std::byte*, TickRecord&) {};
+  return c;
+}
+
+/// A number below `count`, stored as int32; anything else in a file is 0, which says nothing.
+template <class T>
+Column<TickRecord> named(const char* name, T TickRecord::*member, int count) {
+  Column<TickRecord> c;
+  c.name = name;
+  c.type = NumberType::kInt32;
+  c.units = {"1"};
+  c.store = [member](const TickRecord& row, std::byte* out) {
+    const auto number = static_cast<std::int32_t>(row.*member);
+    std::memcpy(out, &number, sizeof number);
+  };
+  c.load = [member, count](const std::byte* in, TickRecord& row) {
+    std::int32_t number = 0;
+    std::memcpy(&number, in, sizeof number);
+    row.*member = static_cast<T>(number >= 0 && number < count ? number : 0);
+  };
+  return c;
+}
+
 void addSessionColumns(std::vector<Column<TickRecord>>& out) {
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
   using R = TickRecord;
@@ -124,6 +192,9 @@ void addSessionColumns(std::vector<Column<TickRecord>>& out) {
       "elapsed_periods", "1", [](R & r) -> auto& { return r.elapsed_periods; }));
   add(number<R>(
       "faults", "bits", [](R & r) -> auto& { return r.faults; }));
+  add(named("moved_by", &R::moved_by, kMovers));
+  add(named("help", &R::help, kHelps));
+  add(digestColumn());
   add(number<R>(
       "lateness_ns", "ns", [](R & r) -> auto& { return r.lateness_ns; }));
   add(number<R>(
@@ -132,8 +203,8 @@ void addSessionColumns(std::vector<Column<TickRecord>>& out) {
       "cpu_ns", "ns", [](R & r) -> auto& { return r.cpu_ns; }));
   Texts stages;
   for (int i = 0; i < kStages; ++i) stages.emplace_back(stageName(static_cast<Stage>(i)));
-  add(block<R>("stage_cpu_ns", kStages, {"ns"}, stages,
-               [](R& r) { return r.stage_cpu_ns.data(); }));
+  add(block<R, std::int32_t>("stage_cpu_ns", kStages, {"ns"}, stages,
+                             [](R& r) { return r.stage_cpu_ns.data(); }));
 }
 
 void addAxisColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& meta) {
@@ -145,7 +216,8 @@ void addAxisColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& m
     out.push_back(perAxis<TickRecord>(
         name, [member](TickRecord & r) -> auto& { return r.*member; }, units, names));
   };
-  add("q_m", &TickRecord::q_m, position);
+  out.push_back(perAxis<TickRecord, double>(
+      "q_m", [](TickRecord & r) -> auto& { return r.q_m; }, position, names));
   add("intention", &TickRecord::intention, position);
   add("patient_effort", &TickRecord::patient_effort, effort);
   add("qd_mf", &TickRecord::qd_mf, velocity);
@@ -179,23 +251,23 @@ void addExerciseColumns(std::vector<Column<TickRecord>>& out, const RecordingMet
       "wall", [](R & r) -> auto& { return r.exercise.wall; }, position, names));
   add(perAxis<R>(
       "wall_active", [](R & r) -> auto& { return r.exercise.wall_active; }, {"1"}, names));
-  add(number<R>(
+  add(single<R>(
       "alpha", "1", [](R & r) -> auto& { return r.exercise.alpha; }));
   add(number<R>(
       "palm_body", "1", [](R & r) -> auto& { return r.palm_body; }));
-  add(number<R>(
+  add(single<R>(
       "palm_target_distance_m", "m", [](R & r) -> auto& { return r.palm_target_distance_m; }));
   add(number<R>(
       "event_count", "1", [](R & r) -> auto& { return r.exercise.event_count; }));
   add(number<R>(
       "command_count", "1", [](R & r) -> auto& { return r.command_count; }));
   if (!meta.parameter_names.empty()) {
-    add(block<R>("parameters", meta.parameter_names.size(), {"see name"}, meta.parameter_names,
-                 [](R& r) { return r.parameters.data(); }));
+    add(block<R, double>("parameters", meta.parameter_names.size(), {"see name"},
+                         meta.parameter_names, [](R& r) { return r.parameters.data(); }));
   }
   if (!meta.value_names.empty()) {
-    add(block<R>("exercise_values", meta.value_names.size(), {"see name"}, meta.value_names,
-                 [](R& r) { return r.exercise.values.data(); }));
+    add(block<R, float>("exercise_values", meta.value_names.size(), {"see name"}, meta.value_names,
+                        [](R& r) { return r.exercise.values.data(); }));
   }
 }
 
@@ -211,11 +283,11 @@ std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
     add(perAxis<R>(
         "theta", [](R & r) -> auto& { return r.theta; }, {"m or rad"}, meta.joint_names));
   }
-  add(number<R>(
+  add(single<R>(
       "coupling_error_rad", "rad", [](R & r) -> auto& { return r.coupling_error_rad; }));
-  add(number<R>(
+  add(single<R>(
       "palm_distance_m", "m", [](R & r) -> auto& { return r.palm_distance_m; }));
-  add(number<R>(
+  add(single<R>(
       "authority", "1", [](R & r) -> auto& { return r.authority; }));
   add(number<R>(
       "body_count", "1", [](R & r) -> auto& { return r.body_count; }));
@@ -225,12 +297,10 @@ std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
   add(number<R>(
       "contacts_dropped", "1", [](R & r) -> auto& { return r.contacts_dropped; }));
   addExerciseColumns(out, meta);
-  if (meta.schema >= 3) {
-    add(number<R>(
-        "safety_state", "1", [](R & r) -> auto& { return r.safety_state; }));
-    add(number<R>(
-        "fault_axis", "1", [](R & r) -> auto& { return r.fault_axis; }));
-  }
+  add(number<R>(
+      "safety_state", "1", [](R & r) -> auto& { return r.safety_state; }));
+  add(number<R>(
+      "fault_axis", "1", [](R & r) -> auto& { return r.fault_axis; }));
   return out;
 }
 
@@ -261,12 +331,12 @@ std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta) {
       "index", "1", [](R & r) -> auto& { return r.command.index; }));
   add(number<R>(
       "value", "see type", [](R & r) -> auto& { return r.command.value; }));
-  add(perAxis<R>(
+  add(perAxis<R, double>(
       "aim", [](R & r) -> auto& { return r.command.aim; }, perUnit(meta.axis_units, "m", "rad"),
       meta.axis_names));
   if (meta.game_slots > 0) {
-    add(block<R>("numbers", kOrderNumbers, {"see type"}, {},
-                 [](R& r) { return r.command.numbers.data(); }));
+    add(block<R, double>("numbers", kOrderNumbers, {"see type"}, {},
+                         [](R& r) { return r.command.numbers.data(); }));
   }
   return out;
 }
@@ -285,25 +355,17 @@ std::vector<Column<ContactRow>> contactColumns() {
       "link", "1", [](R & r) -> auto& { return r.contact.link; }));
   add(number<R>(
       "body", "1", [](R & r) -> auto& { return r.contact.body; }));
-  add(block<R>("point_m", 3, {"m"}, xyz, [](R& r) { return &r.contact.point_m.x; }));
-  add(block<R>("normal", 3, {"1"}, xyz, [](R& r) { return &r.contact.normal.x; }));
-  add(block<R>("force_n", 3, {"N"}, xyz, [](R& r) { return &r.contact.force_n.x; }));
-  add(block<R>("torque_nm", 3, {"N·m"}, xyz, [](R& r) { return &r.contact.torque_nm.x; }));
-  add(number<R>(
+  add(block<R, float>("point_m", 3, {"m"}, xyz, [](R& r) { return &r.contact.point_m.x; }));
+  add(block<R, float>("normal", 3, {"1"}, xyz, [](R& r) { return &r.contact.normal.x; }));
+  add(block<R, float>("force_n", 3, {"N"}, xyz, [](R& r) { return &r.contact.force_n.x; }));
+  add(block<R, float>("torque_nm", 3, {"N·m"}, xyz, [](R& r) { return &r.contact.torque_nm.x; }));
+  add(single<R>(
       "distance_m", "m", [](R & r) -> auto& { return r.contact.distance_m; }));
   return out;
 }
 
-hdf5::Handle elementType(const ColumnShape& column, bool in_memory) {
-  const NumberType type = column.fileType();
-  const hid_t number = in_memory ? hdf5::memoryType(type) : hdf5::fileType(type);
-  if (!column.row_elements) return {H5Tcopy(number), H5Tclose};
-  const std::vector<hsize_t> dims(column.shape.begin(), column.shape.end());
-  return {H5Tarray_create2(number, static_cast<unsigned>(dims.size()), dims.data()), H5Tclose};
-}
-
 std::uint64_t chunkRows(double period_s) noexcept {
-  return static_cast<std::uint64_t>(std::clamp(std::round(0.25 / period_s), 25.0, 1000.0));
+  return static_cast<std::uint64_t>(std::clamp(std::round(1.0 / period_s), 25.0, 4000.0));
 }
 
 }  // namespace wholehand::recording

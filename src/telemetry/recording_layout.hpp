@@ -17,27 +17,12 @@ namespace wholehand::recording {
 /// One dataset: a row per tick (or per contact).
 struct ColumnShape {
   std::string name;
-  hdf5::NumberType type = hdf5::NumberType::kFloat64;
+  hdf5::NumberType type = hdf5::NumberType::kFloat32;
   std::vector<std::uint64_t> shape;  ///< of one row; empty for a scalar
   std::vector<std::string> units;    ///< one, or one per element of the last dimension
   std::vector<std::string> labels;   ///< one per element of a row's first dimension
   std::vector<std::string> columns;  ///< names along the last dimension when there are two
-  bool packed = false;               ///< the file stores differences from a prediction
-  /// A row is one element of the dataset, an HDF5 array: shuffle then gathers the same byte of the
-  /// same number of all rows.
-  bool row_elements = false;
 
-  /// Number type in the file.
-  [[nodiscard]] hdf5::NumberType fileType() const noexcept {
-    return packed ? hdf5::NumberType::kUint64 : type;
-  }
-  /// Shape of a row in the file, as dimensions of the dataset.
-  [[nodiscard]] std::vector<std::uint64_t> fileShape() const {
-    return row_elements ? std::vector<std::uint64_t>{} : shape;
-  }
-  [[nodiscard]] std::size_t elementBytes() const noexcept {
-    return row_elements ? rowBytes() : hdf5::byteSize(fileType());
-  }
   [[nodiscard]] std::size_t rowBytes() const noexcept {
     std::size_t n = hdf5::byteSize(type);
     for (std::uint64_t d : shape) n *= d;
@@ -70,9 +55,10 @@ struct CommandRow {
   Command command;
 };
 
-/// The datasets of /ticks for meta.schema, without datasets that would have no columns (no bodies,
-/// no joints).
+/// The datasets of /ticks, without those that would have no columns (no bodies, no joints).
 [[nodiscard]] std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta);
+/// The column of digests (core/tick_digest.hpp).
+inline constexpr const char* kDigest = "digest";
 /// The datasets of /contacts.
 [[nodiscard]] std::vector<Column<ContactRow>> contactColumns();
 /// The datasets of /events.
@@ -80,16 +66,7 @@ struct CommandRow {
 /// The datasets of /commands.
 [[nodiscard]] std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta);
 
-/// Those of the columns that the file contains.
-template <class Row>
-[[nodiscard]] std::vector<ColumnShape> shapesOf(const std::vector<Column<Row>>& columns) {
-  return {columns.begin(), columns.end()};
-}
-
-/// HDF5 type of an element of the dataset, in the file or in memory.
-[[nodiscard]] hdf5::Handle elementType(const ColumnShape& column, bool in_memory);
-
-/// Rows per chunk: about a quarter of a second, so that a write fills one chunk.
+/// Rows per chunk: a second, so that a write fills one chunk.
 [[nodiscard]] std::uint64_t chunkRows(double period_s) noexcept;
 inline constexpr std::uint64_t kContactChunkRows = 256;
 inline constexpr std::uint64_t kRareChunkRows = 64;  ///< events and commands

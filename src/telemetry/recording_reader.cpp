@@ -1,3 +1,4 @@
+#include "core/printable.hpp"
 #include "telemetry/black_box_reader.hpp"
 #include "telemetry/disk_reserve.hpp"
 #include "telemetry/hdf5_tables.hpp"
@@ -14,6 +15,8 @@
 #include <fstream>
 #include <optional>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace wholehand {
 namespace {
@@ -30,9 +33,6 @@ Diagnostic refusal(const std::string& path, std::string problem, std::string rem
 }
 
 constexpr const char* kGiveRecording = "give a .h5 file that `wholehand run --record` wrote";
-constexpr const char* kVariableTexts = "holds texts of variable length, which are not read";
-constexpr const char* kFixedTexts =
-    "write its texts with a fixed length (h5py: numpy.bytes_), or record anew";
 constexpr const char* kBrokenCopy =
     "copy it again from where it was recorded; what is missing cannot be restored";
 
@@ -58,12 +58,27 @@ Expected<bool> leftOpen(const std::string& path) {
   return head[8] >= 3 && (head[11] & kWriteBits) != 0;
 }
 
+/// Whether a child process can read the description: HDF5 1.10 crashes on damaged texts of variable
+/// length, which only other programs write.
+bool survivesReading(hid_t file, hid_t meta_group) {
+  constexpr unsigned kPatience_s = 10;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::alarm(kPatience_s);
+    RecordingMeta meta;
+    (void)recording::readMeta(file, meta_group, meta);
+    ::_exit(0);
+  }
+  int status = -1;
+  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
 class Hdf5Reader final : public RecordingReader {
  public:
-  /// @param chunks_at_once that are read around a tick
   /// @param marks a file that its writer left open as one that is read
-  Hdf5Reader(std::uint64_t chunks_at_once, bool marks, LeftOut left_out)
-      : chunks_at_once_(chunks_at_once), marks_(marks), left_out_(std::move(left_out)) {}
+  Hdf5Reader(bool marks, LeftOut left_out) : marks_(marks), left_out_(std::move(left_out)) {}
   /// Opens and checks. What is wrong, or Done.
   Expected<Done> open(const std::string& path, bool left_open);
   /// As RecordedTables. @pre it was opened
@@ -74,6 +89,8 @@ class Hdf5Reader final : public RecordingReader {
   [[nodiscard]] std::uint64_t size() const override { return tables_->size(); }
   [[nodiscard]] const RecordingOutline& outline() const override { return tables_->outline(); }
   bool read(std::uint64_t i, TickRecord& record) override { return tables_->read(i, record); }
+  [[nodiscard]] std::uint64_t digest() const override { return tables_->digest(); }
+  [[nodiscard]] bool isExact() const override { return false; }
 
  private:
   Expected<Done> readDescription(const std::string& path);
@@ -81,13 +98,14 @@ class Hdf5Reader final : public RecordingReader {
   Handle file_;
   RecordingMeta meta_;
   std::optional<recording::RecordedTables> tables_;
-  const std::uint64_t chunks_at_once_;
   const bool marks_;
   const LeftOut left_out_;
 };
 
 Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
-  const bool being_written = left_open && DiskReserve::isOpenElsewhere(path);
+  const auto writer = !left_open                           ? recording::WriterState::kClosed
+                      : DiskReserve::isOpenElsewhere(path) ? recording::WriterState::kWriting
+                                                           : recording::WriterState::kLeft;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access.get(), marks_ || !left_open, true);
   // HDF5 waits twice as long before each new attempt, from 1 ns on: of its usual 100 attempts at a
@@ -98,9 +116,9 @@ Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
   file_ = Handle(H5Fopen(path.c_str(), mode, access.get()), H5Fclose);
   if (!file_.ok()) return refusal(path, "is truncated or damaged", kBrokenCopy);
   if (auto described = readDescription(path); !described) return described;
-  tables_.emplace(meta_, chunks_at_once_, left_out_);
+  tables_.emplace(meta_, left_out_);
   recording::Hdf5Tables tables(file_.get());
-  if (const std::string problem = tables_->open(tables, being_written); !problem.empty()) {
+  if (const std::string problem = tables_->open(tables, writer); !problem.empty()) {
     return refusal(path, problem, kBrokenCopy);
   }
   return Done{};
@@ -110,26 +128,30 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
   const Handle group(H5Gopen2(file_.get(), "meta", H5P_DEFAULT), H5Gclose);
   std::string kind;
   std::uint64_t version = 0;
-  if (group.ok() && hdf5::hasVariableText(group.get())) {
-    return refusal(path, kVariableTexts, kFixedTexts);
+  if (group.ok() && recording::hasVariableText(file_.get()) &&
+      !survivesReading(file_.get(), group.get())) {
+    return refusal(path, "is damaged: its texts cannot be read", kBrokenCopy);
   }
   if (!group.ok() || !readAttribute(group.get(), "format", kind) || kind != recording::kFormat ||
       !readAttribute(group.get(), "schema_version", version)) {
     return refusal(path, "is an HDF5 file, but no Wholehand recording", kGiveRecording);
   }
-  if (version < kOldestRecordingSchema || version > kRecordingSchema) {
+  if (version != kRecordingSchema) {
     const bool newer = version > kRecordingSchema;
-    auto d = refusal(
-        path, newer ? "was written by a newer Wholehand" : "is of an unknown version",
-        "this program reads schema versions " + std::to_string(kOldestRecordingSchema) + " to " +
-            std::to_string(kRecordingSchema) + (newer ? "; update it" : "; record anew"));
+    std::string by;
+    const bool said = readAttribute(group.get(), "git_version", by) && isPrintable(by, 500);
+    auto d = refusal(path, newer ? "was written by a newer Wholehand" : "is of an earlier version",
+                     "this program reads schema version " + std::to_string(kRecordingSchema) +
+                         (newer ? "; update it"
+                                : "; record anew, or read it with a program of its time" +
+                                      (said ? ": " + by : "")));
     d.key = "schema_version";
     d.value = std::to_string(version);
     return d;
   }
-  meta_.schema = version;
-  if (!recording::readMeta(file_.get(), group.get(), meta_)) {
-    return refusal(path, "is truncated or damaged: its description cannot be read", kBrokenCopy);
+  const std::string unread = recording::readMeta(file_.get(), group.get(), meta_);
+  if (!unread.empty()) {
+    return refusal(path, "is truncated or damaged: " + unread + " cannot be read", kBrokenCopy);
   }
   if (const std::string reason = recording::unusable(meta_); !reason.empty()) {
     return refusal(path, "is damaged: its description " + reason, kBrokenCopy);
@@ -137,13 +159,12 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
   return Done{};
 }
 
-Expected<std::unique_ptr<Hdf5Reader>> openHdf5(const std::string& path,
-                                               std::uint64_t chunks_at_once, bool marks,
+Expected<std::unique_ptr<Hdf5Reader>> openHdf5(const std::string& path, bool marks,
                                                const LeftOut& left_out) {
   hdf5::beginHdf5();
   const auto left_open = leftOpen(path);
   if (!left_open) return left_open.errors();
-  auto reader = std::make_unique<Hdf5Reader>(chunks_at_once, marks, left_out);
+  auto reader = std::make_unique<Hdf5Reader>(marks, left_out);
   if (auto opened = reader->open(path, *left_open); !opened) return opened.errors();
   return reader;
 }
@@ -156,7 +177,7 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
     if (!box) return box.errors();
     return Expected<std::unique_ptr<RecordingReader>>(std::move(*box));
   }
-  auto reader = openHdf5(path, 1, true, {});
+  auto reader = openHdf5(path, true, {});
   if (!reader) return reader.errors();
   // The last rows lie at the end of the file: a copy that stopped early shows here.
   if (!(*reader)->endsWhole()) {
@@ -165,9 +186,8 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
   return Expected<std::unique_ptr<RecordingReader>>(std::move(*reader));
 }
 
-Expected<ViewedRecording> viewRecording(const std::string& path, std::uint64_t chunks_at_once,
-                                        const LeftOut& left_out) {
-  auto reader = openHdf5(path, chunks_at_once, false, left_out);
+Expected<ViewedRecording> viewRecording(const std::string& path, const LeftOut& left_out) {
+  auto reader = openHdf5(path, false, left_out);
   if (!reader) return reader.errors();
   ViewedRecording viewed;
   const auto& numbers = (*reader)->outline().numbers;
@@ -175,6 +195,38 @@ Expected<ViewedRecording> viewRecording(const std::string& path, std::uint64_t c
   viewed.unreadable_from_tick = (*reader)->leaveOutDamagedEnd();
   viewed.reader = std::move(*reader);
   return viewed;
+}
+
+Diagnostics notShown(const ViewedRecording& viewed, const UnreadTicks& unread,
+                     const std::string& path) {
+  Diagnostics all;
+  const RecordingOutline& outline = viewed.reader->outline();
+  if (!outline.flaw.empty()) {
+    all.push_back(refusal(path, "is damaged: " + outline.flaw, kBrokenCopy));
+  }
+  if (outline.contradicted_tick) {
+    all.push_back(refusal(path,
+                          "is damaged: tick " + std::to_string(*outline.contradicted_tick) + " " +
+                              outline.contradiction,
+                          kBrokenCopy));
+  }
+  if (outline.missing > 0) {
+    all.push_back(refusal(path,
+                          "is not whole: " + std::to_string(outline.missing) +
+                              (outline.missing == 1 ? " tick is missing" : " ticks are missing"),
+                          "where a .inputs file stands beside it, `wholehand replay` makes the "
+                          "recording again of that"));
+  }
+  if (unread.count > 0) {
+    all.push_back(unreadable(path, unread.first, viewed.reader->size()));
+  }
+  if (viewed.unreadable_from_tick) {
+    all.push_back(refusal(path,
+                          "is damaged: nothing can be read from tick " +
+                              std::to_string(*viewed.unreadable_from_tick) + " on",
+                          kBrokenCopy));
+  }
+  return all;
 }
 
 std::uint64_t missingBetween(std::uint64_t before, std::uint64_t tick,

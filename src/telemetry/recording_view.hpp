@@ -18,7 +18,7 @@ struct ViewedRecording {
   std::uint64_t last_tick = 0;  ///< number of the last tick, which may be unreadable
 };
 
-/// Datasets that a reader of plots skips: their numbers stay as in an empty record.
+/// Datasets that a reader skips, and that may be missing: their numbers stay as in an empty record.
 struct LeftOut {
   std::vector<std::string> of_ticks, of_contacts;
 };
@@ -27,10 +27,16 @@ struct LeftOut {
 /// Refuses black boxes. A file that is being written, or whose writer was killed, is not marked as
 /// read, so that a later reader can still tell these two cases apart
 /// (RecordingOutline::being_written).
-/// @param chunks_at_once quarters of a second read around a tick: 1 for random access, more for
-/// sequential reading
 [[nodiscard]] Expected<ViewedRecording> viewRecording(const std::string& path,
-                                                      std::uint64_t chunks_at_once,
                                                       const LeftOut& left_out = {});
+
+/// Ticks of a recording that read() refused.
+struct UnreadTicks {
+  std::uint64_t count = 0, first = 0;  ///< `first`: the place of the first one
+};
+
+/// What of a recording is not shown, and why; empty: all of it is.
+[[nodiscard]] Diagnostics notShown(const ViewedRecording& viewed, const UnreadTicks& unread,
+                                   const std::string& path);
 
 }  // namespace wholehand

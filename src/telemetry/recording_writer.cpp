@@ -1,4 +1,5 @@
 #include "files/durable_file.hpp"
+#include "telemetry/input_journal.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_file.hpp"
@@ -15,8 +16,8 @@ namespace {
 using recording::RecordingFile;
 using Clock = std::chrono::steady_clock;
 
-/// Rows older than this are written although their chunk is not full: a kill costs less than 1 s.
-constexpr auto kOldest = std::chrono::milliseconds(400);
+/// Rows older than this are written although their chunk is not full: a kill costs less than 1.5 s.
+constexpr auto kOldest = std::chrono::milliseconds(1200);
 /// How long a disk that took nothing is left alone before writing is tried again.
 constexpr auto kRetryAfter = std::chrono::milliseconds(100);
 
@@ -51,6 +52,7 @@ class Hdf5Writer final : public RecordingWriter {
   const RecordingMeta meta_;
   const std::uint64_t most_pending_;
   std::unique_ptr<RecordingFile> file_;  ///< null: closed, or never created
+  std::unique_ptr<InputJournal> journal_;
   int part_ = 1;
   bool refused_ = false;                            ///< the disk refused a write to this file
   std::uint64_t ended_rows_ = 0, ended_bytes_ = 0;  ///< of the parts before this one
@@ -61,17 +63,20 @@ class Hdf5Writer final : public RecordingWriter {
 };
 
 std::string Hdf5Writer::create() {
-  std::string problem = file_->create(path_, meta_);
+  std::string problem = InputJournal::create(InputJournal::pathOf(path_), meta_, journal_);
+  if (problem.empty()) problem = file_->create(path_, meta_);
   if (problem.empty()) {
     bytes_ = file_->bytes();
   } else {
     file_.reset();
+    if (journal_) journal_->remove();
   }
   return problem;
 }
 
 bool Hdf5Writer::append(const TickRecord& record) {
   hdf5::beginHdf5();
+  if (journal_) journal_->append(record);
   if (file_ == nullptr || (file_->pending() >= most_pending_ && !writeOut())) {
     ++dropped_;
     return false;
@@ -138,6 +143,10 @@ void Hdf5Writer::close() {
   dropped_ += file_->pending();
   endFile();
   file_.reset();
+  if (journal_ && dropped_ > 0) journal_->flush();
+  // What could not be recorded can be made again by its inputs.
+  if (journal_ && dropped_ == 0) journal_->remove();
+  journal_.reset();
 }
 
 }  // namespace

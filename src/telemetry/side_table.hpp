@@ -1,5 +1,6 @@
 #pragma once
 
+#include "telemetry/recording_layout.hpp"
 #include "telemetry/table_reader.hpp"
 
 #include <algorithm>
@@ -14,22 +15,15 @@ class SideTable {
  public:
   explicit SideTable(std::vector<Column<Row>> columns) : table(std::move(columns)) {}
 
-  /// Adds a block from the index, which ends at this row.
-  void addBlock(std::uint64_t end) {
-    blocks_.push_back({blocks_.empty() ? 0 : blocks_.back().end(), 0});
-    blocks_.back().count = end - blocks_.back().first;
-  }
-  /// Finds the rows of the following blocks up to row `ticks` of /ticks. Until the next load(),
-  /// their assignment to ticks is known.
-  bool findBlocks(std::uint64_t ticks, std::uint64_t block_rows) {
+  /// Finds the rows of every block of /ticks, which has so many rows. Until the next load(), their
+  /// assignment to ticks is known. Rows that cannot be read belong to no tick.
+  void findBlocks(std::uint64_t ticks, std::uint64_t block_rows) {
     std::vector<std::uint64_t> owners;
-    const std::uint64_t first_row = blocks_.empty() ? 0 : blocks_.back().end();
-    if (!table.read("row", first_row, table.rows() - first_row, owners)) return false;
-    assign(owners, first_row, std::min(ticks, blocks_.size() * block_rows), ticks);
-    for (std::uint64_t tick = first_tick_; tick < ticks; tick += block_rows) {
+    table.readSound("row", kContactChunkRows, UINT64_MAX, owners);
+    assign(owners, 0, 0, ticks);
+    for (std::uint64_t tick = 0; tick < ticks; tick += block_rows) {
       blocks_.push_back(rowsOf(tick, std::min(ticks, tick + block_rows)));
     }
-    return true;
   }
   /// True when all rows of that tick are present. @pre it was found or loaded
   [[nodiscard]] bool isWhole(std::uint64_t tick, std::int32_t count, int most) const {
@@ -72,8 +66,8 @@ class SideTable {
     [[nodiscard]] std::uint64_t end() const noexcept { return first + count; }
   };
 
-  /// Assigns rows to ticks. Rows that never reached the disk belong to no tick: they hold
-  /// UINT64_MAX, or in older files 0 after rows of later ticks.
+  /// Assigns rows to ticks. Rows that never reached the disk hold UINT64_MAX and belong to no tick,
+  /// nor do those of an earlier tick than the one before.
   void assign(const std::vector<std::uint64_t>& owners, std::uint64_t first_row,
               std::uint64_t first_tick, std::uint64_t end_tick) {
     first_tick_ = first_tick;

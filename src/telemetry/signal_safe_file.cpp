@@ -17,7 +17,7 @@ int SignalSafeFile::create(const char* temporary, const char* path) noexcept {
   error_ = 0;
   crc_ = 0;
   used_ = 0;
-  fd_ = ::open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  fd_ = ::open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd_ < 0) error_ = errno;
   return error_;
 }

@@ -12,7 +12,7 @@ namespace wholehand {
 /// copy.
 class SignalSafeFile {
  public:
-  /// Creates the temporary file. Returns 0 or an errno.
+  /// Creates the temporary file, which must not be there yet. Returns 0 or an errno.
   /// @param temporary renamed to `path` by close() @pre both are zero-terminated and outlive this
   [[nodiscard]] int create(const char* temporary, const char* path) noexcept;
   /// Writes data. After a failure nothing more is written, and close() reports it.

@@ -125,10 +125,10 @@ Expected<Handle> openSweep(const std::string& path) {
 
 Expected<Done> writeSweepFile(const SweepFile& sweep, const std::string& path) {
   hdf5::beginHdf5();
-  const std::string temporary = path + "." + std::to_string(::getpid()) + ".tmp";
+  const std::string temporary = path + "." + randomName() + ".tmp";
   bool written = false;
   {
-    const Handle file(::H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+    const Handle file(::H5Fcreate(temporary.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT),
                       ::H5Fclose);
     written =
         file.ok() && writeAll(file.get(), sweep) && ::H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0;

@@ -1,12 +1,12 @@
 #pragma once
 
-#include "telemetry/prediction.hpp"
 #include "telemetry/recording_layout.hpp"
 #include "telemetry/table_source.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -22,39 +22,35 @@ class TableReader {
       : columns_(std::move(columns)), left_out_(columns_.size()), buffers_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
-  /// Unpacks these columns, chunk by chunk. Before open().
-  void unpack(std::vector<Prediction> predictions, std::uint64_t chunk_rows) {
-    predictions_ = std::move(predictions);
-    chunk_rows_ = chunk_rows;
-    for (const Prediction& p : predictions_) {
-      columns_[p.column].packed = true;
-      columns_[p.column].row_elements = p.row_elements;
-    }
-  }
-
-  /// Skips these columns: their numbers are zero. Before load(). A column that the prediction of a
-  /// read column uses must not be among them.
+  /// Skips these columns, which the file need not have: their numbers are zero. Before open().
   void leaveOut(const std::vector<std::string>& names);
 
   /// Opens every dataset of the table. Returns the error, or an empty text.
   std::string open(std::unique_ptr<TableSource> source);
+  /// What the datasets contradict each other in, or which one of those left out is missing; empty:
+  /// nothing. E.g. "has 99 rows of 'sent', 100 of 'tick'".
+  [[nodiscard]] const std::string& flaw() const noexcept { return flaw_; }
   /// Number of rows that every dataset has: after a killed writer some are a little longer.
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
-  /// Loads the rows first .. first+count-1 for get(). @pre when columns are packed, first is the
-  /// first row of a chunk
+  /// Loads the rows first .. first+count-1 for get().
   bool load(std::uint64_t first, std::uint64_t count);
   /// Copies the i-th row of the file. @pre it is loaded
   void get(std::uint64_t i, Row& row) const;
   [[nodiscard]] bool holds(std::uint64_t i) const noexcept {
     return i >= first_ && i < first_ + count_;
   }
-  /// Reads `count` rows of a dataset by name. False when they cannot be read. @pre one number of
-  /// type T per row, not packed; first + count <= rows()
+  /// Reads a dataset by name, one number of type T per row. What cannot be read is `unknown`,
+  /// `step` rows at a time. Returns how many these are.
   template <class T>
-  bool read(const std::string& name, std::uint64_t first, std::uint64_t count, std::vector<T>& out);
-  /// The loaded rows of a dataset by name. @pre as read()
+  std::uint64_t readSound(const std::string& name, std::uint64_t step, T unknown,
+                          std::vector<T>& out);
+  /// The loaded rows of a dataset by name. @pre as readSound()
   template <class T>
   bool loaded(const std::string& name, std::vector<T>& out) const;
+  /// One number of the i-th row by its dataset; T() where it is left out. @pre as readSound(),
+  /// loaded
+  template <class T>
+  [[nodiscard]] T number(const std::string& name, std::uint64_t i) const;
 
  private:
   bool readColumn(std::size_t c, std::uint64_t first, std::uint64_t count,
@@ -66,22 +62,34 @@ class TableReader {
   std::vector<Column<Row>> columns_;
   std::vector<std::size_t> row_bytes_;
   std::vector<bool> left_out_;
-  std::vector<Prediction> predictions_;
-  std::uint64_t chunk_rows_ = 1;
-  RowBytes buffers_;
+  std::vector<std::vector<std::byte>> buffers_;
   std::unique_ptr<TableSource> source_;  ///< its i-th dataset is the i-th column's
   std::uint64_t rows_ = 0, first_ = 0, count_ = 0;
+  std::string flaw_;
 };
 
 template <class Row>
 std::string TableReader<Row>::open(std::unique_ptr<TableSource> source) {
   source_ = std::move(source);
   rows_ = UINT64_MAX;
-  for (const Column<Row>& column : columns_) {
+  std::uint64_t most = 0;
+  std::string shortest, longest;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
     std::uint64_t rows = 0;
-    std::string problem = source_->open(column, rows);
-    if (!problem.empty()) return problem;
+    std::string problem = source_->open(columns_[c], rows);
+    if (!problem.empty()) {
+      if (!left_out_[c]) return problem;
+      flaw_ = problem;
+      continue;
+    }
+    if (rows < rows_) shortest = columns_[c].name;
+    if (rows > most) longest = columns_[c].name;
     rows_ = std::min(rows_, rows);
+    most = std::max(most, rows);
+  }
+  if (rows_ < most) {
+    flaw_ = "has " + std::to_string(rows_) + " rows of '" + shortest + "', " +
+            std::to_string(most) + " of '" + longest + "'";
   }
   return {};
 }
@@ -91,7 +99,6 @@ void TableReader<Row>::leaveOut(const std::vector<std::string>& names) {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (std::find(names.begin(), names.end(), columns_[c].name) != names.end()) left_out_[c] = true;
   }
-  std::erase_if(predictions_, [this](const Prediction& p) { return left_out_[p.column]; });
 }
 
 template <class Row>
@@ -104,7 +111,6 @@ bool TableReader<Row>::load(std::uint64_t first, std::uint64_t count) {
       return false;
     }
   }
-  unpackRows(predictions_, buffers_, row_bytes_, chunk_rows_, count);
   first_ = first;
   count_ = count;
   return true;
@@ -126,16 +132,38 @@ void copyNumbers(const std::vector<std::byte>& bytes, std::vector<T>& out) {
 
 template <class Row>
 template <class T>
-bool TableReader<Row>::read(const std::string& name, std::uint64_t first, std::uint64_t count,
-                            std::vector<T>& out) {
+std::uint64_t TableReader<Row>::readSound(const std::string& name, std::uint64_t step, T unknown,
+                                          std::vector<T>& out) {
+  out.assign(rows_, unknown);
+  std::uint64_t unread = 0;
+  std::vector<std::byte> bytes;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    if (columns_[c].name != name) continue;
-    std::vector<std::byte> bytes;
-    if (!readColumn(c, first, count, bytes)) return false;
-    copyNumbers(bytes, out);
-    return true;
+    if (columns_[c].name != name || left_out_[c]) continue;
+    if (readColumn(c, 0, rows_, bytes)) {
+      copyNumbers(bytes, out);
+      return 0;
+    }
+    for (std::uint64_t first = 0; first < rows_; first += step) {
+      const std::uint64_t count = std::min(step, rows_ - first);
+      if (readColumn(c, first, count, bytes)) {
+        std::copy_n(bytes.data(), bytes.size(), reinterpret_cast<std::byte*>(out.data() + first));
+      } else {
+        unread += count;
+      }
+    }
   }
-  return false;
+  return unread;
+}
+
+template <class Row>
+template <class T>
+T TableReader<Row>::number(const std::string& name, std::uint64_t i) const {
+  T value{};
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].name != name || left_out_[c]) continue;
+    std::memcpy(&value, buffers_[c].data() + (i - first_) * row_bytes_[c], sizeof value);
+  }
+  return value;
 }
 
 template <class Row>

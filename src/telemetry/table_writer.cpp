@@ -36,8 +36,8 @@ Handle createDataset(hid_t group, const ColumnShape& column, std::uint64_t chunk
   H5Pset_chunk_cache(access.get(), 521,
                      std::max<std::size_t>(column.rowBytes() * chunk_rows * 2, 1U << 16U), 1.0);
   Handle dataset(
-      H5Dcreate2(group, column.name.c_str(), elementType(column, false).get(), space.get(),
-                 H5P_DEFAULT, creationProperties(column, chunk_rows).get(), access.get()),
+      H5Dcreate2(group, column.name.c_str(), hdf5::fileType(column.type), space.get(), H5P_DEFAULT,
+                 creationProperties(column, chunk_rows).get(), access.get()),
       H5Dclose);
   if (!dataset.ok()) return {};
   const hid_t id = dataset.get();

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "telemetry/dataset_rows.hpp"
-#include "telemetry/prediction.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -16,23 +15,12 @@ template <class Row>
 class TableWriter {
  public:
   TableWriter(std::vector<Column<Row>> columns, std::uint64_t chunk_rows)
-      : columns_(std::move(columns)),
-        chunk_rows_(chunk_rows),
-        buffers_(columns_.size()),
-        packed_(columns_.size()) {
+      : columns_(std::move(columns)), chunk_rows_(chunk_rows), buffers_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
   /// Begins a chunk with every write: a chunk that grows is compressed anew, at another place of
   /// the file. The rows in between stay unwritten.
   void beginChunks() noexcept { begins_chunks_ = true; }
-  /// Packs these columns from now on.
-  void pack(std::vector<Prediction> predictions) {
-    predictions_ = std::move(predictions);
-    for (const Prediction& p : predictions_) {
-      columns_[p.column].packed = true;
-      columns_[p.column].row_elements = p.row_elements;
-    }
-  }
 
   /// Creates the datasets with their attributes in `group`.
   bool create(hid_t group);
@@ -58,17 +46,12 @@ class TableWriter {
   [[nodiscard]] std::uint64_t pendingBytes() const noexcept;
 
  private:
-  void forget(std::uint64_t rows);
-
   std::vector<Column<Row>> columns_;
   std::uint64_t chunk_rows_;
   std::vector<std::size_t> row_bytes_;
-  std::vector<Prediction> predictions_;
-  RowBytes buffers_;  ///< committed rows of the current chunk, then the buffered rows
-  RowBytes packed_;   ///< buffered rows of packed columns
+  std::vector<std::vector<std::byte>> buffers_;  ///< buffered rows, by column
   std::vector<hdf5::Handle> datasets_;
   std::uint64_t written_ = 0, pending_ = 0;
-  std::uint64_t begun_ = 0;  ///< committed rows in the buffers
   bool begins_chunks_ = false;
 };
 
@@ -98,11 +81,10 @@ void TableWriter<Row>::push(const Row& row) {
 template <class Row>
 bool TableWriter<Row>::write() {
   if (pending_ == 0) return true;
-  packRows(predictions_, buffers_, row_bytes_, chunk_rows_, begun_, begun_ + pending_, packed_);
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    const std::byte* rows =
-        columns_[i].packed ? packed_[i].data() : buffers_[i].data() + begun_ * row_bytes_[i];
-    if (!writeRows(datasets_[i].get(), columns_[i], written_, pending_, rows)) return false;
+    if (!writeRows(datasets_[i].get(), columns_[i], written_, pending_, buffers_[i].data())) {
+      return false;
+    }
   }
   return true;
 }
@@ -111,23 +93,12 @@ template <class Row>
 void TableWriter<Row>::commit() {
   written_ += pending_;
   if (begins_chunks_) written_ += (chunk_rows_ - written_ % chunk_rows_) % chunk_rows_;
-  begun_ += pending_;
   pending_ = 0;
-  forget(predictions_.empty() ? begun_ : begun_ - written_ % chunk_rows_);
-}
-
-template <class Row>
-void TableWriter<Row>::forget(std::uint64_t rows) {
-  for (std::size_t i = 0; i < columns_.size(); ++i) {
-    const auto begin = buffers_[i].begin();
-    buffers_[i].erase(begin, begin + static_cast<std::ptrdiff_t>(rows * row_bytes_[i]));
-  }
-  begun_ -= rows;
+  for (std::vector<std::byte>& rows : buffers_) rows.clear();
 }
 
 template <class Row>
 void TableWriter<Row>::takeRowsOf(TableWriter& other, std::uint64_t ticks) {
-  other.forget(other.begun_);
   buffers_.swap(other.buffers_);
   std::swap(pending_, other.pending_);
   for (std::size_t i = 0; i < columns_.size(); ++i) {

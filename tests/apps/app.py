@@ -27,6 +27,7 @@ MOTION = SOURCE / "data/human-motion/reach-grasp-00.csv"
 FREE_RUN = ("run", "--motion", MOTION)
 
 DONE, DIFFERENT, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
+NOT_WHOLE = 1  # replay, report: not all of the recording is shown
 STOP_REQUESTED = 1 << 10  # docs/recording.md, bits of `faults`
 
 
@@ -145,11 +146,12 @@ def lose_ticks(path, begin, end):
     """Makes these ticks of a recording ones that never reached the disk: how many rows it has."""
     import h5py
     import numpy
+    never = numpy.uint64(2**64 - 1)  # docs/recording.md
     with h5py.File(path, "r+", libver="latest") as f:
-        f["ticks/tick"][begin:end] = numpy.uint64(2**64 - 1)  # docs/recording.md
+        f["ticks/tick"][begin:end] = never
         f["ticks/contact_count"][begin:end] = 0
         rows = f["contacts/row"][:]
-        rows[(rows >= begin) & (rows < end)] = 0
+        rows[(rows >= begin) & (rows < end)] = never
         f["contacts/row"][:] = rows
         return len(f["ticks/tick"])
 

@@ -10,31 +10,37 @@ import zlib
 from app import HANG_S
 
 # protocol/wholehand.fbs: members of the unions Order and Payload, from 1.
-ARM, STOP, EMERGENCY_STOP, AIM, STEER, ACTION, TAKE_CONTROLS, HEARTBEAT = 1, 2, 3, 6, 7, 8, 9, 11
+ARM, STOP, EMERGENCY_STOP, SET_PARAMETER, AIM, STEER, ACTION, TAKE_CONTROLS, HEARTBEAT, SAVE_PROFILE = \
+    1, 2, 3, 5, 6, 7, 8, 9, 11, 13
 WORLD_STATE, SCENE, WELCOME, REPLY, COMMAND = 1, 2, 4, 6, 7
 ENDINGS, DEVICE_STATE = 32, 33  # fields of WorldState
 PERSON = 1
 
 
 def encode(table):
-    """A finished buffer. A table is a list of its fields: (struct format, number), a table, or the floats of a vector
-    as bytes; every field is given."""
+    """A finished buffer. A table is a list of its fields: (struct format, number), a table, a text, or the floats of a
+    vector as bytes; every field is given."""
     buffer = bytearray(struct.pack("<I4s", 0, b"WHND"))
     struct.pack_into("<I", buffer, 0, _put(buffer, table))
     return bytes(buffer)
 
 
 def _put(buffer, fields):
+    slot = 8 if any(isinstance(field, tuple) and struct.calcsize(field[0]) == 8 for field in fields) else 4
     vtable = len(buffer)
-    buffer += struct.pack("<HH", 4 + 2 * len(fields), 4 + 4 * len(fields))
-    buffer += b"".join(struct.pack("<H", 4 + 4 * i) for i in range(len(fields)))
-    buffer += bytes(-len(buffer) % 4)
+    buffer += struct.pack("<HH", 4 + 2 * len(fields), slot + slot * len(fields))
+    buffer += b"".join(struct.pack("<H", slot + slot * i) for i in range(len(fields)))
+    buffer += bytes(-len(buffer) % slot)
     at = len(buffer)
-    buffer += struct.pack("<i", at - vtable) + bytes(4 * len(fields))
+    buffer += struct.pack("<i", at - vtable).ljust(slot, b"\0") + bytes(slot * len(fields))
     for i, field in enumerate(fields):
-        place = at + 4 + 4 * i
+        place = at + slot + slot * i
         if isinstance(field, list):
             struct.pack_into("<I", buffer, place, _put(buffer, field) - place)
+        elif isinstance(field, str):
+            buffer += bytes(-len(buffer) % 4)
+            struct.pack_into("<I", buffer, place, len(buffer) - place)
+            buffer += struct.pack("<I", len(field.encode())) + field.encode() + b"\0"
         elif isinstance(field, bytes):
             buffer += bytes(-len(buffer) % 4)
             struct.pack_into("<I", buffer, place, len(buffer) - place)

@@ -1,5 +1,7 @@
 """`wholehand run` at the cocktail bar: a level is played by the virtual patient, and played again."""
 
+import numpy
+
 from app import DONE, AppTest, main, read_recording
 
 LEVER_M = 0.08  # of fingers and thumb, config/devices/lambda-pride.toml
@@ -49,7 +51,7 @@ class Level(AppTest):
         # One drink of 40 ml, 6 ml of tolerance: the shipped file.
         self.assertAlmostEqual(last["poured_total_l"], 0.040, delta=0.006)
         self.assertEqual(last["spilt_l"], 0.0)
-        self.assertEqual(events["value"][-1], last["score"])
+        self.assertAlmostEqual(events["value"][-1], last["score"], delta=1e-5)  # single precision
         self.assertGreaterEqual(last["score"], 70)  # accuracy at least 0.8, nothing spilt: 95 · 0.8 − 0
 
     def test_run_again_every_bit_is_the_same(self):
@@ -59,8 +61,8 @@ class Level(AppTest):
         values = self.values(self.open())
         left = sum(column for name, column in values.items() if name.startswith("left_l/"))
         there = values["poured_total_l"] + values["spilt_l"] + left
-        self.assertLess(abs(there - 0.35).max(), 1e-9)  # start_l of the only dispenser
-        self.assertTrue((values["start_total_l"] == 0.35).all())
+        self.assertLess(abs(there - 0.35).max(), 1e-7)  # start_l of the only dispenser; single precision
+        self.assertTrue((values["start_total_l"] == numpy.float32(0.35)).all())
         for name in ("poured_total_l", "spilt_l"):  # nothing flows back
             self.assertTrue((values[name][1:] >= values[name][:-1]).all(), name)
         self.assertGreater(values["poured_total_l"][-1], 0.0)
@@ -73,7 +75,7 @@ class Level(AppTest):
         flow = values["flow_l_s"]
         law = (0.0048 * (values["squeeze_n"] - 1.0)).clip(0.0, 0.02)
         self.assertGreater((flow > 0).sum(), 1000)
-        self.assertLess(abs(flow - law)[flow > 0].max(), 1e-9)
+        self.assertLess(abs(flow - law)[flow > 0].max(), 1e-8)
 
     def test_wall_never_pulls(self):
         recording = self.open()
@@ -101,7 +103,7 @@ class Level(AppTest):
             push = LEVER_M**2 * (100.0 * depth + 0.11 * ticks["qd_mf"][:, axis])
             expected = -ticks["alpha"] * push.clip(0.0, 0.9 * 0.8)
             expected[(depth <= 0.0) | (ticks["wall_active"][:, axis] == 0.0)] = 0.0
-            self.assertLess(abs(ticks["exercise_effort"][:, axis] - expected).max(), 1e-12)
+            self.assertLess(abs(ticks["exercise_effort"][:, axis] - expected).max(), 1e-7)  # single precision
 
     def test_other_virtual_patient_is_another_person(self):
         def positions(seed):

@@ -64,46 +64,6 @@ class Certify(AppTest):
         self.assertAlmostEqual(certificate["axes"][0]["viscous_limit"], 2 * 6 * 4000)
         self.certify("--rate-hz", "250", code=NOT_CERTIFIED)
 
-    def test_physics_at_a_divisor_is_judged_and_its_cost_is_named(self):
-        gains = self.gains(("physics_divisor = 1", "physics_divisor = 4"))
-        result, certificate = self.certify("--rendering", gains, "--rate-hz", "4000")
-        _, undivided = self.certify("--rate-hz", "4000")
-        self.assertEqual((certificate["physics_divisor"], undivided["physics_divisor"]), (4, 1))
-        self.assertIn("Certified at 4000 Hz, physics at 1000 Hz, with a margin of", result.out)
-        self.assertIn("physics_divisor costs", result.out)
-        for divided, whole in zip(certificate["axes"], undivided["axes"]):
-            self.assertGreaterEqual(divided["damping_required"], whole["damping_required"])
-            costs = divided["divisor_costs"]
-            self.assertEqual(costs["undivided_k_pm"], whole["admitted_k_pm"]["4000"])
-            self.assertLess(0, costs["k_pm"])
-            self.assertLessEqual(costs["k_pm"], costs["undivided_k_pm"])
-            self.assertNotIn("divisor_costs", whole)
-        # At what it admits, and just above it. (The device's slew limit asks for less in both.)
-        for share in (1.0, 1.05):
-            k_pm = f"k_pm_n_m = {share * certificate['axes'][0]['admitted_k_pm']['4000']:.6g}"
-            stiff = self.gains(("physics_divisor = 1", "physics_divisor = 4"), ("k_pm_n_m = 1000.0", k_pm), name="stiff.toml")
-            _, judged = self.certify("--rendering", stiff, "--rate-hz", "4000", code=NOT_CERTIFIED)
-            self.assertEqual("damping" in judged["axes"][0]["fails"], share > 1.0)
-
-    def test_divisor_that_does_not_fit_is_refused(self):
-        gains = self.gains(("physics_divisor = 1", "physics_divisor = 3"))
-        for command in (["certify"], ["run", "--simulated-clock", "--duration", "0.1"]):
-            self.expect_refused(self.run_app(*command, "--rendering", gains), "physics_divisor = 3",
-                                "does not divide 1000 Hz", "must be one of 1, 2, 4, 5, 8")
-        self.certify("--rendering", gains, "--rate-hz", "3000")
-        far = self.gains(("physics_divisor = 1", "physics_divisor = 9"), name="far.toml")
-        self.expect_refused(self.run_app("certify", "--rendering", far), "physics_divisor", "8")
-        slow = self.gains(("physics_divisor = 1", "physics_divisor = 8"), name="slow.toml")
-        run = ["run", "--simulated-clock", "--duration", "0.1", "--rendering"]
-        self.expect_refused(self.run_app(*run, slow), "lets the simulated hand ring", "or run at 1792 Hz or faster")
-        self.expect_refused(self.run_app(*run, slow, "--rate-hz", "2000"), "not certified (coupled)")
-        stiff = self.gains(("physics_divisor = 1", "physics_divisor = 4"), ("k_pm_n_m = 1000.0", "k_pm_n_m = 1400.0"),
-                           name="stiff.toml")
-        self.expect_refused(self.run_app(*run, stiff), "x.k_pm_n_m", "not certified (damping", "physics at every 4th tick")
-        two = self.gains(("physics_divisor = 1", "physics_divisor = 2"), name="two.toml")
-        self.expect_refused(self.run_app("certify", "--impedance", "--rendering", two), "physics_divisor = 2",
-                            "measure with physics_divisor = 1")
-
     def test_gains_that_are_too_stiff_name_axis_and_remedy_and_the_remedy_passes(self):
         hot = self.gains(("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0"))
         result, certificate = self.certify("--rendering", hot, code=NOT_CERTIFIED)

@@ -10,7 +10,7 @@ import sys
 import h5py
 import numpy
 
-from app import BAD_INPUT, BINARY, CONFIG, DONE, FREE_RUN, HANG_S, AppTest, main
+from app import BAD_INPUT, BINARY, CONFIG, DONE, FREE_RUN, HANG_S, NOT_WHOLE, AppTest, main
 
 FAILED = 4
 NEVER = numpy.uint64(2**64 - 1)  # docs/recording.md: a tick that never reached the disk
@@ -23,18 +23,23 @@ class DamagedRecording(AppTest):
     def test_one_spoiled_chunk_is_told_by_all_that_reads_it(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r") as f:
-            chunk = f["ticks/rendered"].id.get_chunk_info(4)
+            chunk = f["ticks/rendered"].id.get_chunk_info(1)
             first = chunk.chunk_offset[0] + 1
             ticks = len(f["ticks/tick"])
         whole = bytearray(path.read_bytes())
         for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
             whole[at] ^= 0xFF
         path.write_bytes(whole)
-        for arguments in self.commands(path):
+        for arguments, code in zip(self.commands(path), (NOT_WHOLE, BAD_INPUT)):
             with self.subTest(" ".join(map(str, arguments))):
-                result = self.run_app(*arguments)
-                self.expect_refused(result, "run.h5", f"tick {first} of {ticks} cannot be read", "copy it again")
+                result = self.expect(self.run_app(*arguments), code)
+                for text in ("run.h5", f"tick {first} of {ticks} cannot be read", "copy it again"):
+                    self.assertIn(text, result.err)
                 self.assertNotIn("the same", result.out)
+        # The chunks before and behind it are shown: a line for each 0.1 s, none for the chunk of a second.
+        lines = self.run_app(*self.commands(path)[0]).out.splitlines()[1:]
+        shown = [round(10 * float(line.split()[0])) for line in lines if "missing" not in line]
+        self.assertEqual(shown, [tenth for tenth in range((ticks + 99) // 100) if not 10 <= tenth < 20])
 
     def test_hole_is_told_and_what_follows_is_read(self):
         path = self.record(duration=2.0)
@@ -43,10 +48,10 @@ class DamagedRecording(AppTest):
             f["ticks/tick"][500:1200] = NEVER
             f["ticks/contact_count"][500:1200] = 0
             rows = f["contacts/row"][:]
-            rows[(rows >= 500) & (rows < 1200)] = 0
+            rows[(rows >= 500) & (rows < 1200)] = NEVER
             f["contacts/row"][:] = rows
-        result = self.expect(self.run_app("replay", "--speed", "1000", path), DONE,
-                             f"{ticks - 700} ticks", "700 ticks, 0.700 s, are missing")
+        result = self.expect(self.run_app("replay", "--speed", "1000", path), NOT_WHOLE,
+                             f"{ticks - 700} ticks", "700 ticks, 0.700 s, are missing", "700 ticks are missing")
         last = float(result.out.splitlines()[-1].split()[0])
         self.assertAlmostEqual(last, (ticks - 1) * 1e-3, delta=0.11)  # a line for each 0.1 s
         self.expect_refused(self.run_app("replay", "--resimulate", path), "tick 500 is missing")

@@ -63,19 +63,20 @@ class DeviceHost(DeviceTest):
         return [(r[0] * 1e-9, r[1:]) for r in RECORD.iter_unpack(data[:len(data) // RECORD.size * RECORD.size])]
 
     def arm_until_it_pushes(self, run):
-        """A loop that this machine let wait is lost for the host, too: it is armed anew."""
+        """Where this machine lets the loop or the host wait, the other lets go or stops: armed anew."""
         def pushes():
             given = self.efforts()
             return len(given) > 400 and all(max(map(abs, e)) > 0.5 for _, e in given[-400:])
 
-        def let_go():
-            return re.search("LETS GO|stays there", self.host_says().splitlines()[-1])
-        self.arm_anew()
+        def is_over():
+            session = self.host_says()[before:].partition(f": enabled by process {run.pid}\n")[2]
+            return re.search("LETS GO|stays there|: ended\n", session)
         for _ in range(20):
-            self.wait_until(run, lambda: pushes() or let_go())
-            if not let_go():
-                return
+            before = len(self.host_says())
             self.arm_anew()
+            self.wait_until(run, lambda: pushes() or is_over())
+            if not is_over():
+                return
         self.fail(f"never pushes\n{self.host_says()}")
 
     def arm_anew(self):
@@ -89,6 +90,11 @@ class DeviceHost(DeviceTest):
             time.sleep(0.1)
         self.fail(reason)
 
+    def is_calm(self, given):
+        """Whether the loop gave a new effort, and the host wrote, every 3 ms of the last 0.2 s: nothing is blended in."""
+        changes = [b[0] for a, b in zip(given, given[1:]) if b[1] != a[1] and b[0] > given[-1][0] - 0.2]
+        return all(b - a < 0.003 for a, b in zip(changes, changes[1:]))
+
     def judge_loss(self, host):
         """Of the last loss: from the loop's last command on."""
         self.wait_until(host, lambda: "stays there" in self.host_says().splitlines()[-1], self.host_says)
@@ -98,22 +104,31 @@ class DeviceHost(DeviceTest):
         while neutral > 0 and given[neutral - 1][1] == (0.0, 0.0, 0.0):
             neutral -= 1
         self.assertLess(neutral, len(given), ALWAYS + "never neutral")
-        # The last command and its ramp point the same way; the commands of a living loop turn with every tick.
-        last = neutral - 1
-        while last > 0 and points_alike(given[last - 1][1], given[neutral - 1][1]):
+        # The ramp changes with every write; the last command stays for some, and points the same way.
+        def is_ramp(a, b):
+            return a != b and points_alike(a, given[neutral - 1][1])
+        lowered = neutral
+        while lowered > 1 and is_ramp(given[lowered - 2][1], given[lowered - 1][1]):
+            lowered -= 1
+        last = lowered - 1
+        while last > 0 and given[last - 1][1] == given[last][1]:
             last -= 1
-        lowered = next(i for i in range(last, neutral + 1) if given[i][1] != given[last][1])
         span = given[last:neutral + 1]
-        gap = max(b[0] - a[0] for a, b in zip(span, span[1:]))
         late = sum(b[0] - a[0] for a, b in zip(span, span[1:]) if b[0] - a[0] > 0.002)  # the host is called each 0.25 ms
+        # A host that was late took the last command late, too.
+        around = given[max(0, last - 1):neutral + 1]
+        gap = max(b[0] - a[0] for a, b in zip(around, around[1:]))
         taken = span[-1][0] - span[0][0]
-        for (_, before), (_, after) in zip(span, span[1:]):
+        ramp = given[lowered - 1:neutral + 1]
+        for (_, before), (_, after) in zip(ramp, ramp[1:]):
             for was, now in zip(before, after):
                 self.assertLessEqual(abs(now), abs(was), ALWAYS + "an effort rises after the loss")
                 self.assertGreaterEqual(now * was, 0.0, ALWAYS + "an effort goes through neutral")
         self.assertGreater(max(map(abs, span[0][1])), 0.05, "nothing was pushed: the test proves nothing")
         self.assertLessEqual(taken, 0.110 + late)
-        self.assertGreater(given[lowered][0] - given[last][0], 0.019 - gap, "an alarm too early")
+        self.calm = self.is_calm(given[:last + 1])
+        if self.calm:
+            self.assertGreater(given[lowered][0] - given[last][0], 0.019 - gap, "an alarm too early")
         return taken, gap
 
     def test_lost_loop_is_taken_to_neutral_and_the_next_one_is_served(self):
@@ -124,7 +139,7 @@ class DeviceHost(DeviceTest):
             run.send_signal(number)
             taken, gap = self.judge_loss(host)
             print(f"figure: loop of the program lost by {number.name}, neutral = {taken * 1e3:.1f} ms "
-                  f"(longest gap of the host {gap * 1e3:.1f} ms)")
+                  f"(longest gap of the host {gap * 1e3:.1f} ms{'' if self.calm else '; it or the loop was late before'})")
             said = self.host_says().splitlines()[-2:]
             self.assertIn("LETS GO: the loop sent no new command for 20 ms", said[0])
             self.assertIn("stays there until a loop arms anew", said[1])

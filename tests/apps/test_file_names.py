@@ -136,10 +136,11 @@ class FileNames(AppTest):
                                  "--record", recording, "--report", report, "--json", summary, times=2)
         self.assertIn("recorded", said)
         self.said("replay", recording)  # which prints the title
-        for command in (["replay", "--resimulate", recording], ["replay", "--extract", self.named(".2.h5"), recording],
+        for command in (["replay", "--resimulate", recording],
                         ["replay", "--report", self.named(".html"), recording], ["report", recording, "--out", report]):
             with self.subTest(" ".join(map(str, command[:2]))):
                 self.expect_shown(DONE, *command)
+        self.expect_shown(BAD_INPUT, "replay", "--extract", self.named(".2.h5"), recording)
         pages = self.said_until_interrupted("replay", "--web", "--port", 0, recording)
         self.assertIn("/replay?recording=e%1B%5B2J", pages)
         opening = self.said_until_interrupted("run", "--port", 0, "--exercise", "free-grasping", "--record", self.named(".3.h5"))

@@ -2,9 +2,11 @@
 import json
 import os
 import pathlib
+import re
 import signal
 import socket
 import time
+import urllib.error
 import urllib.request
 
 from app import CONFIG, DONE, HANG_S, INTERRUPTED, AppTest, main, read_recording
@@ -177,6 +179,38 @@ class Refused(AppTest):
                                           "--duration", 3, timeout=HANG_S)
                     self.expect_refused(result, address, "token", "16 characters", lines=1)
                     self.assertEqual(result.out, "")  # no address was printed: nothing listened
+
+    def test_tokens_stand_in_no_list_of_processes(self):
+        token, lists = "0123456789abcdef", {}
+        (self.folder / "tokens").write_text(f"therapist={token}\nplayer={token}-player\n")
+        ways = {"--token-file": (["--token-file", "tokens"], None), "--token": (["--token", token], None),
+                "--token=": ([f"--token=therapist={token}"], None), "environment": ([], token)}
+        for way, (arguments, environment) in ways.items():
+            with self.subTest(way=way):
+                more = {} if environment is None else {"WHOLEHAND_TOKEN": environment}
+                run = self.start_app("run", "--wait", "--port", 0, *arguments, env={**os.environ, **more})
+                port = int(re.search(r":(\d+)/", run.stdout.readline()).group(1))
+                self.assertNotIn(token.encode(), pathlib.Path(f"/proc/{run.pid}/cmdline").read_bytes())
+                self.assertIn(b"--port", pathlib.Path(f"/proc/{run.pid}/cmdline").read_bytes())
+                for shown, status in ((token, 200), (token + "x", 401)):
+                    self.assertEqual(self.status_of(port, shown), status, shown)
+                run.kill()
+
+    def status_of(self, port, token):
+        try:
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/api/recordings?token={token}", timeout=HANG_S) as answer:
+                return answer.status
+        except urllib.error.HTTPError as error:
+            return error.code
+
+    def test_files_that_hold_no_tokens_are_named(self):
+        os.mkfifo(self.folder / "pipe")
+        (self.folder / "empty").write_text("\n")
+        (self.folder / "large").write_text("x" * 5000)
+        for name, text in (("missing", "no regular file"), ("pipe", "no regular file"), (".", "no regular file"),
+                           ("empty", "holds no token"), ("large", "is no list of tokens")):
+            with self.subTest(name=name):
+                self.expect_refused(self.run_app("run", "--wait", "--port", 0, "--token-file", name), name, text)
 
     def test_tokens_of_roles_are_refused_by_name(self):
         long = "0123456789abcdef"

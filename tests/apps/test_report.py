@@ -12,7 +12,7 @@ import zlib
 import h5py
 import numpy
 
-from app import BINARY, DONE, FREE_RUN, HANG_S, SOURCE, AppTest, lose_ticks, main, read_recording, report_data
+from app import BINARY, DONE, FREE_RUN, HANG_S, NOT_WHOLE, SOURCE, AppTest, lose_ticks, main, read_recording, report_data
 
 MOST_BYTES = 2_000_000
 
@@ -33,8 +33,8 @@ class Series:
 
 
 class ReportTest(AppTest):
-    def report(self, recording, name="page.html"):
-        self.expect(self.run_app("replay", recording, "--report", name), DONE, name)
+    def report(self, recording, name="page.html", code=DONE):
+        self.expect(self.run_app("replay", recording, "--report", name), code, name)
         return self.data_in(self.folder / name)
 
     def data_in(self, page):
@@ -150,19 +150,19 @@ class WhatIsInIt(ReportTest):
     def test_damage_is_told_and_the_rest_is_shown(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r") as f:
-            chunk = f["ticks/rendered"].id.get_chunk_info(4)
+            chunk = f["ticks/rendered"].id.get_chunk_info(1)
             first = chunk.chunk_offset[0]
         whole = bytearray(path.read_bytes())
         for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
             whole[at] ^= 0xFF
         path.write_bytes(whole)
-        (hole,) = Series(unpacked(self.report(path)["series"])).header["unreadable"]
+        (hole,) = Series(unpacked(self.report(path, code=NOT_WHOLE)["series"])).header["unreadable"]
         self.assertAlmostEqual(hole["from_s"], first * 1e-3, delta=2e-3)
 
     def test_missing_ticks_are_told(self):
         path = self.record(duration=2.0)
         lose_ticks(path, 500, 1200)
-        data = self.report(path)
+        data = self.report(path, code=NOT_WHOLE)
         self.assertEqual(data["about"]["ticks_missing"], 700)
         (gap,) = Series(unpacked(data["series"])).header["gaps"]
         self.assertEqual(gap["ticks"], 700)

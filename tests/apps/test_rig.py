@@ -44,7 +44,11 @@ class SameBits(AppTest):
         got = states(rig, TICKS)
         with wholehand.open(recording) as run:
             for name in FIELDS:
-                self.assertEqual(got[name].tobytes(), run[f"ticks/{name}"][:TICKS].tobytes(), name)
+                recorded = run[f"ticks/{name}"][:TICKS]
+                ours = got[name].astype(recorded.dtype)
+                tiny = numpy.abs(ours) < numpy.finfo(recorded.dtype).tiny  # the simulated clock flushes denormals
+                ours[tiny] = numpy.copysign(0, ours[tiny])
+                self.assertEqual(ours.tobytes(), recorded.tobytes(), name)
 
     def test_a_motion_is_that_of_the_program(self):
         recording = self.record("run.h5", "--motion", MOTION, duration=3)

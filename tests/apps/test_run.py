@@ -8,6 +8,8 @@ import subprocess
 import time
 import unittest
 
+import numpy
+
 from app import (BINARY, CONFIG, DONE, FAULT, FREE_RUN, FULL, HANG_S, INTERRUPTED, STOP_REQUESTED, AppTest, PacedTest,
                  limit_file_size, loop_sleeps, main, read_recording)
 
@@ -75,7 +77,7 @@ class WhatItWrites(AppTest):
             self.assertEqual(len(time_s), summary["ticks"])
             self.assertAlmostEqual(time_s[-1] - time_s[0], (summary["ticks"] - 1) * 1e-3, places=9)
             for axis, name in enumerate(AXES):  # the two outputs tell the same
-                self.assertEqual(abs(sent[:, axis]).max(), summary["max_effort"][name])
+                self.assertEqual(abs(sent[:, axis]).max(), numpy.float32(summary["max_effort"][name]))
             self.assertEqual(f["ticks/contact_count"][:].max(), summary["contacts_max"])
             embedded = {group.attrs["name"].decode() for group in f["meta/files"].values()}
             for file in ("config/scenes/four-shapes.toml", "config/devices/lambda-pride.toml",
@@ -277,12 +279,12 @@ class WhatSurvives(PacedTest):
         self.expect(self.run_app("report", path, "--out", "report"), DONE)
         return ran - kept
 
-    def test_kill_at_any_moment_costs_less_than_the_last_second(self):
+    def test_kill_at_any_moment_costs_less_than_a_second_and_a_half(self):
         trials = 20 if FULL else 3
         for trial in range(trials):
             after_s = self.random.uniform(1.5, 4.0)
             with self.subTest(trial=trial, after_s=after_s):
-                self.assertLess(self.lost_in_a_kill(self.folder / f"killed-{trial}.h5", after_s), 1000)
+                self.assertLess(self.lost_in_a_kill(self.folder / f"killed-{trial}.h5", after_s), 1500)
 
     def check_run_over_a_full_disk(self, path, **how):
         result = self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "20", "--record",
@@ -301,13 +303,13 @@ class WhatSurvives(PacedTest):
         self.expect_same_when_run_again(path)
 
     def test_limit_of_file_size(self):
-        self.check_run_over_a_full_disk(self.folder / "run.h5", preexec_fn=limit_file_size(2_400_000))
+        self.check_run_over_a_full_disk(self.folder / "run.h5", preexec_fn=limit_file_size(4_500_000))
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can make a small disk")
     def test_small_disk(self):
         disk = self.folder / "disk"
         disk.mkdir()
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2400k", "tmpfs", str(disk)],
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4500k", "tmpfs", str(disk)],
                                  capture_output=True, text=True, check=False)
         if mounted.returncode != 0:
             self.skipTest("mount is not allowed here: " + mounted.stderr.strip())

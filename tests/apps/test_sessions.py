@@ -1,5 +1,6 @@
 """Several sessions in one run, and recordings that the disk had no room for: told, and named alike."""
 import calendar
+import fcntl
 import json
 import re
 import signal
@@ -75,6 +76,25 @@ class Sessions(Running):
         lines = re.findall(r"^ +([\d.]+) s .* tick \d+/\d+/\d+ µs", said, re.MULTILINE)
         self.assertEqual([float(s) < 1.0 for s in lines], [True, True], said)  # how each goes, soon after it began
 
+    def test_output_that_nobody_reads_holds_up_no_session(self):
+        """A terminal that is stopped (Ctrl-S), a pipe whose reader hangs."""
+        run = self.start("--record", "run.h5")
+        lines, pipe_bytes = 40, 4096
+        fcntl.fcntl(run.stdout, fcntl.F_SETPIPE_SZ, pipe_bytes)
+        filler = "p" + "x" * 59  # the longest name
+        for _ in range(pipe_bytes // 60 + lines):
+            self.assertTrue(self.page.answer(self.page.say(client.SAVE_PROFILE, filler))[0])
+        for _ in range(2):
+            self.session(run, 0.5)
+        for name in ("run.h5", "run-2.h5"):
+            with read_recording(self.folder / name) as recording:
+                self.assertGreater(recording.rows(), 500)
+        self.page.socket.close()
+        run.send_signal(signal.SIGINT)
+        time.sleep(0.5)
+        said, complained = run.communicate(timeout=HANG_S)  # reads again
+        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+
     def test_run_that_nobody_arms_leaves_nothing_and_says_so(self):
         run = self.start("--record", "run.h5", "--report", "report")
         said = self.end(run)
@@ -82,7 +102,7 @@ class Sessions(Running):
         self.assertNotIn("recorded", said)
 
     def test_recording_for_which_the_disk_had_no_room_says_so_while_it_runs_and_in_the_list(self):
-        run = self.start(preexec_fn=limit_file_size(2_500_000))
+        run = self.start(preexec_fn=limit_file_size(4_500_000))
         began = int(time.time())
         self.session(run, 4.0, lambda: self.dropped() > 100)
         ended = time.time()
@@ -99,6 +119,63 @@ class Sessions(Running):
         self.assertRegex(metrics, r"dropped_records_total [1-9]")
         made = calendar.timegm(time.strptime(entry["created_utc"], "%Y-%m-%dT%H:%M:%SZ"))
         self.assertTrue(began <= made < ended - 3.5, "when it began, not when it ended")
+
+
+class Unasked(PacedTest):
+    """What `run` arms by itself, as ./start does."""
+
+    def start(self, *more, **how):
+        run = self.start_app("run", "--port", 0, "--no-rehearsal", *more, **how)
+        self.url = run.stdout.readline().strip()
+        self.page = client.Page(int(self.url.split(":")[2].rstrip("/")))
+        self.wait_until(run, lambda: self.page.state is not None and self.page.scene is not None
+                        and self.page.state.number(TICK, "Q") >= 300)
+        return run
+
+    def recordings(self):
+        return sorted(name for name in self.names_in(self.folder) if name.endswith(".h5"))
+
+    def test_that_somebody_joins_is_kept_from_its_first_tick(self):
+        run = self.start()
+        self.page.hold_controls()
+        self.assertTrue(self.page.answer(self.page.say(client.STEER, ("b", client.PERSON)))[0])
+        ticks = self.page.state.number(TICK, "Q")
+        self.wait_until(run, lambda: self.page.state.number(TICK, "Q") >= ticks + 300)
+        said = self.expect_ended_by(run, signal.SIGINT)
+        name, = self.recordings()
+        self.assertRegex(name, r"^out/recordings/\d{8}-\d{6}-cocktail-bar-level-1\.h5$")
+        with read_recording(self.folder / name) as recording:
+            self.assertEqual(recording["ticks/tick"][0], 0)
+            self.assertGreaterEqual(recording["ticks/tick"][-1], ticks + 300)
+        self.assertIn("recorded " + name, said)
+
+    def test_that_nobody_joins_is_recorded_and_not_kept(self):
+        run = self.start()
+        self.assertEqual(len(self.recordings()), 1)
+        said = self.expect_ended_by(run, signal.SIGINT)
+        self.assertEqual(self.recordings(), [])
+        self.assertNotIn("recorded out/", said)
+
+    def test_where_no_recording_can_be_made_it_runs_and_says_so(self):
+        (self.folder / "out").write_text("a file where a folder should be")
+        run = self.start()
+        line = next((line for line in run.stdout if "what follows is not recorded" in line), "")
+        self.assertIn("out/recordings: takes no new recording", line)
+        self.expect_ended_by(run, signal.SIGINT)
+
+    def test_eight_started_at_once_name_their_recordings_differently(self):
+        runs = [self.start_app("run", "--port", 0, "--no-rehearsal") for _ in range(8)]
+        pages = [client.Page(int(run.stdout.readline().strip().split(":")[2].rstrip("/"))) for run in runs]
+        for run, page in zip(runs, pages):
+            self.wait_until(run, lambda page=page: page.state is not None and page.state.number(TICK, "Q") >= 100)
+            page.hold_controls()
+        for run in runs:
+            run.send_signal(signal.SIGINT)
+        said = [run.communicate(timeout=HANG_S)[0] for run in runs]
+        self.assertEqual(len(self.recordings()), 8, said)
+        for name in self.recordings():
+            with read_recording(self.folder / name) as recording:
+                self.assertEqual(recording["ticks/tick"][0], 0)
 
 
 class Crowd(Running):

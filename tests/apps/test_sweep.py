@@ -8,10 +8,11 @@ import signal
 import struct
 import subprocess
 import time
+import unittest
 
 import h5py
 
-from app import BINARY, CONFIG, DONE, FAULT, FULL, HANG_S, INTERRUPTED, AppTest, main
+from app import BAD_INPUT, BINARY, CONFIG, DONE, FAULT, FULL, HANG_S, INTERRUPTED, AppTest, Result, main
 
 GRID = """kind = "sweep"
 version = 1
@@ -207,6 +208,38 @@ class Sweep(AppTest):
         self.sweep("half.h5", "--share", "1/2")
         mine.write_text(mine.read_text() + "# changed\n")
         self.expect_refused(self.run_app("sweep", "grid.toml", "--out", "half.h5"), "of other files")
+
+    @unittest.skipUnless(shutil.which("strace"), "needs strace")
+    def test_results_are_on_the_disk_before_the_cells_go(self):
+        log = self.folder / "calls"
+        calls = "fsync,rename,renameat,renameat2,unlink,unlinkat,openat"
+        self.expect(Result(subprocess.run(
+            ["strace", "-f", "-y", "-o", log, "-e", f"trace={calls}", BINARY, "sweep", "grid.toml", "--out", "a.h5"],
+            cwd=self.folder, timeout=HANG_S, text=True, stdin=subprocess.DEVNULL, capture_output=True)), DONE)
+        lines = log.read_text().splitlines()
+
+        def first(pattern, after=0):
+            at = next((i for i in range(after, len(lines)) if re.search(pattern, lines[i])), None)
+            self.assertIsNotNone(at, pattern)
+            return at
+
+        synced = first(r"fsync\(\d+<[^>]*/a\.h5\.\w+\.tmp>\) += 0")
+        named = first(r'rename\w*\(.*"a\.h5"\) += 0', synced)
+        kept = first(r"fsync\(\d+<%s>\) += 0" % re.escape(str(self.folder.resolve())), named)
+        gone = [i for i, line in enumerate(lines) if re.search(r'unlink\w*\(.*"\d+\.cells"', line) and " = 0" in line]
+        self.assertTrue(gone)
+        self.assertGreater(gone[0], kept, "\n".join(lines[synced:gone[0] + 1]))
+
+    def test_two_sweeps_that_begin_one_file_at_once(self):
+        # Each holds only a share, so that no lock keeps them apart; one grid of the two may have the name.
+        (self.folder / "other.toml").write_text(GRID.replace("128.0", "64.0"))
+        runs = [self.start_app("sweep", grid, "--out", "a.h5", "--share", "1/2") for grid in ("grid.toml", "other.toml") * 3]
+        codes = {"grid.toml": [], "other.toml": []}
+        for run, grid in zip(runs, ("grid.toml", "other.toml") * 3):
+            run.communicate(timeout=HANG_S)
+            codes[grid].append(run.returncode)
+        self.assertEqual(sorted(set(codes["grid.toml"] + codes["other.toml"])), [DONE, BAD_INPUT], codes)
+        self.assertEqual({len(set(of)) for of in codes.values()}, {1}, codes)
 
     def test_two_at_once_on_one_file(self):
         run = self.start_app("sweep", "grid.toml", "--out", "a.h5", "--processes", 1)

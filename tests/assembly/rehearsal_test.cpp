@@ -90,8 +90,10 @@ TEST(Rehearsal, PileOfManyShapes_IsRefusedByStageAndName) {
     pile.shapes.back().in_body.translation_m.z() = 1e-4 * i;
   }
   models.scene.bodies = {ball({0.0, -0.3, 0.3}, 0.01, 0.0), pile};
+  RehearsalOptions options;
+  options.most_of_period = 3.0;  // no other stage takes as long, even on a slow machine
   const auto began = std::chrono::steady_clock::now();
-  const auto refused = rehearse(models, origin(models), {}, strict());
+  const auto refused = rehearse(models, origin(models), {}, options);
   figure("rehearsal_hopeless_wall",
          std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), "s");
   ASSERT_FALSE(refused);

@@ -27,6 +27,26 @@ TEST(BuildRig, UncertifiedAroundADeviceThatMayHoldAPerson_IsRefused) {
   EXPECT_TRUE(buildRig(models, Intention::throughWaypoints({{0.0, AxisPosition(3)}}), options));
 }
 
+// v = sqrt(2 g h) = 10.4 m/s, which the plate takes in one step.
+TEST(Rig, BallThatFallsFiveAndAHalfMetres_LandsAndTheSessionGoesOn) {
+  Models models = load(shippedFiles());
+  models.scene.bodies = {fixedBox({0.8, 0.0, -0.2}, {0.3, 0.3, 0.001}),
+                         ball({0.8, 0.0, 5.3}, 0.005, 0.01)};
+  const AxisPosition home(models.device.axisCount());
+  const auto rig =
+      orThrow(buildRig(std::move(models), Intention::throughWaypoints({{0.0, home}}), {}));
+  orThrow(rig->renderer->arm());
+  TickRecord record;
+  double fastest_m_s = 0.0;
+  for (int tick = 0; tick < 1500; ++tick) {
+    rig->renderer->tick(1, record);
+    fastest_m_s = std::max(fastest_m_s, -record.bodies[1].velocity_m_s.z);
+  }
+  EXPECT_GT(fastest_m_s, 10.0);
+  EXPECT_EQ(faultNames(rig->renderer->latched()), faultNames(Fault::kNone));
+  EXPECT_NEAR(record.bodies[1].position_m.z, -0.2 + 0.0005 + 0.005, 1e-4);
+}
+
 TEST(CheckGains, ArmatureThatIsFeltAsAWeight_IsRefusedWithTheWeight) {
   Models models = load(shippedFiles("lambda-pride"));
   const int finger = models.device.axisIndex("finger_flexion");
@@ -95,10 +115,9 @@ TEST(BuildRig, ModelsPushedBeyondTheTicksRoom_AreRefused) {
 /// An exercise that only describes itself.
 class Described final : public Exercise {
  public:
-  Described(std::size_t parameters, std::size_t values, std::size_t steps = 0) {
+  Described(std::size_t parameters, std::size_t values) {
     text_.parameters.resize(parameters);
     text_.value_names.resize(values);
-    text_.value_steps.resize(steps);
   }
   [[nodiscard]] const ExerciseDescription& description() const noexcept override { return text_; }
   void reset() override {}
@@ -120,17 +139,6 @@ TEST(BuildRig, ExerciseWithMoreParametersOrValuesThanATickHolds_IsRefused) {
   expectTooLarge(models, "parameters", "21");
   models.exercise = std::make_shared<Described>(0, 49);
   expectTooLarge(models, "values", "49");
-}
-
-TEST(BuildRig, ExerciseWithStepsForSomeOfItsValues_IsRefused) {
-  Models models = load(shippedFiles(kDevice));
-  Story story;
-  models.exercise = std::make_shared<Described>(0, 3, 3);
-  EXPECT_TRUE(buildRig(models, std::make_unique<WatchedDevice>(story), {}));
-  models.exercise = std::make_shared<Described>(0, 3, 2);
-  const auto rig = buildRig(models, std::make_unique<WatchedDevice>(story), {});
-  ASSERT_FALSE(rig);
-  EXPECT_EQ(rig.errors().front().key, "value_steps");
 }
 
 // The loader refuses such a file; a program may make such a model.

@@ -123,7 +123,7 @@ TEST(SafetyLog, OwnerSilent_IsRecordedAndTheExerciseFadesInItsTime) {
   ListeningPlayer listening(hand);
   SessionConfig config;
   config.listener = &listening;
-  config.queue_ticks = 2;
+  config.queue_bytes = 0;
   config.duration_ticks = 10'000;
   Session session(*rig->renderer, config);
   const double fade_s = models.exercise->description().fade_out_s;

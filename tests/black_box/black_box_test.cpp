@@ -7,10 +7,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <limits>
+#include <set>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <thread>
 
@@ -226,16 +229,39 @@ TEST(BlackBox, NoRoomOrNoFolder_SaysSoAndLeavesNothing) {
   ASSERT_FALSE(written.ok());
   EXPECT_NE(format(written.errors()).find("Not a directory"), std::string::npos)
       << format(written.errors());
-  if (std::filesystem::exists("/dev/full")) {  // a full disk
-    std::filesystem::create_symlink("/dev/full", folder.file("b.wbb.part"));
-    auto full = armed(planFor(folder.file("b.wbb")));
-    for (std::uint64_t i = 0; i < 100; ++i) giveTick(*full, tickNumber(i));
-    const auto refused = full->write();
-    ASSERT_FALSE(refused.ok());
-    EXPECT_NE(format(refused.errors()).find("No space left"), std::string::npos)
-        << format(refused.errors());
-    EXPECT_FALSE(std::filesystem::exists(folder.file("b.wbb")));
+  auto full = armed(planFor(folder.file("b.wbb")));
+  for (std::uint64_t i = 0; i < 100; ++i) giveTick(*full, tickNumber(i));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit little{4096, before.rlim_max};  // as of a full disk
+  auto* const then = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
+  const auto refused = full->write();
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  (void)std::signal(SIGXFSZ, then);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(format(refused.errors()).find("too large"), std::string::npos)
+      << format(refused.errors());
+  std::set<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    left.insert(entry.path().filename().string());
   }
+  EXPECT_EQ(left, std::set<std::string>{"file"});
+}
+
+// Another user of a shared folder may have put a link where the box is written first.
+TEST(BlackBox, LinkBesideIt_IsNotFollowed) {
+  const Folder folder;
+  overwrite(folder.file("precious"), "mine");
+  for (const char* name : {"a.wbb", "a.wbb.part"}) {
+    std::filesystem::create_symlink(folder.file("precious"), folder.file(name));
+  }
+  auto box = armed(planFor(folder.file("a.wbb")));
+  giveTick(*box, tickNumber(0));
+  ASSERT_TRUE(box->write().ok());
+  EXPECT_EQ(contents(folder.file("precious")), "mine");
+  EXPECT_FALSE(std::filesystem::is_symlink(folder.file("a.wbb")));
+  EXPECT_NE(opened(folder.file("a.wbb")), nullptr);
 }
 
 /// A small box on the disk, as bytes.
@@ -321,7 +347,7 @@ TEST(BlackBox, TickInTheBar_CostsFarLessThanATick_slow) {
   RecordingMeta meta = synthetic::meta();
   meta.body_names.assign(10, "body");
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
-  plan.encoder_step[3] = 1e-4;  // as every axis of a robot has one
+  meta.encoder_step[3] = 1e-4;  // as every axis of a robot has one
   auto armed_box = BlackBox::arm(meta, plan);
   ASSERT_TRUE(armed_box.ok());
   BlackBox& box = **armed_box;
@@ -334,7 +360,7 @@ TEST(BlackBox, TickInTheBar_CostsFarLessThanATick_slow) {
   const std::uint64_t bytes_before = box.inputBytes();
   const double began_ns = threadCpu_ns();
   for (int i = 0; i < kTicks; ++i) {
-    for (int a = 0; a < 6; ++a) record.q_m[a] = plan.encoder_step[a] * (i / 2);
+    for (int a = 0; a < 6; ++a) record.q_m[a] = meta.encoder_step[a] * (i / 2);
     giveTick(box, record);
   }
   const double per_tick_ns = (threadCpu_ns() - began_ns) / kTicks;

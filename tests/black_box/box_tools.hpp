@@ -18,13 +18,12 @@ namespace wholehand::test {
 
 /// Steps of the six axes of synthetic::meta(); the fourth has none.
 inline std::vector<double> encoderSteps() {
-  return {1e-5, 1e-5, 2e-5, 0.0, 1e-4, 3e-4};
+  return synthetic::meta().encoder_step;
 }
 
 inline BlackBoxPlan planFor(const std::string& path) {
   BlackBoxPlan plan;
   plan.path = path;
-  plan.encoder_step = encoderSteps();
   plan.most_ticks = 100'000;
   return plan;
 }

@@ -125,7 +125,7 @@ std::uint64_t expectWholeUpTo(RecordingReader& recording) {
   return next;
 }
 
-TEST_F(KilledRun, KillMinusNineAtARandomMoment_NeverLosesMoreThanASecond) {
+TEST_F(KilledRun, KillMinusNineAtARandomMoment_NeverLosesMoreThanASecondAndAHalf) {
   auto random = seededRandom(4108);
   std::vector<double> lost_s;
   for (int i = 0; i < runs(4); ++i) {
@@ -139,7 +139,7 @@ TEST_F(KilledRun, KillMinusNineAtARandomMoment_NeverLosesMoreThanASecond) {
     ASSERT_TRUE(recording.ok()) << format(recording.errors());
     const std::uint64_t kept = expectWholeUpTo(**recording);
     EXPECT_LE(kept, done + 1) << kAlways;
-    EXPECT_GE(kept + 1000, done) << "killed after " << done << " ticks";
+    EXPECT_GE(kept + 1500, done) << "killed after " << done << " ticks";
     lost_s.push_back(1e-3 * (static_cast<double>(done) - static_cast<double>(kept)));
     EXPECT_FALSE(std::filesystem::exists(folder.file("run.wbb")));
   }
@@ -182,7 +182,7 @@ TEST_F(KilledRun, SegmentationFault_LeavesABoxThatRunsAgainEveryTime) {
     const std::uint64_t kept = expectWholeUpTo(*box);
     // The loop may have gone on for the moment that the box took to be written.
     EXPECT_GT(kept, 0U);
-    EXPECT_GE(kept + 1000, done);
+    EXPECT_GE(kept + 1500, done);
     EXPECT_GE(box->inputTicks(), box->size());
     EXPECT_TRUE(!by_itself || kept == done) << kept << " of " << done << " ticks";
     ++readable;

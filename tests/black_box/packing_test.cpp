@@ -1,7 +1,7 @@
 #include "black_box/box_tools.hpp"
+#include "core/record_packing.hpp"
 #include "support/seed.hpp"
 #include "telemetry/input_log.hpp"
-#include "telemetry/record_packing.hpp"
 
 #include <array>
 #include <bit>

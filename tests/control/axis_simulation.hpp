@@ -46,8 +46,7 @@ class HeldMotion {
 
 /// One axis through time: the tick's filter, coupling and delay, device and person by HeldMotion,
 /// the avatar by symplectic Euler, what it holds implicitly. Neither matrix nor eigenvalue: a
-/// second opinion on closedLoopMatrix(). A wall pushes only on the far side of wall_at. The avatar
-/// steps at every physics_divisor-th tick, the first one included, and is held in between.
+/// second opinion on closedLoopMatrix(). A wall pushes only on the far side of wall_at.
 class AxisSimulation {
  public:
   AxisSimulation(const AxisLoop& loop, ContactCase contact)
@@ -85,7 +84,7 @@ class AxisSimulation {
     const double wanted = l.k_pm * (xs - x) + relative_damping_ * (vs - filtered_) -
                           l.phi_k_dm * filtered_ + wallEffort() + tank_effort;
     const double sent = std::clamp(wanted, sent_ - most_change, sent_ + most_change);
-    const double wanted_acceleration = l.k_ps_per_s2 * (x - xs) + l.k_ds_per_s * (filtered_ - vs);
+    acceleration_ = l.k_ps_per_s2 * (x - xs) + l.k_ds_per_s * (filtered_ - vs);
     sent_ = felt_ = sent;
     if (l.delay_ticks > 0) {
       felt_ = queue_[at_];
@@ -93,18 +92,15 @@ class AxisSimulation {
       at_ = (at_ + 1) % static_cast<std::size_t>(l.delay_ticks);
     }
     held_.advance(x, v, felt_ + push);
-    if (ticks_++ % l.physics_divisor != 0) return;
-    acceleration_ = wanted_acceleration;
-    const double step_s = l.stepPeriod();
     if (contact_ == ContactCase::kRigid) return;
     if (contact_ == ContactCase::kObject) {
       const double mass = 1.0 + l.held_mass;
-      vs = (mass * vs + step_s * (acceleration_ - l.spring_per_s2 * xs)) /
-           (mass + step_s * step_s * l.spring_per_s2);
+      vs = (mass * vs + t * (acceleration_ - l.spring_per_s2 * xs)) /
+           (mass + t * t * l.spring_per_s2);
     } else {
-      vs += step_s * acceleration_;
+      vs += t * acceleration_;
     }
-    xs += step_s * vs;
+    xs += t * vs;
   }
 
   [[nodiscard]] double filtered() const noexcept { return filtered_; }
@@ -141,7 +137,6 @@ class AxisSimulation {
   double before_ = 0.0, filtered_ = 0.0, sent_ = 0.0, felt_ = 0.0, acceleration_ = 0.0;
   std::array<double, 8> queue_{};
   std::size_t at_ = 0;
-  long ticks_ = 0;
 };
 
 /// Whether the stretch between device and avatar swings wider in the last eighth than in the

@@ -32,23 +32,11 @@ AxisSimulation randomScene(const CertifiedSet& set, Draw& draw) {
   return axis;
 }
 
-/// With physics at a divisor of 2 to 8.
-const std::vector<CertifiedSet>& dividedSets() {
-  static const std::vector<CertifiedSet> kSets = [] {
-    Draw draw(76);
-    std::vector<CertifiedSet> sets;
-    for (int i = 0; i < cases(60); ++i) sets.push_back(certifiedSet(draw, 2 + draw.upTo(6)));
-    return sets;
-  }();
-  return kSets;
-}
-
-void expectNoneUnstable(const std::vector<CertifiedSet>& sets, unsigned stream,
-                        const std::string& which) {
-  Draw draw(stream);
+TEST(CertifiedGains, PassivePersonsAndObjects_NoneIsUnstable) {
+  Draw draw(72);
   int unstable = 0, number = 0;
   double most_growth = 0.0;
-  for (const CertifiedSet& set : sets) {
+  for (const CertifiedSet& set : certifiedSets()) {
     AxisSimulation axis = randomScene(set, draw);
     double first = 0.0, second = 0.0;
     for (int k = 0; k < 2 * kCertifiedTicks; ++k) {
@@ -64,16 +52,8 @@ void expectNoneUnstable(const std::vector<CertifiedSet>& sets, unsigned stream,
     }
   }
   EXPECT_EQ(unstable, 0);
-  figure("certified sets with passive persons and objects" + which, number, "sets");
-  figure("largest energy of the second four seconds over the first" + which, most_growth, "");
-}
-
-TEST(CertifiedGains, PassivePersonsAndObjects_NoneIsUnstable) {
-  expectNoneUnstable(certifiedSets(), 72, "");
-}
-
-TEST(CertifiedGains, PhysicsAtADivisor_NoneIsUnstable) {
-  expectNoneUnstable(dividedSets(), 77, ", physics at a divisor");
+  figure("certified sets with passive persons and objects", number, "sets");
+  figure("largest energy of the second four seconds over the first", most_growth, "");
 }
 
 /// The balance of one axis, in units that are felt. The two ports of the loop are the device's
@@ -170,47 +150,6 @@ TEST(CertifiedGains, PassivePersonsAndObjects_PutOutNoMoreThanWasPutInAndStored)
   figure("the same without a tank on devices of a fifth of the damping, of a tank's, at least",
          std::min(uncertified, 1e6), "");
   EXPECT_EQ(touched, 0) << "a stable loop is left alone";
-  if (kCountsTell) {
-    EXPECT_GT(uncertified, 1.0) << "the balance would not tell";
-  }
-}
-
-/// The energy of all that moves or is stretched, person and object included, less the work of the
-/// push that it all comes from: at its most, of that work. A coarse step of the avatar may be ahead
-/// of its spring for a moment, by a hundredth.
-double gained(AxisSimulation axis, const Push& push) {
-  axis.start(0.0, 0.0);
-  axis.wall_at = std::abs(axis.wall_at);
-  double pushed_j = 0.0, most = -HUGE_VAL, largest = 0.0;
-  for (int k = 0; k < kCertifiedTicks; ++k) {
-    const double x = axis.x, force = k < push.ticks ? push.effort : 0.0;
-    axis.tick(0.0, force);
-    pushed_j += force * (axis.x - x);
-    largest = std::max(largest, pushed_j);
-    most = std::max(most, axis.energy() - pushed_j);
-  }
-  return most / largest;
-}
-
-TEST(CertifiedGains, PhysicsAtADivisor_GainsNoMoreThanAStepsEnergy) {
-  Draw draw(78);
-  double worst = -HUGE_VAL, uncertified = 0.0;
-  int number = 0;
-  for (const CertifiedSet& set : dividedSets()) {
-    const AxisSimulation axis = randomScene(set, draw);
-    const Push push{draw.between(1.0, 20.0) * (draw.chance(0.5) ? 1.0 : -1.0), draw.upTo(500) + 50};
-    const double beyond = gained(axis, push);
-    worst = std::max(worst, beyond);
-    AxisLoop slippery = axis.l;
-    slippery.damping *= 0.02, slippery.k_pm *= 4.0;
-    uncertified =
-        std::max(uncertified, gained(AxisSimulation(slippery, ContactCase::kRigid), push));
-    EXPECT_LE(beyond, tolerance(0.02)) << "set " << number;
-    ++number;
-  }
-  figure("energy beyond the push's work, physics at a divisor, of that work", worst, "");
-  figure("the same with four times the stiffness and a fiftieth of the damping, at least",
-         std::min(uncertified, 1e6), "");
   if (kCountsTell) {
     EXPECT_GT(uncertified, 1.0) << "the balance would not tell";
   }

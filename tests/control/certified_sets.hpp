@@ -32,13 +32,10 @@ struct CertifiedSet {
 
 /// A device axis, its gains and sometimes a wall: the damping is a little more than what the
 /// certificate asks for, and holds() says yes.
-/// @param divisor ticks per physics step
-inline CertifiedSet certifiedSet(Draw& draw, int divisor = 1) {
+inline CertifiedSet certifiedSet(Draw& draw) {
   for (;;) {
     CertifiedSet set;
     AxisCase& c = set.gains;
-    c.physics_divisor = divisor;
-    if (divisor > 1) c.period_s = 1e-3 / (1 << draw.upTo(3));
     c.axis.name = "x";
     c.axis.mass = draw.between(0.1, 3.0);
     c.axis.effort_limit = 20.0;

@@ -1,9 +1,10 @@
 // b_min is exact: for every row of the reference's table, and for loops at random, a passive person
 // and a passive object are built that swing at 2 % less, and nobody swings above it.
 #include "axis_loop.hpp"
+#include "certified_sets.hpp"
 #include "control/passivity.hpp"
-#include "random_loops.hpp"
 #include "support/figure.hpp"
+#include "worst_termination.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -76,7 +77,10 @@ AxisLoop loopOfAnyRate(Draw& draw) {
   l.period_s = 1e-3 / (1 << draw.upTo(3));
   l.k_ps_per_s2 = draw.between(400.0, 4e4);
   l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, l.period_s);
-  drawWall(l, draw);
+  if (draw.chance(0.3)) {
+    l.wall_stiffness = draw.between(0.05, 0.5) * l.k_pm;
+    l.wall_damping = draw.chance(0.3) ? 0.0 : draw.unit();
+  }
   return l;
 }
 
@@ -178,6 +182,20 @@ TEST(RequiredDampingFigures, WorstTerminations_GrowAndFadeInTimeAsTheirRadiiSay)
   }
   figure("rate of the worst terminations in time against their radii, worst", 100.0 * worst, "%");
   EXPECT_LT(worst, tolerance(kSide));
+}
+
+/// Gives the loop a person and an object that the library's matrix has, too, and returns the same
+/// as a termination.
+Termination drawPersonAndObject(AxisLoop& l, Draw& draw, bool rigid) {
+  l.person = {draw.between(0.1, 10.0), 0.0, draw.between(10.0, 5000.0)};
+  Termination t;
+  t.world = World::kEngine;
+  t.mass = l.mass + l.person.mass;
+  t.stiffness = l.person.stiffness;
+  t.held_mass = l.held_mass = draw.between(0.01, 10.0);
+  t.spring_per_s2 = l.spring_per_s2 = draw.between(10.0, 1e5);
+  t.rigid = rigid;
+  return t;
 }
 
 /// The tick of this test against the library's matrix, where that has person and object.

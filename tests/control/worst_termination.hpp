@@ -79,7 +79,6 @@ struct Termination {
   std::vector<HungMass> hung;
   World world = World::kLossless;
   bool rigid = false;
-  bool trapezoidal = false;  ///< device and person, too, by the trapezoidal rule: without images
   double held_mass = 0.0, spring_per_s2 = 0.0;
 };
 
@@ -90,9 +89,8 @@ constexpr int kImages = 20;
 
 /// Mass, spring and hung masses with these reactances at these rates, in rising order [rad/s]: one
 /// linear equation each.
-/// @param closer how near each hung mass swings below its rate: 1 or less
 inline void buildPerson(Termination& t, double device_mass, const std::vector<double>& at,
-                        const std::vector<double>& wanted, double closer = 1.0) {
+                        const std::vector<double>& wanted) {
   t.hung.clear();
   t.mass = std::max(device_mass, 1.0001 * wanted[0] / at[0]);
   const auto n = static_cast<Eigen::Index>(at.size());
@@ -101,7 +99,7 @@ inline void buildPerson(Termination& t, double device_mass, const std::vector<do
   for (Eigen::Index i = 1; i < n; ++i) {  // each below its image, well above the one before
     const double w = at[i];
     const double gap = w - at[i - 1];
-    t.hung.push_back({0.0, w - closer * std::min(0.03 * w, 0.3 * gap)});
+    t.hung.push_back({0.0, w - std::min(0.03 * w, 0.3 * gap)});
   }
   for (Eigen::Index i = 0; i < n; ++i) {
     const double w = at[i];
@@ -199,18 +197,16 @@ class TerminatedAxis {
       rate(at + 1, 0) = squared;
       rate(at + 1, at) = -squared;
     }
-    held_ = t.trapezoidal ? trapezoidalStep(loop.period_s * rate)
-                          : matrixExponential(loop.period_s * rate).topRows(moving_);
+    held_ = matrixExponential(loop.period_s * rate).topRows(moving_);
   }
 
   [[nodiscard]] Eigen::Index size() const { return moving_ + 5 + l_.delay_ticks; }
 
-  /// @param steps whether the avatar steps in this tick, or is held
-  [[nodiscard]] Eigen::VectorXd tick(const Eigen::VectorXd& s, bool steps = true) const {
-    const double tick_s = l_.period_s, t = l_.stepPeriod();
+  [[nodiscard]] Eigen::VectorXd tick(const Eigen::VectorXd& s) const {
+    const double t = l_.period_s;
     const Eigen::Index tail = moving_, efforts = moving_ + 5;
     const double x = s[0], xs = s[tail + 2], vs = s[tail + 3], force = s[tail + 4];
-    const double vf = (l_.filter_tau_s * s[tail + 1] + x - s[tail]) / (l_.filter_tau_s + tick_s);
+    const double vf = (l_.filter_tau_s * s[tail + 1] + x - s[tail]) / (l_.filter_tau_s + t);
     const double b = l_.gamma * l_.k_pm * l_.k_ds_per_s / l_.k_ps_per_s2;
     const double effort = l_.k_pm * (xs - x) + b * (vs - vf) - l_.phi_k_dm * vf -
                           l_.wall_stiffness * x - l_.wall_damping * vf;
@@ -225,10 +221,6 @@ class TerminatedAxis {
     next[tail] = x;
     next[tail + 1] = vf;
     if (t_.rigid) return next;
-    if (!steps) {
-      next.segment(tail + 2, 3) = s.segment(tail + 2, 3);
-      return next;
-    }
     const double driven = vs + t * (l_.k_ps_per_s2 * (x - xs) + l_.k_ds_per_s * (vf - vs));
     const double spring = t * t * t_.spring_per_s2;
     double after = 0.0;
@@ -246,28 +238,13 @@ class TerminatedAxis {
     return next;
   }
 
-  /// Over physics_divisor ticks.
   [[nodiscard]] Eigen::MatrixXd matrix() const {
     Eigen::MatrixXd m(size(), size());
-    for (Eigen::Index i = 0; i < size(); ++i) {
-      Eigen::VectorXd state = tick(Eigen::VectorXd::Unit(size(), i));
-      for (int k = 1; k < l_.physics_divisor; ++k) state = tick(state, false);
-      m.col(i) = state;
-    }
+    for (Eigen::Index i = 0; i < size(); ++i) m.col(i) = tick(Eigen::VectorXd::Unit(size(), i));
     return m;
   }
 
  private:
-  /// x⁺ − x = A (x⁺ + x) / 2 + B f for the rate [A B].
-  [[nodiscard]] static Eigen::MatrixXd trapezoidalStep(const Eigen::MatrixXd& rate) {
-    const Eigen::Index n = rate.rows() - 1;
-    const Eigen::MatrixXd half = 0.5 * rate.topLeftCorner(n, n);
-    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(n, n);
-    Eigen::MatrixXd from(n, n + 1);
-    from << unit + half, rate.topRightCorner(n, 1);
-    return (unit - half).partialPivLu().solve(from);
-  }
-
   AxisLoop l_;
   Termination t_;
   Eigen::Index moving_;

@@ -391,7 +391,8 @@ TEST(EffortAstray, OfADriveThatGivesAnother_StopsAsTheLawSays) {
       EXPECT_EQ(stopped_after, -1);
     } else if (apart > 1.1 * allowed && !derates) {
       const double within_ms = -100.0 * std::log(1.0 - allowed / apart);
-      EXPECT_NEAR(stopped_after, within_ms, 2.0);
+      // A mean of periods of 1 ms takes 0.5 % longer than one of continuous time.
+      EXPECT_NEAR(stopped_after, within_ms, 2.0 + 0.01 * within_ms);
     }
   }
 }

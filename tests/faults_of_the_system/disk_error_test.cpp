@@ -100,7 +100,7 @@ struct DiskErrorTest : testing::Test {
 TEST_F(DiskErrorTest, ThatPasses_APartBeginsAndNothingBeforeOrAfterIsLost) {
   append(1000);
   failAfter(0, 1 << 30);
-  append(600);  // a chunk of 250 is kept in memory, the others are lost
+  append(1600);  // a chunk of 1000 is kept in memory, the others are lost
   const std::uint64_t dropped = writer->dropped();
   EXPECT_GT(dropped, 0U);
   disk_fails = false;
@@ -113,7 +113,7 @@ TEST_F(DiskErrorTest, ThatPasses_APartBeginsAndNothingBeforeOrAfterIsLost) {
   const auto seen = ticksOf({path, folder.file("run.part2.h5")});
   EXPECT_GE(seen.size(), writer->written());
   for (std::uint64_t tick = 0; tick < 1000; ++tick) ASSERT_TRUE(seen.contains(tick)) << tick;
-  for (std::uint64_t tick = 1600; tick < appended; ++tick) ASSERT_TRUE(seen.contains(tick)) << tick;
+  for (std::uint64_t tick = 2600; tick < appended; ++tick) ASSERT_TRUE(seen.contains(tick)) << tick;
 }
 
 // What is told to be recorded outlives a power cut.

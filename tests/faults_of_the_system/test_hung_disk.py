@@ -206,8 +206,8 @@ class Stops(PacedTest):
         run.wait(timeout=HANG_S)
         self.assertLess(time.monotonic() - began, 10.0, "it ends before the disk answers")
         self.assertEqual(run.returncode, INTERRUPTED)
-        with read_recording(self.folder / "rec/run.h5") as recording:  # what was written is there
-            self.assertGreater(len(recording["ticks/tick"]), 100)
+        with read_recording(self.folder / "rec/run.h5") as recording:  # what was written before it hung
+            self.assertEqual(len(recording["ticks/tick"]) % 1000, 0)
 
     def test_a_run_without_pages_stops_and_says_the_same(self):
         self.disk = FaultyDisk(self.folder, 20000)

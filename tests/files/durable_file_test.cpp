@@ -98,6 +98,18 @@ TEST_F(DurableFile, IsSyncedBeforeItIsNamedAndItsFoldersAfter) {
   EXPECT_EQ(files(), 1);
 }
 
+TEST_F(DurableFile, NewName_IsTakenByOneAlone) {
+  std::string first, second, third;
+  ASSERT_EQ(takeNewName(place + "/run", ".h5", first), 0);
+  fs::create_symlink(place + "/nowhere", place + "/run-2.h5");
+  ASSERT_EQ(takeNewName(place + "/run", ".h5", second), 0);
+  EXPECT_EQ(first, place + "/run.h5");
+  EXPECT_EQ(second, place + "/run-3.h5") << "a link is a name that is taken";
+  EXPECT_FALSE(fs::exists(place + "/nowhere"));
+  EXPECT_EQ(takeNewName(place + "/missing/run", ".h5", third), ENOENT);
+  EXPECT_NE(randomName(), randomName());
+}
+
 TEST_F(DurableFile, ThatAnotherWrote_IsSyncedBeforeItIsNamed) {
   std::ofstream(place + "/part") << "12345";
   Listening disk;

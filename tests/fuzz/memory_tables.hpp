@@ -93,7 +93,7 @@ class CapturedTable final : public TableSource {
   std::string open(const ColumnShape& column, std::uint64_t& rows) override {
     std::string problem = from_->open(column, rows);
     MemoryDataset& dataset = to_[name_ + "/" + column.name];
-    dataset = {rows, column.rowBytes(), column.elementBytes(), {}, UINT64_MAX};
+    dataset = {rows, column.rowBytes(), hdf5::byteSize(column.type), {}, UINT64_MAX};
     dataset.bytes.resize(rows * column.rowBytes());
     if (rows > 0) (void)from_->read(opened_, column, 0, rows, dataset.bytes.data());
     ++opened_;

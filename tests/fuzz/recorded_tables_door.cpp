@@ -23,7 +23,7 @@ namespace {
 
 using namespace recording;
 
-constexpr double kTablePeriod_s = 0.01;  // chunks of kBlockRows
+constexpr double kTablePeriod_s = 0.04;  // chunks of kBlockRows
 constexpr std::uint64_t kTicks = 30, kMostRows = 80;
 
 RecordingMeta goodMeta() {
@@ -40,9 +40,11 @@ MemoryTables goodTables() {
   const hdf5::Handle file(::H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   const RecordingMeta meta = goodMeta();
   MemoryTables all;
-  RecordedTables tables(meta, 1, {});
+  RecordedTables tables(meta, {});
   CapturedTables captured(file.get(), all);
-  return tables.open(captured, false).empty() && tables.size() == kTicks ? all : MemoryTables{};
+  return tables.open(captured, WriterState::kClosed).empty() && tables.size() == kTicks
+             ? all
+             : MemoryTables{};
 }
 
 /// An edit: what (1 byte), of which dataset or field (1), where (2), the new value (8).
@@ -78,27 +80,16 @@ void resize(std::vector<std::string>& names, std::size_t n,
   for (std::vector<double>* of : numbers) of->resize(n, 0.5);
 }
 
-/// The law's numbers of each axis.
-std::vector<std::vector<double>*> perAxis(RecordedLaw& law) {
-  return {&law.k_pm,          &law.k_dm,           &law.gamma,         &law.filter_tau_s,
-          &law.encoder_step,  &law.device_damping, &law.tank_capacity, &law.effort_dead,
-          &law.effort_full,   &law.phi_kept,       &law.hand_axis,     &law.palm_contact,
-          &law.inertia.lower, &law.inertia.upper};
-}
-
 void editSizes(RecordingMeta& m, const Edit& e) {
   const std::size_t n = e.where;
-  RecordedLaw& law = m.law;
-  switch (e.which % 8) {
+  switch (e.which % 7) {
     case 0:
-      resize(m.axis_names, n % 18, {&m.effort_limits, &m.lever_arms_m, &m.armed_position});
-      for (std::vector<double>* of : perAxis(law)) of->resize(n % 18, 0.5);
-      law.inertia.degrees.resize(n % 18, 1.0);
-      law.inertia.coefficients.resize((n % 18) * (n % 18 + 1) / 2, 0.5);
+      resize(m.axis_names, n % 18,
+             {&m.effort_limits, &m.lever_arms_m, &m.encoder_step, &m.armed_position});
       m.axis_units.resize(n % 18, "rad");
       break;
     case 1:
-      resize(m.joint_names, n % 34, {&law.theta0});
+      resize(m.joint_names, n % 34, {});
       break;
     case 2:
       resize(m.body_names, n % 131, {});
@@ -114,47 +105,30 @@ void editSizes(RecordingMeta& m, const Edit& e) {
       m.result_labels.resize(n % 5, "a");
       m.result_units.resize(n % 5, "a");
       break;
-    case 6:
-      m.armed_position.resize(n % 20, number(e));
-      break;
     default:
-      law = {};
+      m.armed_position.resize(n % 20, number(e));
   }
-  if (!law.k_pm.empty()) law.synergy.resize(m.joint_names.size() * m.axis_names.size(), 0.5);
 }
 
 void editMeta(RecordingMeta& m, const Edit& e) {
-  switch (e.which % 10) {
+  switch (e.which % 8) {
     case 0:
       m.period_s = number(e);
       break;
     case 1:
-      m.schema = kOldestRecordingSchema + e.value % 7;
-      break;
-    case 2:
       m.game_slots = e.value;
       break;
-    case 3:
-      m.law.output_delay_ticks = e.value % 1002;
-      break;
-    case 4:
-      for (std::vector<double>* of : perAxis(m.law)) setOne(*of, e);
-      for (std::vector<double>* of :
-           {&m.law.theta0, &m.law.synergy, &m.law.inertia.degrees, &m.law.inertia.coefficients}) {
-        setOne(*of, e);
-      }
-      break;
-    case 5:
+    case 2:
       for (std::vector<double>* of :
            {&m.effort_limits, &m.lever_arms_m, &m.parameter_values, &m.result_decimals}) {
         setOne(*of, e);
       }
       break;
-    case 6:
+    case 3:
       m.simulated_clock = !m.simulated_clock;
       break;
     default:
-      editSizes(m, {e.what, static_cast<std::uint8_t>(e.which / 10), e.where, e.value});
+      editSizes(m, {e.what, static_cast<std::uint8_t>(e.which / 8), e.where, e.value});
   }
 }
 
@@ -186,17 +160,19 @@ void editDataset(MemoryDataset& d, const Edit& e, const std::string& rest) {
 
 class MemoryRecording final : public RecordingReader {
  public:
-  MemoryRecording(RecordingMeta meta, MemoryTables all, std::uint64_t chunks_at_once)
-      : meta_(std::move(meta)), all_(std::move(all)), tables_(meta_, chunks_at_once, {}) {}
+  MemoryRecording(RecordingMeta meta, MemoryTables all)
+      : meta_(std::move(meta)), all_(std::move(all)), tables_(meta_, {}) {}
   std::string open() {
     MemorySource source(all_);
-    return tables_.open(source, false);
+    return tables_.open(source, WriterState::kClosed);
   }
   std::optional<std::uint64_t> leaveOutDamagedEnd() { return tables_.leaveOutDamagedEnd(); }
   [[nodiscard]] const RecordingMeta& meta() const override { return meta_; }
   [[nodiscard]] std::uint64_t size() const override { return tables_.size(); }
   [[nodiscard]] const RecordingOutline& outline() const override { return tables_.outline(); }
   bool read(std::uint64_t i, TickRecord& record) override { return tables_.read(i, record); }
+  [[nodiscard]] std::uint64_t digest() const override { return tables_.digest(); }
+  [[nodiscard]] bool isExact() const override { return false; }
 
  private:
   RecordingMeta meta_;
@@ -240,8 +216,7 @@ std::string enter(const MemoryTables& good, const std::string& bytes) {
     if (e.what % 8 == 6) break;  // the rest is its block
   }
   if (!unusable(meta).empty()) return "";
-  auto reader =
-      std::make_unique<MemoryRecording>(std::move(meta), std::move(all), 1 + bytes[0] % 3);
+  auto reader = std::make_unique<MemoryRecording>(std::move(meta), std::move(all));
   if (!reader->open().empty()) return "";
   ViewedRecording viewed;
   viewed.unreadable_from_tick = reader->leaveOutDamagedEnd();

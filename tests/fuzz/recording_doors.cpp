@@ -49,7 +49,6 @@ Door blackBoxDoor() {
   const auto folder = std::make_shared<Folder>();
   BlackBoxPlan plan;
   plan.path = folder->file("a.wbb");
-  plan.encoder_step.assign(6, 1e-5);
   plan.most_ticks = 100;
   {
     auto box = BlackBox::arm(synthetic::meta(), plan).value();

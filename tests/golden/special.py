@@ -50,6 +50,7 @@ def messages(schema):
     yield "order_aim_nan", "an aim that is no number", command("Aim", {"q": [f32(0.1), "7fc00000"]})
     yield "order_aim_17_axes", "an aim of more axes than there can be", command("Aim", {"q": [f32(0.1)] * 17})
     yield "order_aim_16_axes", "an aim of as many axes as there can be", command("Aim", {"q": [f32(0.1)] * 16})
+    yield "order_aim_help_unknown", "no help of that number", command("Aim", {"q": [f32(0.1)], "by": 4})
     yield "order_parameter_infinite", "a value that is not finite", command("SetParameter", {"name": "a", "value": f64(float("inf"))})
     yield "order_steer_unknown", "nobody of that number steers", command("Steer", {"by": 2})
     yield "order_act_unknown", "no act of that number", command("Action", {"act": 4})

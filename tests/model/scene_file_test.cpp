@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <regex>
 #include <vector>
 
 namespace wholehand::test {
@@ -19,6 +20,9 @@ using std::numbers::pi;
 
 const std::string kHead =
     "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, -9.81]\n";  // 4 lines
+
+const std::string kUrdfBody =
+    "[[bodies]]\nname = \"u\"\nshape = \"urdf\"\nfile = \"thing.urdf\"\nposition_m = [0, 0, 0]\n";
 
 std::string ball(const std::string& name, double x_m, double y_m = 0.0) {
   return "[[bodies]]\nname = \"" + name +
@@ -109,16 +113,107 @@ color = "#a1B2c3"
 TEST(SceneFile, UrdfWithMass_IsScaledAlike) {
   const Folder folder;
   folder.write("thing.urdf", R"(<robot name="r"><link name="a">
-    <inertial><mass value="2"/><inertia ixx="0.2" iyy="0.3" izz="0.4"/></inertial>
+    <inertial><mass value="2"/><inertia ixx="0.0002" iyy="0.0003" izz="0.0004"/></inertial>
     <collision><geometry><sphere radius="0.02"/></geometry></collision></link></robot>)");
-  const std::string body =
-      "[[bodies]]\nname = \"u\"\nshape = \"urdf\"\nfile = \"thing.urdf\"\nposition_m = [0, 0, 0]\n";
-  const SceneModel own = orThrow(loadSceneFile(folder.write("own.toml", kHead + body)));
+  const SceneModel own = orThrow(loadSceneFile(folder.write("own.toml", kHead + kUrdfBody)));
   EXPECT_DOUBLE_EQ(own.bodies[0].mass_kg, 2.0);
-  EXPECT_DOUBLE_EQ(own.bodies[0].inertia_kg_m2(2, 2), 0.4);
+  EXPECT_DOUBLE_EQ(own.bodies[0].inertia_kg_m2(2, 2), 0.0004);
   const SceneModel half =
-      orThrow(loadSceneFile(folder.write("half.toml", kHead + body + "mass_kg = 1.0\n")));
-  EXPECT_DOUBLE_EQ(half.bodies[0].inertia_kg_m2(2, 2), 0.2);
+      orThrow(loadSceneFile(folder.write("half.toml", kHead + kUrdfBody + "mass_kg = 1.0\n")));
+  EXPECT_DOUBLE_EQ(half.bodies[0].inertia_kg_m2(2, 2), 0.0002);
+}
+
+// Many public files of furniture and floors say 0 kg.
+TEST(SceneFile, FixedUrdf_MayHaveAnyInertial) {
+  const Folder folder;
+  folder.write("thing.urdf", R"(<robot name="r"><link name="a">
+    <inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0"/></inertial>
+    <collision><geometry><sphere radius="0.02"/></geometry></collision></link></robot>)");
+  EXPECT_TRUE(loadSceneFile(folder.write("fixed.toml", kHead + kUrdfBody + "fixed = true\n")).ok());
+  const auto moving = loadSceneFile(folder.write("moving.toml", kHead + kUrdfBody));
+  ASSERT_FALSE(moving.ok());
+  EXPECT_TRUE(says(format(moving.errors()), "link[a].inertial.mass.value = 0: is not positive"));
+}
+
+TEST(SceneFile, FrictionOfAUrdf_IsNamedUnlessTheSceneGivesOne) {
+  const Folder folder;
+  const auto load = [&](const std::string& friction, const std::string& more) {
+    folder.write(
+        "thing.urdf",
+        R"(<robot name="r"><link name="a">)" +
+            (friction.front() == 'c' ? "<contact><lateral_friction value=\"0.1\"/>"
+                                       "</contact>"
+                                     : std::string()) +
+            R"(<collision><geometry><sphere radius="0.02"/></geometry>
+      </collision></link>)" +
+            (friction.front() == 'g' ? "<gazebo reference=\"a\"><mu1>0.2</mu1></gazebo>" : "") +
+            "</robot>");
+    return orThrow(
+        loadSceneFile(folder.write("s.toml", kHead + kUrdfBody + "mass_kg = 0.1\n" + more)));
+  };
+  const SceneModel bullet = load("contact", "");
+  ASSERT_EQ(bullet.notices.size(), 1U);
+  const std::string said = format(bullet.notices[0]);
+  EXPECT_TRUE(says(said,
+                   "thing.urdf:1: link[a].contact.lateral_friction = 0.1: is not applied; "
+                   "the body's friction is 0.8"))
+      << said;
+  const SceneModel gazebo = load("gazebo", "");
+  ASSERT_EQ(gazebo.notices.size(), 1U);
+  EXPECT_TRUE(says(format(gazebo.notices[0]), "gazebo[a].mu1 = 0.2"));
+  EXPECT_TRUE(load("contact", "friction = 0.1\n").notices.empty());
+  EXPECT_TRUE(load("none", "").notices.empty());
+}
+
+// v = sqrt(2 g h): 15 m/s after 11.47 m, however thick the floor is.
+TEST(SceneFile, FallBeyondTheSpeedOfContacts_IsRefused) {
+  const Folder folder;
+  const auto from = [&](double z_m) {
+    return loadSceneFile(
+        folder.write("s.toml", kHead +
+                                   "[[bodies]]\nname = \"floor\"\nshape = \"box\"\nfixed = true\n"
+                                   "size_m = [2, 2, 1]\nposition_m = [0, 0, -3.5]\n"  // -4 .. -3
+                                   "[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\n"
+                                   "mass_kg = 0.1\nposition_m = [0, 0, " +
+                                   std::to_string(z_m) + "]\n"));
+  };
+  EXPECT_TRUE(from(8.46).ok());
+  const auto refused = from(8.5);
+  ASSERT_FALSE(refused.ok());
+  const std::string why = format(refused.errors());
+  EXPECT_TRUE(says(why, "may fall 11.5 m and arrive at 15 m/s")) << why;
+  EXPECT_TRUE(says(why, "11.5 m above the lowest top of a fixed shape")) << why;
+}
+
+TEST(SceneFile, UrdfWithAnInertialThatNoSuchBodyHas_IsRefusedOrReplaced) {
+  const Folder folder;
+  const auto write = [&](const std::string& inertial) {
+    folder.write("thing.urdf", "<robot name=\"r\"><link name=\"a\"><inertial>" + inertial +
+                                   "</inertial><collision><geometry><box size=\"0.06 0.08 0.24\"/>"
+                                   "</geometry></collision></link></robot>");
+  };
+  // The placeholder of many public files: 1 kg m² at 0.1 kg. A corner is 0.13 m from the centre.
+  write("<mass value=\"0.1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>");
+  const Expected<SceneModel> placeholder =
+      loadSceneFile(folder.write("placeholder.toml", kHead + kUrdfBody));
+  ASSERT_FALSE(placeholder.ok());
+  const std::string message = format(placeholder.errors());
+  EXPECT_TRUE(says(message, "1 kg·m²")) << message;
+  EXPECT_TRUE(says(message, "0.00169 at most")) << message;
+  EXPECT_TRUE(says(message, "uniform_density = true")) << message;
+  // m (a² + b²) / 12
+  const SceneModel even = orThrow(
+      loadSceneFile(folder.write("even.toml", kHead + kUrdfBody + "uniform_density = true\n")));
+  EXPECT_NEAR(even.bodies[0].inertia_kg_m2(2, 2), 0.1 * (0.06 * 0.06 + 0.08 * 0.08) / 12.0, 1e-12);
+  EXPECT_NEAR(even.bodies[0].inertia_kg_m2(0, 0), 0.1 * (0.08 * 0.08 + 0.24 * 0.24) / 12.0, 1e-12);
+  // A centre of mass in millimetres, read as metres.
+  write(
+      "<origin xyz=\"0 0 60\"/><mass value=\"0.1\"/><inertia ixx=\"1e-4\" iyy=\"1e-4\" "
+      "izz=\"1e-4\"/>");
+  const Expected<SceneModel> far = loadSceneFile(folder.write("far.toml", kHead + kUrdfBody));
+  ASSERT_FALSE(far.ok());
+  EXPECT_TRUE(says(format(far.errors()), "59.9 m outside of its colliders"))
+      << format(far.errors());
 }
 
 TEST(SceneFile, Overlaps_NameBothAndTheDepth) {
@@ -224,12 +319,34 @@ TEST(SceneFile, UnknownShape_IsTheOnlyFault) {
 TEST(SceneFile, TooManyBodies_AreRefused) {
   const Folder folder;
   std::string text = kHead;
-  for (int i = 0; i < kMaxSceneBodies; ++i)
-    text += ball("b" + std::to_string(i), 0.05 * (i % 64), 0.05 * (i / 64));
+  const auto ballAt = [&](int i, bool moves) {
+    const std::string moving = ball("b" + std::to_string(i), 0.05 * (i % 64), 0.05 * (i / 64));
+    return moves ? moving : std::regex_replace(moving, std::regex("mass_kg = 0.1"), "fixed = true");
+  };
+  for (int i = 0; i < kMaxSceneBodies; ++i) text += ballAt(i, i < kMaxBodies);
   EXPECT_TRUE(loadSceneFile(folder.write("full.toml", text)).ok());
   const Expected<SceneModel> scene =
       loadSceneFile(folder.write("over.toml", text + ball("x", -9.0)));
   EXPECT_TRUE(refusedWith(scene, "1025 bodies"));
+  std::string moving = kHead;
+  for (int i = 0; i <= kMaxBodies; ++i) moving += ballAt(i, true);
+  const Expected<SceneModel> unwatched = loadSceneFile(folder.write("moving.toml", moving));
+  EXPECT_TRUE(refusedWith(unwatched, "moves and is body 129 of the scene"));
+}
+
+TEST(SceneFile, HeavyAndLightBodies_AreNamedBeyondARatioOf100) {
+  const Folder folder;
+  const auto notices = [&](const char* mass_kg) {
+    const std::string heavy = std::regex_replace(ball("heavy", 0.1), std::regex("mass_kg = 0.1"),
+                                                 std::string("mass_kg = ") + mass_kg);
+    return orThrow(loadSceneFile(folder.write("s.toml", kHead + ball("light", 0.0) + heavy)))
+        .notices;
+  };
+  EXPECT_TRUE(notices("9.99").empty());
+  const Diagnostics said = notices("20.0");
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_TRUE(says(format(said[0]), "\"heavy\" (20 kg) is 200 times as heavy as \"light\""))
+      << format(said[0]);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "realtime/allocation_counter.hpp"
 
-#include "realtime/spsc_queue.hpp"
+#include "realtime/record_queue.hpp"
 #include "realtime/stage_clock.hpp"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ TEST_F(AllocationCounter, OtherThreads_AreNotCounted) {
 }
 
 TEST_F(AllocationCounter, QueueAndStageClock_AllocateNothingInUse) {
-  SpscQueue<TickRecord> queue(8);
+  RecordQueue queue(0);
   StageClock clock;
   TickRecord record;
   bool all = true;

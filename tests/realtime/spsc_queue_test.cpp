@@ -1,7 +1,5 @@
 #include "realtime/spsc_queue.hpp"
 
-#include "core/tick_record.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -58,20 +56,6 @@ TEST(SpscQueue, Empty_PopsNothingAndLeavesTheRecord) {
   int out = 42;
   EXPECT_FALSE(queue.try_pop(out));
   EXPECT_EQ(out, 42);
-}
-
-TEST(SpscQueue, HoldsWholeTickRecords) {
-  SpscQueue<TickRecord> queue(2);
-  TickRecord in;
-  in.tick = 7;
-  in.contact_count = kMaxContacts;
-  in.contacts.back().distance_m = -0.25;
-  ASSERT_TRUE(queue.try_push(in));
-  TickRecord out;
-  ASSERT_TRUE(queue.try_pop(out));
-  EXPECT_EQ(out.tick, 7U);
-  EXPECT_EQ(out.contact_count, kMaxContacts);
-  EXPECT_EQ(out.contacts.back().distance_m, -0.25);
 }
 
 // Run under ThreadSanitizer too: it, not luck, says that the memory order is right.

@@ -59,17 +59,16 @@ TEST_P(AtEveryRate, PressedToSaturationAndDrawnBack_RippleIsAsWithoutTheTank) {
   EXPECT_EQ(with.damped_ticks, 0);
 }
 
-/// Plays the bar with the shipped gains. @param divisor ticks per physics step
-void playTheBar(int rate_hz, int divisor) {
+TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
+  const int rate_hz = GetParam();
   // One level by the seed; all four where every large count is asked for.
-  auto random = seededRandom(static_cast<unsigned>(rate_hz + divisor - 1));
+  auto random = seededRandom(static_cast<unsigned>(rate_hz));
   const bool full = fullCounts();
   const int drawn = 1 + static_cast<int>(random() % 4U);
   for (int level = full ? 1 : drawn; level <= (full ? 4 : drawn); ++level) {
     ModelFiles files = exerciseFiles("cocktail-bar");
     files.level = level;
     Models m = load(files);
-    m.rendering.physics_divisor = divisor;
     RigOptions options;
     options.period_s = 1.0 / rate_hz;
     std::unique_ptr<Player> player = m.exercise->makePlayer(random());
@@ -87,8 +86,7 @@ void playTheBar(int rate_hz, int divisor) {
       poured += r.contact_count > 0 ? 1 : 0;
     });
     const std::string at =
-        ", level " + std::to_string(level) + " at " + std::to_string(rate_hz) + " Hz" +
-        (divisor > 1 ? ", physics at " + std::to_string(rate_hz / divisor) + " Hz" : "");
+        ", level " + std::to_string(level) + " at " + std::to_string(rate_hz) + " Hz";
     figure("ticks of the bar in which the tank damps" + at, damped, "");
     figure("ticks in which the slew limit holds back" + at, slewed,
            ("of " + std::to_string(ticks)).c_str());
@@ -96,15 +94,6 @@ void playTheBar(int rate_hz, int divisor) {
     EXPECT_EQ(slewed, 0) << at;
     EXPECT_GT(poured, 0) << "nothing was touched";
   }
-}
-
-TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
-  playTheBar(GetParam(), 1);
-}
-
-TEST(PhysicsAtADivisor, ShippedBar_NeitherTankNorSlewLimitActs) {
-  playTheBar(4000, 4);
-  playTheBar(8000, 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(EnergyTank, AtEveryRate, testing::Values(1000, 2000, 4000, 8000));

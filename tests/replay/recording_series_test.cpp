@@ -110,9 +110,9 @@ void expectExtremes(const Series& series, const std::vector<TickRecord>& ticks, 
         ASSERT_TRUE(std::isnan(series.low(channel, c))) << check.name << " column " << c;
         ASSERT_TRUE(std::isnan(series.high(channel, c))) << check.name << " column " << c;
       } else {
-        ASSERT_EQ(series.low(channel, c), static_cast<float>(low)) << check.name << " column " << c;
-        ASSERT_EQ(series.high(channel, c), static_cast<float>(high))
-            << check.name << " column " << c;
+        // A sum of numbers in single precision: a few units in the last place.
+        ASSERT_NEAR(series.low(channel, c), low, 5e-7 * std::abs(low)) << check.name << " " << c;
+        ASSERT_NEAR(series.high(channel, c), high, 5e-7 * std::abs(high)) << check.name << " " << c;
       }
     }
   }
@@ -143,14 +143,12 @@ TEST(RecordingSeries, Extremes_AreThoseOfAPlainLoop) {
   }
 }
 
-// Every dataset holds numbers that no rule expects: one that is left out and by which another is
-// packed would show.
 TEST(RecordingSeries, ReaderThatSparesDatasets_GivesTheSameBytes) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   synthetic::writeRecording(path, synthetic::noisyTicks(900, 7));
   const auto whole = orThrow(RecordingReader::open(path));
-  const auto sparing = orThrow(viewRecording(path, 16, leftOutOfSeries()));
+  const auto sparing = orThrow(viewRecording(path, leftOutOfSeries()));
   const SeriesQuestion question{-0.0005, 0.8995, 900};
   EXPECT_TRUE(seriesMessage(*sparing.reader, question) == seriesMessage(*whole, question));
 }

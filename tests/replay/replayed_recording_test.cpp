@@ -133,6 +133,16 @@ std::string bytesOfStructs(const Vector* v) {
                                     v->size() * sizeof(*v->Get(0)));
 }
 
+/// Numbers that follow from joints in single precision: 3 units in the last place of 1.
+template <class Vector>
+void expectNear(const Vector& a, const Vector& b) {
+  ASSERT_EQ(a.size(), b.size());
+  const std::size_t count = a.size() * sizeof(*a.Get(0)) / sizeof(float);
+  const auto *x = reinterpret_cast<const float*>(a.Data()),
+             *y = reinterpret_cast<const float*>(b.Data());
+  for (std::size_t i = 0; i < count; ++i) EXPECT_NEAR(x[i], y[i], 4e-7) << i;
+}
+
 void expectAsInFile(const fb::WorldState& state, const TickRecord& row) {
   EXPECT_EQ(state.tick(), row.tick);
   EXPECT_EQ(state.time_s(), row.time_s);
@@ -178,7 +188,7 @@ TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgr
     ASSERT_TRUE(file->read(n, row));
     expectAsInFile(state, row);
     const fb::WorldState& live = stateIn(recordedBar().states[n]);
-    EXPECT_EQ(bytesOfStructs(state.links()), bytesOfStructs(live.links()));
+    expectNear(*state.links(), *live.links());
     EXPECT_EQ(bytesOfStructs(state.bodies()), bytesOfStructs(live.bodies()));
     EXPECT_EQ(bytesOfStructs(state.contacts()), bytesOfStructs(live.contacts()));
     EXPECT_GT(state.links()->size(), 10U);
@@ -215,7 +225,9 @@ TEST(RecordingReport, LongRecordingReadInTwoWays_GivesTheSamePage) {
   const Json read_once = orThrow(reportData(recordedBar().path(), ""));
   const Json read_as_long = orThrow(reportData(recordedBar().path(), "", {}, 0));
   EXPECT_GE(read_once["states"]["rows"].size(), recordedBar().states.size() / 18);
-  EXPECT_TRUE(read_as_long == read_once);
+  for (const auto& [key, value] : read_once.items()) {
+    EXPECT_EQ(read_as_long[key].dump(), value.dump()) << key;
+  }
 }
 
 TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
@@ -345,20 +357,20 @@ with open(path, 'r+b') as raw:
 
 TEST(ReplayedRecording, DamagedEnd_IsToldWithItsTimeAndShownUpToThere) {
   const Folder folder;
-  const auto recording = openedAgain(damaged(folder, "ticks/elapsed_periods", 7));
+  const auto recording = openedAgain(damaged(folder, "ticks/elapsed_periods", 1));
   const Json about = aboutOf(*recording);
   EXPECT_EQ(about["whole"], false);
-  EXPECT_EQ(about["unreadable_from_s"], 1.75);
-  EXPECT_EQ(about["ticks"], 1750);
+  EXPECT_EQ(about["unreadable_from_s"], 1.0);
+  EXPECT_EQ(about["ticks"], 1000);
   EXPECT_EQ(about["to_s"], 2.0) << "the time line goes on to where the ticks were";
   EXPECT_EQ(about["run_again"], false);
-  EXPECT_EQ(messagesIn(ask(*recording, "states?tick=1749&count=2&step=1")).size(), 1U);
+  EXPECT_EQ(messagesIn(ask(*recording, "states?tick=999&count=2&step=1")).size(), 1U);
 }
 
 TEST(ReplayedRecording, DamagedChunk_IsToldAndTheRestIsShown) {
   const Folder folder;
-  constexpr std::uint64_t kBad = 750;
-  const auto recording = openedAgain(damaged(folder, "ticks/q_m", 3));
+  constexpr std::uint64_t kBad = 250;
+  const auto recording = openedAgain(damaged(folder, "ticks/q_m", 0));
   EXPECT_EQ(aboutOf(*recording)["ticks"], 2000);
   const ReplayAnswer state =
       ask(*recording, "states?tick=" + std::to_string(kBad) + "&count=1&step=1");
@@ -370,10 +382,9 @@ TEST(ReplayedRecording, DamagedChunk_IsToldAndTheRestIsShown) {
   EXPECT_TRUE(std::isnan(series.low(channel, kBad)));
   std::size_t shown = 0;
   for (std::size_t c = 0; c < 2000; ++c) shown += std::isnan(series.low(channel, c)) ? 0 : 1;
-  EXPECT_EQ(shown, 1750U) << "a chunk of a quarter of a second is lost, no more";
+  EXPECT_EQ(shown, 1000U) << "a chunk of a second is lost, no more";
   ASSERT_FALSE(series.header["unreadable"].empty());
-  EXPECT_NEAR(series.header["unreadable"][0]["from_s"].get<double>(),
-              1e-3 * static_cast<double>(kBad), 1e-9);
+  EXPECT_NEAR(series.header["unreadable"][0]["from_s"].get<double>(), 0.0, 1e-9);
 }
 
 }  // namespace

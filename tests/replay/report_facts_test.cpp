@@ -14,19 +14,50 @@
 namespace wholehand {
 namespace {
 
+/// Time moved, a tick at a time.
+struct Moving {
+  MovedTime before, now;
+  void tick(Mover by, Help help = Help::kUnsaid, std::uint32_t periods = 1) {
+    before = now;
+    now.add(by, help, periods);
+  }
+};
+
+TEST(MovedTime, PersonWithoutATick_IsNotCredited) {
+  MovedTime time;
+  EXPECT_FALSE(time.isPersons());
+  time.add(Mover::kPerson, Help::kSome, 0);  // the first tick of a recording
+  EXPECT_TRUE(time.isPersons());
+  EXPECT_EQ(time.mostHelp(), Help::kSome);
+  time.add(Mover::kPerson, Help::kFull, 999'998);
+  EXPECT_EQ(time.mostHelp(), Help::kFull);
+  time.add(Mover::kNobody, Help::kFull, 1);  // one period of a million
+  EXPECT_TRUE(time.isShared());
+  EXPECT_EQ(time.share(), 999'999.0 / 1'000'000.0);
+  EXPECT_EQ(time.mostly(), Mover::kPerson);
+  EXPECT_EQ((time - time).sum(), 0U);
+}
+
 TEST(TouchLog, ShortBreaks_AreOneTouch) {
   TouchLog log(3, "cube");
+  Moving moving;
   for (int i = 0; i < 3000; ++i) {
     const double t = i * 1e-3;
     const bool touching = (t >= 0.5 && t < 1.0 && i % 50 > 5) || (t >= 2.0 && t < 2.25);
-    log.contact(t, 1e-3, touching, 2.0 + t, t >= 2.0);
-    log.position({0.1 * t + (i % 2) * 4e-4, 0.0, 0.0});  // 30 cm, with 0.4 mm of jitter
+    // In a break between two contacts of the first touch somebody else moves.
+    moving.tick(i == 603 ? Mover::kVirtualPatient : Mover::kPerson);
+    if (touching) log.contact({t, 1e-3, 2.0 + t, t >= 2.0}, moving.before, moving.now);
+    log.position({0.1 * t + (i % 2) * 4e-4, 0.0, 0.0}, true);  // 30 cm, with 0.4 mm of jitter
   }
-  ASSERT_EQ(log.story().touches.size(), 2U);
-  EXPECT_EQ(log.story().touches[0].body, 3);
-  EXPECT_NEAR(log.story().longest_s(), 0.494, 1e-9);  // from the first contact, at 0.506 s
-  EXPECT_NEAR(log.story().largestForce_n(), 4.249, 1e-9);
-  EXPECT_NEAR(log.story().held_s(), 0.25, 1e-9);
+  const std::vector<Touch>& touches = log.story().touches;
+  ASSERT_EQ(touches.size(), 2U);
+  EXPECT_EQ(touches[0].body, 3);
+  EXPECT_NEAR(touches[0].to_s - touches[0].from_s, 0.494, 1e-9);  // from its contact at 0.506 s
+  EXPECT_NEAR(touches[1].largest_force_n, 4.249, 1e-9);
+  EXPECT_NEAR(touches[1].held_s, 0.25, 1e-9);
+  EXPECT_TRUE(touches[0].moved.isShared());
+  ASSERT_EQ(log.story().persons().size(), 1U);
+  EXPECT_EQ(log.story().persons()[0].from_s, touches[1].from_s);
   EXPECT_NEAR(log.story().travelled_m, 0.3, 2e-3);
 }
 
@@ -34,11 +65,14 @@ TEST(TouchLog, ShortBreaks_AreOneTouch) {
 // N.
 TEST(GripLog, SteadyGripWithTremor_HasItsMeanAndDeviation) {
   GripLog log;
+  Moving moving;
   for (int i = 0; i < 5000; ++i) {
     const double t = i * 1e-3;
     const bool rises = t < 1.25 || t >= 3.75;  // the first and the last quarter of a second
     const double tremor_n = 0.5 * std::sin(2.0 * std::numbers::pi * 5.0 * t);
-    log.add(t, t < 1.0 || t >= 4.0 ? 0.0 : rises ? 9.0 : 4.0 + tremor_n);
+    moving.tick(i == 1000 ? Mover::kMotion : Mover::kPerson);  // its first tick
+    const double force_n = t < 1.0 || t >= 4.0 ? 0.0 : rises ? 9.0 : 4.0 + tremor_n;
+    log.add(t, force_n, moving.before, moving.now);
   }
   ASSERT_EQ(log.grips().size(), 1U);
   const Grip& grip = log.grips().front();
@@ -47,13 +81,16 @@ TEST(GripLog, SteadyGripWithTremor_HasItsMeanAndDeviation) {
   EXPECT_NEAR(grip.mean_n, 4.0, 0.01);
   EXPECT_NEAR(grip.deviation_n, 0.5 / std::sqrt(2.0), 0.01);
   EXPECT_EQ(grip.largest_n, 9.0);
+  EXPECT_EQ(grip.moved.sum(), 3000U);  // 1.000 s .. 3.999 s
+  EXPECT_EQ(grip.moved.persons(), 2999U);
 }
 
 TEST(GripLog, TouchesOfLessThanASecondOrANewton_AreNoGrips) {
   GripLog log;
-  for (int i = 0; i < 3000; ++i) log.add(i * 1e-3, i % 1000 < 900 ? 5.0 : 0.0);
-  for (int i = 3000; i < 6000; ++i) log.add(i * 1e-3, 0.99);
-  log.add(7.0, std::nan(""));
+  const MovedTime none;
+  for (int i = 0; i < 3000; ++i) log.add(i * 1e-3, i % 1000 < 900 ? 5.0 : 0.0, none, none);
+  for (int i = 3000; i < 6000; ++i) log.add(i * 1e-3, 0.99, none, none);
+  log.add(7.0, std::nan(""), none, none);
   log.end();
   EXPECT_TRUE(log.grips().empty());
 }
@@ -62,6 +99,7 @@ TickRecord restingTick(int number) {
   TickRecord record;
   record.tick = static_cast<std::uint64_t>(number);
   record.time_s = number * 1e-3;
+  record.moved_by = Mover::kPerson;
   record.effort_limit = AxisEffort(6, 20.0);
   record.phi = AxisRatio(6, number < 1000 ? 0.9 : 0.1);
   record.sent = AxisEffort(6);
@@ -75,7 +113,7 @@ nlohmann::json therapyFacts(int ticks, const std::function<void(TickRecord&, int
   for (int i = 0; i < ticks; ++i) {
     TickRecord record = restingTick(i);
     change(record, i);
-    facts.add(record, true);
+    facts.add(record, true, static_cast<std::uint64_t>(i));
   }
   return facts.json();
 }
@@ -133,7 +171,132 @@ TEST(TherapyFacts, ForceOnABody_IsToldByItsName) {
   EXPECT_EQ(json["bodies"][0]["name"], "cylinder");
   EXPECT_NEAR(json["bodies"][0]["held_s"].get<double>(), 1.0, 1e-9);
   EXPECT_NEAR(json["bodies"][0]["largest_force_n"].get<double>(), 10.0, 1e-12);  // twice 5 N
-  EXPECT_NEAR(json["largest_force_s"].get<double>(), 1.0, 1e-12);
+  EXPECT_NEAR(json["strongest"]["time_s"].get<double>(), 1.0, 1e-12);
+  EXPECT_EQ(json["strongest"]["row"], 1000);
+}
+
+TEST(TherapyFacts, LimitThatChangesAllTheTime_EndsWithTheOneInForce) {
+  // Every 0.5 s another limit for 5,000 s: more than a page holds.
+  const auto json = therapyFacts(10'000, [](TickRecord& record, int i) {
+    record.time_s = 0.5 * i;
+    record.effort_limit[1] = 5.0 + i % 7;
+  });
+  const auto& changes = json["limits"][1];
+  EXPECT_LE(changes.size(), 2'000U);
+  EXPECT_GE(changes.size(), 500U);
+  EXPECT_EQ(changes.front()[0], 0.0);
+  EXPECT_EQ(changes.back(), nlohmann::json({4999.5, 5.0 + 9'999 % 7}));
+  EXPECT_GE(json["limits_between_s"].get<double>(), 0.5);
+}
+
+TEST(TherapyFacts, TouchesBeyondThoseDrawn_AreCountedAndInTheSums) {
+  // A touch of one tick every 0.25 s, 3,000 of them, on one body; every third by nobody.
+  RecordingMeta meta = synthetic::meta();
+  meta.capsule_names = {"palm"};
+  const auto json = therapyFacts(
+      6'000,
+      [](TickRecord& record, int i) {
+        record.time_s = 0.125 * i;
+        record.contact_count = i % 2;
+        record.contacts[0].body = 2;
+        record.contacts[0].force_n = Vec3{0.0, 0.0, 1.0};
+        if (i / 2 % 3 == 0) record.moved_by = Mover::kNobody;
+      },
+      meta);
+  EXPECT_EQ(json["touches"].size(), 1'000U);
+  EXPECT_EQ(json["touches_left_out"], 2'000);
+  EXPECT_EQ(json["touches_not_persons"], 1'000);
+  EXPECT_EQ(json["bodies"][0]["touches"], 2'000);
+}
+
+/// A bar of two values and the events that a report reads.
+RecordingMeta barMeta() {
+  RecordingMeta meta = synthetic::meta();
+  meta.event_names = {"engaged", "step_done", "drink_done", "level_done", "restarted"};
+  meta.value_names = {"poured_total_l", "score", "stars"};
+  meta.result_names = {"poured_total_l", "score"};
+  meta.result_labels = {"Poured", "Score"};
+  meta.result_units = {"ml", ""};
+  meta.result_factors = {1000.0, 1.0};
+  meta.result_decimals = {0.0, 0.0};
+  return meta;
+}
+
+/// One thing of a play at the bar: an event at a tick, with what the exercise counts from it on.
+struct BarMoment {
+  int tick, event, index;
+  double value, poured_l, score;
+};
+
+/// The play of some moments; `mover` of each tick.
+nlohmann::json barFacts(const std::vector<BarMoment>& moments,
+                        const std::function<Mover(int)>& mover) {
+  double poured_l = 0.0, score = 0.0;
+  const auto change = [&](TickRecord& record, int i) {
+    record.moved_by = mover(i);
+    record.help = Help::kFull;
+    for (const BarMoment& m : moments) {
+      if (m.tick != i) continue;
+      ExerciseRecord& out = record.exercise;
+      out.events[out.event_count++] = {m.event, m.index, m.value};
+      poured_l = m.poured_l;
+      score = m.score;
+    }
+    record.exercise.value_count = 3;
+    record.exercise.values = {poured_l, score, 3.0};
+  };
+  return therapyFacts(2'000, change, barMeta());
+}
+
+enum : int { kEngaged, kStepDone, kDrinkDone, kLevelDone, kRestarted };
+
+// Two drinks of 40 ml finish a level; it begins again, and a third drink of 30 ml is finished.
+const std::vector<BarMoment> kThreeDrinks = {
+    {100, kEngaged, 0, 0.0, 0.0, 0.0},       {300, kStepDone, 0, 0.04, 0.04, 0.0},
+    {300, kDrinkDone, 0, 90.0, 0.04, 90.0},  {500, kEngaged, 0, 0.0, 0.04, 90.0},
+    {700, kStepDone, 0, 0.04, 0.08, 90.0},   {700, kDrinkDone, 1, 80.0, 0.08, 85.0},
+    {800, kLevelDone, -1, 85.0, 0.08, 85.0}, {900, kRestarted, -1, 0.0, 0.0, 0.0},
+    {1000, kEngaged, 0, 0.0, 0.0, 0.0},      {1200, kStepDone, 0, 0.03, 0.03, 0.0},
+    {1200, kDrinkDone, 0, 70.0, 0.03, 70.0}, {1900, kRestarted, -1, 0.0, 0.0, 0.0},
+};
+
+TEST(TherapyFacts, LevelThatBeginsAgain_KeepsTheFiguresOfItsFinishedDrinks) {
+  const auto json = barFacts(kThreeDrinks, [](int) { return Mover::kPerson; });
+  EXPECT_EQ(json["sums"]["drink_done"]["count"], 3);
+  EXPECT_EQ(json["sums"]["drink_done"]["stars"], 9.0);
+  EXPECT_EQ(json["sums"]["drink_done"]["helps"], nlohmann::json({0, 3, 0, 0}));
+  EXPECT_EQ(json["sums"]["level_done"]["count"], 1);
+  EXPECT_NEAR(json["results"][0]["value"].get<double>(), 110.0, 1e-9);  // 40 + 40 + 30 ml
+  EXPECT_NEAR(json["results"][1]["value"].get<double>(), 80.0, 1e-9);   // mean of 90, 80, 70
+  EXPECT_EQ(json["moved"]["share"], 1.0);
+}
+
+TEST(TherapyFacts, DrinksOfTheVirtualPatient_AreListedAndInNoSum) {
+  // The person moves from tick 500, in which the second drink begins, to 1199, before the third
+  // ends.
+  const auto json = barFacts(kThreeDrinks, [](int tick) {
+    return tick >= 500 && tick < 1200 ? Mover::kPerson : Mover::kVirtualPatient;
+  });
+  const auto& sums = json["sums"]["drink_done"];
+  EXPECT_EQ(sums["count"], 1);
+  EXPECT_EQ(sums["shared"], 1);
+  EXPECT_EQ(sums["others"], 1);
+  EXPECT_NEAR(json["results"][0]["value"].get<double>(), 40.0, 1e-9);
+  EXPECT_EQ(json["results"][1]["value"], 80.0);
+  ASSERT_EQ(json["parts"].size(), 4U);
+  EXPECT_EQ(json["parts"][0]["by"], static_cast<int>(Mover::kVirtualPatient));
+  EXPECT_EQ(json["parts"][0]["share"], 0.0);
+  EXPECT_TRUE(json["parts"][1]["persons"].get<bool>());
+  EXPECT_EQ(json["parts"][2]["event"], "level_done");
+  EXPECT_EQ(json["parts"][2]["share"], 301.0 / 701.0);  // ticks 100 to 800, from 500 on
+  EXPECT_EQ(json["parts"][3]["share"], 200.0 / 201.0);  // ticks 1000 to 1200, but the last
+  EXPECT_EQ(json["sums"]["level_done"]["shared"], 1);
+  EXPECT_EQ(json["moved"]["by"], nlohmann::json({0, 700, 1300, 0}));
+  EXPECT_EQ(json["moved"]["runs"].size(), 3U);
+  // Reaches: 0 .. 100, 300 .. 500, 900 .. 1000.
+  EXPECT_EQ(json["reaches"]["count"], 1);
+  EXPECT_EQ(json["reaches"]["shared"], 1);
+  EXPECT_EQ(json["reaches"]["others"], 1);
 }
 
 TEST(EngineeringFacts, Ticks_AreCountedInStepsOfThePeriod) {

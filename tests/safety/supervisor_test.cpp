@@ -318,6 +318,32 @@ TEST_F(WorldWatch, ChangeOfSpinInOneStep_IsAnExplosionAbove500) {
   }
 }
 
+TEST_F(WorldWatch, ImpactAfterALongFall_IsNoExplosion) {
+  for (const double bounce : {0.0, 0.5, 1.0}) {
+    state_ = WorldWatchState{};
+    TickRecord r = worldWith(1);
+    r.bodies[0].velocity_m_s = Vec3{3.0, 0.0, -15.0};
+    see(r);
+    r.bodies[0].velocity_m_s = Vec3{3.0, 0.0, 15.0 * bounce};
+    EXPECT_EQ(see(r), Fault::kNone) << bounce;
+  }
+}
+
+// A ball that slides onto a plate ends with 5/7 of its speed, rolling: spin 5/7 v/r.
+TEST_F(WorldWatch, BallThatBeginsToRoll_IsNoExplosion) {
+  for (const double radius_m : {0.002, 0.005, 0.05}) {
+    state_ = WorldWatchState{};
+    TickRecord r = worldWith(1);
+    r.bodies[0].velocity_m_s.x = 15.0;
+    see(r);
+    r.bodies[0].velocity_m_s.x = 15.0 * 5.0 / 7.0;
+    r.bodies[0].angular_velocity_rad_s.y = 15.0 * 5.0 / 7.0 / radius_m;
+    EXPECT_EQ(see(r), Fault::kNone) << radius_m;
+    r.bodies[0].angular_velocity_rad_s.y += 501.0;
+    EXPECT_EQ(see(r), Fault::kBodiesExploded) << radius_m;
+  }
+}
+
 TEST_F(WorldWatch, NoNumber_IsAnExplosion) {
   TickRecord r = worldWith(1);
   see(r);

@@ -52,8 +52,9 @@ inline wire::Bytes load(std::uint32_t id, const char* exercise, std::uint16_t le
   return command(
       id, [&](Builder& b) { return fb::CreateLoadExerciseDirect(b, exercise, level, hand); });
 }
-inline wire::Bytes aim(std::uint32_t id, const std::vector<float>& q) {
-  return command(id, [&](Builder& b) { return fb::CreateAimDirect(b, &q); });
+inline wire::Bytes aim(std::uint32_t id, const std::vector<float>& q,
+                       fb::Help by = fb::Help::Unsaid) {
+  return command(id, [&](Builder& b) { return fb::CreateAimDirect(b, &q, by); });
 }
 inline wire::Bytes setParameter(std::uint32_t id, const char* name, double value) {
   return command(id, [&](Builder& b) { return fb::CreateSetParameterDirect(b, name, value); });
@@ -151,7 +152,7 @@ inline std::vector<wire::Bytes> oneOfEach() {
           stop(2),
           emergencyStop(3),
           load(4, "cocktail-bar", 2, "adult"),
-          aim(5, {0.1F, -0.2F}),
+          aim(5, {0.1F, -0.2F}, fb::Help::None),
           setParameter(6, "lead_in_m", 0.01),
           steer(7, fb::Steering::Person),
           action(8, fb::Act::Pause),

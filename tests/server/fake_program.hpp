@@ -57,7 +57,7 @@ class FakeProgram final : public ServerBackend {
   }
   std::vector<RecordingEntry> recordings() const override {
     const std::string name = "night shift.h5";
-    return {{name, "cocktail-bar, level 2", "2026-11-20T08:00:00Z", 61.5, 11, 0,
+    return {{name, "cocktail-bar, level 2", "", "2026-11-20T08:00:00Z", 61.5, 11, 0,
              scene()->recording == name}};
   }
   std::string recordingPath(const std::string& name) const override {

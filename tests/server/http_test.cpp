@@ -382,6 +382,29 @@ TEST_F(HttpTest, Token_GuardsAllButThePages) {
       200);
 }
 
+// Browsers send a cookie to every port of a machine: another Wholehand's, or that of a former
+// token.
+TEST_F(HttpTest, CookiesOfOthers_RefuseNobodyWhoShowsAGoodToken) {
+  options.token = kToken;
+  open();
+  const std::string good = get(port(), std::string("/?token=") + kToken).headers["set-cookie"];
+  const std::string ours = good.substr(0, good.find(';'));
+  EXPECT_TRUE(contains(ours, "wholehand_token_" + std::to_string(port()) + "="));
+  const std::string others =
+      "wholehand_token=stale-stale-stale-x; wholehand_token_1=foreign-foreign";
+  const auto status = [this](const std::string& query, const std::string& headers) {
+    return get(port(), "/api/recordings" + query, headers).status;
+  };
+  EXPECT_EQ(status("", "Cookie: " + others + "\r\n"), 401);
+  EXPECT_EQ(status("", "Cookie: " + others + "; " + ours + "\r\n"), 200);
+  EXPECT_EQ(status("", "Cookie: " + ours + "; " + others + "\r\n"), 200);
+  EXPECT_EQ(status(std::string("?token=") + kToken, "Cookie: " + others + "\r\n"), 200);
+  EXPECT_EQ(status("?token=wrong", "Cookie: " + ours + "\r\n"), 200);
+  EXPECT_EQ(
+      status("", std::string("Authorization: Bearer ") + kToken + "\r\nCookie: " + others + "\r\n"),
+      200);
+}
+
 TEST_F(HttpTest, Options_ThatWouldOpenTheProgramToAll_AreRefused) {
   options.address = "0.0.0.0";
   auto refusalOf = [&] {

@@ -33,6 +33,7 @@ class Told final : public ClientLine {
   [[nodiscard]] std::size_t waiting() const override { return 0; }
   [[nodiscard]] std::int64_t writingSince_ns() const override { return writing_since_ns; }
   [[nodiscard]] std::string address() const override { return "here"; }
+  void close(const std::string&) override { was_cut = true; }
   void cut() override { was_cut = true; }
 
   std::map<std::uint32_t, OrderReply> replies;

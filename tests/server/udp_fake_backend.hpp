@@ -154,6 +154,7 @@ class FakeBackend : public ServerBackend {
         scene_ = makeScene(scene_->session + 1);
         return {true, ""};
       case OrderType::kAction:
+      case OrderType::kAttended:
       case OrderType::kUnattended:
       case OrderType::kSaveProfile:
       case OrderType::kLoadProfile:

@@ -162,28 +162,73 @@ TEST_F(WebSocketTest, Holder_IsToldToAllAndCommands) {
   EXPECT_EQ(controls.holder(), 0U);
 }
 
+/// Why the server closes: the code and the reason of its close frame.
+std::pair<int, std::string> closing(WebSocket& client) {
+  std::optional<WebSocket::Frame> frame;
+  do frame = client.hear();
+  while (frame && frame->opcode != 8);
+  if (!frame || frame->payload.size() < 2) return {0, ""};
+  client.sendFrame(8, frame->payload);
+  return {static_cast<unsigned char>(frame->payload[0]) * 256 +
+              static_cast<unsigned char>(frame->payload[1]),
+          std::string(frame->payload.begin() + 2, frame->payload.end())};
+}
+
+// Nobody can be told which order it was. Whoever waits for an answer learns that the line ended.
+TEST_F(WebSocketTest, UnreadableMessages_EndTheConnectionAndSayWhy) {
+  open();
+  wire::Bytes cut = steer(2, fb::Steering::Person);
+  cut.resize(cut.size() - 6);
+  const std::vector<std::pair<wire::Bytes, std::string>> bad = {
+      {{1, 2, 3}, "message: is not one of Wholehand's"},
+      {wire::Bytes(300, 0xFF), "message: is not one of Wholehand's"},
+      {cut, "message: is damaged or cut short"}};
+  for (const auto& [message, reason] : bad) {
+    const auto client = holder();
+    client->say(message);
+    const auto told = answer(*client);
+    EXPECT_EQ(told.command, 0U);
+    EXPECT_EQ(told.reason, reason);
+    EXPECT_EQ(closing(*client), std::pair(1008, reason));
+    for (int i = 0; i < 1000 && controls.holder() != 0; ++i) std::this_thread::sleep_for(5ms);
+    EXPECT_EQ(controls.holder(), 0U);
+  }
+  WebSocket talker(port());
+  talker.sayText("{\"order\":\"arm\"}");
+  const auto text = answer(talker);
+  EXPECT_EQ(text.reason, "this is text; messages are binary");
+  EXPECT_EQ(text.refusal, fb::Refusal::Unreadable);
+  EXPECT_EQ(closing(talker), std::pair(1008, text.reason));
+  EXPECT_EQ(refused("malformed"), 3.0);
+  EXPECT_EQ(refused("text"), 1.0);
+  EXPECT_TRUE(program.askedFor(OrderType::kSteer, 1, 0ms).empty() ||
+              program.askedFor(OrderType::kSteer, 1, 0ms)[0].order.client == 0);
+}
+
+// A page sends its heartbeats from another thread, and may number them as it likes.
+TEST_F(WebSocketTest, HeartbeatOfALargeNumber_KeepsNoOrderFromBeingObeyed) {
+  open();
+  const auto client = holder();
+  client->say(heartbeat(4'000'000'000U));
+  client->say(setParameter(2, "lead_in_m", 0.25));
+  const auto obeyed = answer(*client);
+  EXPECT_EQ(obeyed.command, 2U);
+  EXPECT_TRUE(obeyed.accepted) << obeyed.reason;
+}
+
 TEST_F(WebSocketTest, BadMessages_AreRefusedAndChangeNothing) {
   open();
   const auto client = holder();
   const auto nan = std::numeric_limits<float>::quiet_NaN();
-  client->say({1, 2, 3});
-  EXPECT_NE(answer(*client).reason.find("not one of Wholehand's"), std::string::npos);
-  client->say(wire::Bytes(300, 0xFF));
-  EXPECT_FALSE(answer(*client).accepted);
-  wire::Bytes cut = steer(2, fb::Steering::Person);
-  cut.resize(cut.size() - 6);
-  client->say(cut);
-  EXPECT_FALSE(answer(*client).accepted);
   client->say(aim(3, {0.0F, nan}));
-  EXPECT_NE(answer(*client).reason.find("not a finite number"), std::string::npos);
+  const auto aimed = answer(*client);
+  EXPECT_NE(aimed.reason.find("not a finite number"), std::string::npos);
+  EXPECT_EQ(aimed.command, 3U) << "its client waits for this number";
   client->say(arm(4, wire::kSchemaVersion + 1));
   const auto version = answer(*client);
   EXPECT_NE(version.reason.find("schema_version"), std::string::npos);
   EXPECT_EQ(version.refusal, fb::Refusal::OtherVersion);
-  client->sayText("{\"order\":\"arm\"}");
-  const auto text = answer(*client);
-  EXPECT_EQ(text.reason, "this is text; messages are binary");
-  EXPECT_EQ(text.refusal, fb::Refusal::Unreadable);
+  EXPECT_EQ(version.command, 4U);
   client->say(arm(5));
   EXPECT_TRUE(answer(*client).accepted);
   client->say(arm(5));  // replayed
@@ -195,9 +240,8 @@ TEST_F(WebSocketTest, BadMessages_AreRefusedAndChangeNothing) {
   EXPECT_EQ(program.askedFor(OrderType::kArm, 2, 50ms).size(), 1U);
   EXPECT_TRUE(program.askedFor(OrderType::kSteer, 1, 0ms).empty());
   EXPECT_TRUE(program.askedFor(OrderType::kAim, 1, 0ms).empty());
-  EXPECT_EQ(refused("malformed"), 4.0);
+  EXPECT_EQ(refused("malformed"), 1.0);
   EXPECT_EQ(refused("schema_version"), 1.0);
-  EXPECT_EQ(refused("text"), 1.0);
   EXPECT_EQ(refused("replayed"), 2.0);
   EXPECT_TRUE(logged("schema_version = 2"));
 }
@@ -300,7 +344,10 @@ TEST_F(WebSocketTest, Token_IsAskedForAtTheDoorAndWithTheControls) {
   EXPECT_EQ(WebSocket(port(), "", "/ws?token=wrong").status(), 401);
   WebSocket client(port(), "", "/ws?token=a-token-of-twenty-ch");
   ASSERT_EQ(client.status(), 101);
-  EXPECT_NE(client.reply().headers.at("set-cookie").find("wholehand_token="), std::string::npos);
+  EXPECT_NE(client.reply()
+                .headers.at("set-cookie")
+                .find("wholehand_token_" + std::to_string(port()) + "="),
+            std::string::npos);
   client.say(takeControls(1, "a-token-of-twenty-cx"));
   const auto wrong = answer(client);
   EXPECT_EQ(wrong.reason, "the token is wrong");

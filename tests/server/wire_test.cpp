@@ -286,6 +286,7 @@ TEST(WireDecode, EveryOrder_IsUnderstood) {
   EXPECT_EQ(m[3].order.hand, "adult");
   EXPECT_EQ(m[4].order.aim.size(), 2);
   EXPECT_EQ(m[4].order.aim[1], static_cast<double>(-0.2F));
+  EXPECT_EQ(m[4].order.help, Help::kNone);
   EXPECT_EQ(m[5].order.name, "lead_in_m");
   EXPECT_EQ(m[5].order.value, 0.01);
   EXPECT_EQ(m[6].order.steering, Steering::kPerson);
@@ -327,6 +328,9 @@ TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
   EXPECT_NE(wireRefusalOf(aim(1, {0.0F, nan})).find("finite"), std::string::npos);
   EXPECT_NE(wireRefusalOf(aim(1, {inf})).find("finite"), std::string::npos);
   EXPECT_NE(wireRefusalOf(aim(1, {})).find("1 to 16 axes"), std::string::npos);
+  EXPECT_EQ(wireRefusalOf(aim(1, {0.0F}, fb::Help::MAX)), "");
+  const wire::Bytes beyond = aim(1, {0.0F}, static_cast<fb::Help>(4));
+  EXPECT_NE(wireRefusalOf(beyond).find("help = 4"), std::string::npos) << wireRefusalOf(beyond);
   EXPECT_NE(wireRefusalOf(aim(1, std::vector<float>(17))).find("1 to 16 axes"), std::string::npos);
   EXPECT_NE(wireRefusalOf(setParameter(1, "lead_in_m", -std::numeric_limits<double>::infinity()))
                 .find("finite"),

@@ -6,9 +6,15 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <sstream>
 #include <string>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace wholehand {
 namespace {
@@ -44,26 +50,99 @@ TEST(FileNamePart, LongNames_AreCutBetweenCharacters) {
 TEST(SessionFiles, Name_SaysTimePersonExerciseAndLevel) {
   const Folder folder;
   const SessionFiles files(folder.path());
-  const std::string name = fs::path(files.nameNew("p-014", "cocktail-bar", 2)).filename().string();
+  const std::string name = fs::path(*files.nameNew("p-014", "cocktail-bar", 2)).filename().string();
   EXPECT_EQ(name.substr(15), "-p-014-cocktail-bar-level-2.h5") << name;
   EXPECT_EQ(name.find_first_not_of("0123456789-"), 16U) << name;
-  const std::string nobody = fs::path(files.nameNew("", "", 1)).filename().string();
+  const std::string nobody = fs::path(*files.nameNew("", "", 1)).filename().string();
   EXPECT_EQ(nobody.substr(15), "-scene-level-1.h5") << nobody;
 }
 
-// Whatever second it is: the first name is taken until the clock has moved on.
+// Whatever second it is, and however the clock is set meanwhile.
 TEST(SessionFiles, NamesThatAreTaken_AreNotGivenAgain) {
   const Folder folder;
-  const SessionFiles files(folder.path());
+  auto time = std::chrono::system_clock::now();
+  const SessionFiles files(folder.path(), [&time] { return time; });
   const std::string long_name(10'000, 'a');
-  for (int i = 0; i < 20; ++i) {
-    const std::string path = files.nameNew(long_name, long_name, 1);
-    ASSERT_FALSE(fs::exists(path)) << path;
-    EXPECT_LT(fs::path(path).filename().string().size(), 200U);  // with ".part", below 255
-    std::ofstream(path) << "taken";
-    ASSERT_TRUE(fs::exists(path));
+  std::set<std::string> given;
+  for (int i = 0; i < 40; ++i) {
+    time += i % 4 == 3 ? std::chrono::seconds(-2) : std::chrono::seconds(i % 2);
+    const auto path = files.nameNew(long_name, long_name, 1);
+    ASSERT_TRUE(path) << format(path.errors());
+    EXPECT_TRUE(given.insert(*path).second) << *path;
+    EXPECT_LT(fs::path(*path).filename().string().size(), 200U);  // with ".part", below 255
+    EXPECT_EQ(fs::file_size(*path), 0U);
   }
-  EXPECT_EQ(files.list("").size(), 20U);
+  EXPECT_TRUE(files.list("").empty()) << "a taken name is no recording yet";
+  for (const std::string& path : given) std::ofstream(path) << "recorded";
+  EXPECT_EQ(files.list("").size(), 40U);
+  for (const std::string& path : given) files.giveBack(path);
+  EXPECT_EQ(files.list("").size(), 40U) << "what was recorded is not given back";
+}
+
+// Each process asks for names at the same moment: eight programs that are started at once.
+TEST(SessionFiles, EightProgramsAtOnce_GetDifferentNames) {
+  constexpr int kPrograms = 8, kNames = 25;
+  const Folder folder;
+  const auto time = std::chrono::system_clock::now();  // of all of them
+  std::array<int, 2> gate{}, names{};
+  ASSERT_EQ(::pipe(gate.data()), 0);
+  ASSERT_EQ(::pipe(names.data()), 0);
+  for (int i = 0; i < kPrograms; ++i) {
+    if (::fork() != 0) continue;
+    ::close(gate[1]);
+    char begin = 0;
+    (void)!::read(gate[0], &begin, 1);  // until the parent closes it
+    const SessionFiles files(folder.path() + "/recordings", [time] { return time; });
+    for (int n = 0; n < kNames; ++n) {
+      const auto path = files.nameNew("", "bar", 1);
+      const std::string line = (path ? *path : "refused") + "\n";
+      (void)!::write(names[1], line.data(), line.size());
+    }
+    ::_exit(0);
+  }
+  ::close(gate[0]);
+  ::close(gate[1]);
+  ::close(names[1]);
+  std::string all;
+  std::array<char, 4096> piece{};
+  for (ssize_t n = 0; (n = ::read(names[0], piece.data(), piece.size())) > 0;) {
+    all.append(piece.data(), static_cast<std::size_t>(n));
+  }
+  ::close(names[0]);
+  for (int i = 0; i < kPrograms; ++i) ::wait(nullptr);
+  std::set<std::string> different;
+  std::istringstream lines(all);
+  for (std::string line; std::getline(lines, line);) different.insert(line);
+  EXPECT_EQ(different.count("refused"), 0U);
+  EXPECT_EQ(different.size(), std::size_t{kPrograms * kNames});
+}
+
+// A file where the folder should be, a folder that is not there and cannot be made.
+TEST(SessionFiles, FolderThatTakesNothing_IsNamedInTheError) {
+  const Folder folder;
+  std::ofstream(folder.path() + "/file") << "in the way";
+  for (const char* name : {"/file", "/file/recordings"}) {
+    const SessionFiles files(folder.path() + name);
+    const auto path = files.nameNew("", "", 1);
+    ASSERT_FALSE(path);
+    EXPECT_NE(format(path.errors()).find(folder.path() + name), std::string::npos);
+    EXPECT_NE(format(path.errors()).find("takes no new recording"), std::string::npos);
+  }
+}
+
+// A link or a pipe is a name that is taken, and nothing is written through it.
+TEST(SessionFiles, LinkOfItsName_IsNotFollowed) {
+  const Folder folder;
+  const auto time = std::chrono::system_clock::now();
+  const SessionFiles files(folder.path(), [time] { return time; });
+  const std::string first = *files.nameNew("", "", 1);
+  fs::remove(first);
+  const std::string target = folder.path() + "/elsewhere.h5";
+  fs::create_symlink(target, first);
+  const auto second = files.nameNew("", "", 1);
+  ASSERT_TRUE(second);
+  EXPECT_NE(*second, first);
+  EXPECT_FALSE(fs::exists(target));
 }
 
 // Asked for by --record: in a folder of its own.

@@ -1,9 +1,11 @@
 #include "station/profiles.hpp"
 
+#include "station/session_files.hpp"
 #include "station_bench.hpp"
 
 #include <fstream>
 #include <iterator>
+#include <sys/stat.h>
 
 namespace wholehand::test {
 namespace {
@@ -54,6 +56,45 @@ TEST(ProfileFile, FromBeforeTheNewKeys_StillLoads) {
   ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
   EXPECT_EQ(loaded->help, Help::kUnsaid);
   EXPECT_EQ(loaded->parameters.size(), 1U);
+}
+
+TEST(ProfileFile, CodeOfSixtyLetters_IsSavedLoadedAndNamesARecording) {
+  const Folder folder;
+  const Profiles profiles(folder.path() + "/profiles");
+  Profile profile = somebody();
+  profile.name = std::string(60, 'w');
+  ASSERT_TRUE(profiles.save(profile).ok());
+  EXPECT_EQ(profiles.list(), std::vector<std::string>{profile.name});
+  EXPECT_EQ(profiles.load(profile.name)->hand, profile.hand);
+  const SessionFiles files(folder.path() + "/recordings");
+  const auto path = files.nameNew(profile.name, "cocktail-bar", 1000);
+  ASSERT_TRUE(path.ok()) << format(path.errors());
+  EXPECT_NE(path->find(profile.name), std::string::npos) << "the whole code";
+  profile.name += 'w';
+  EXPECT_FALSE(profiles.save(profile).ok());
+  EXPECT_EQ(profiles.list().size(), 1U);
+}
+
+// Nothing is read from a pipe, which would hold up every order, nor written through a link.
+TEST(ProfileFile, LinkOrPipeOfItsName_IsNamedAndUntouched) {
+  const Folder folder;
+  const Profiles profiles(folder.path());
+  const std::string path = folder.path() + "/p-014.toml";
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  EXPECT_TRUE(profiles.list().empty());
+  const auto piped = profiles.load("p-014");
+  ASSERT_FALSE(piped.ok());
+  EXPECT_NE(format(piped.errors()).find(path + ": is no regular file"), std::string::npos)
+      << format(piped.errors());
+  EXPECT_FALSE(profiles.save(somebody()).ok());
+  std::filesystem::remove(path);
+  std::ofstream(folder.path() + "/precious") << "mine";
+  std::filesystem::create_symlink(folder.path() + "/precious", path);
+  const auto saved = profiles.save(somebody());
+  ASSERT_FALSE(saved.ok());
+  EXPECT_NE(format(saved.errors()).find(path), std::string::npos) << format(saved.errors());
+  std::ifstream in(folder.path() + "/precious");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "mine");
 }
 
 TEST(ProfileFile, NameThatIsNone_IsRefusedAndWritesNothing) {

@@ -41,8 +41,10 @@ TEST_F(ReportChildTest, HasTheLowestPriorityAndSaysWhetherItWasMade) {
   ASSERT_TRUE(made) << format(made.errors());
   EXPECT_EQ(read("nice"), "19\n");  // the highest that there is
   EXPECT_EQ(read("words"), "report a.h5\n");
-  ReportChild fails(script("exit 1"));
+  ReportChild fails(script("exit 2"));
   EXPECT_FALSE(fails.make("a.h5", folder.path()));
+  ReportChild not_whole(script("exit 1"));  // a page that says what it does not show
+  EXPECT_TRUE(not_whole.make("a.h5", folder.path()));
 }
 
 TEST_F(ReportChildTest, ThatTakesTooLong_IsEnded) {

@@ -151,7 +151,7 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   fs::create_directories(config.config_folder + "/hands");
   std::ofstream urdf(folder_ + "/pile.urdf");
   urdf << "<robot name=\"pile\"><link name=\"body\"><inertial><mass value=\"1\"/><inertia "
-          "ixx=\"1e-2\" iyy=\"1e-2\" izz=\"1e-2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
+          "ixx=\"1e-3\" iyy=\"1e-3\" izz=\"1e-3\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
   for (int i = 0; i < 3000; ++i) {
     urdf << "<collision><origin xyz=\"0 0 " << 1e-5 * i
          << "\"/><geometry><box size=\"0.05 0.05 0.05\"/></geometry></collision>";

@@ -92,12 +92,15 @@ TEST_F(Bar, PersonAims_TheDeviceFollows) {
   order.aim = record.q_m;
   order.aim[0] = -0.06;  // drawn back: nothing is in the way
   order.aim[2] = 0.03;
+  order.help = Help::kSome;
   ASSERT_TRUE(ask(order).accepted);
   EXPECT_TRUE(becomes([&] {
     return station_->latest(record) && std::abs(record.q_m[0] + 0.06) < 0.005 &&
            std::abs(record.q_m[2] - 0.03) < 0.005;
   })) << record.q_m[0]
       << " " << record.q_m[2];
+  EXPECT_EQ(record.moved_by, Mover::kPerson);
+  EXPECT_EQ(record.help, Help::kSome);
   order.aim = AxisPosition(2);
   EXPECT_FALSE(ask(order).accepted);
 }

@@ -3,6 +3,8 @@
 #include "support/file_bytes.hpp"
 #include "support/python.hpp"
 #include "support/says.hpp"
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
 #include "support/watched_main.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
@@ -11,7 +13,6 @@
 #include <chrono>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <signal.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
@@ -45,10 +46,8 @@ void expectRefused(const std::string& path, const std::string& why) {
   EXPECT_TRUE(test::refusedWith(opened, why)) << path;
 }
 
-/// So many rows, all of synthetic::noisy() in rising order; `change` makes of a tick what is read.
-void expectTrueTicks(
-    RecordingReader& r, std::uint64_t rows,
-    const std::function<void(TickRecord&)>& change = [](TickRecord&) {}) {
+/// So many rows, all of synthetic::noisy() in rising order.
+void expectTrueTicks(RecordingReader& r, std::uint64_t rows) {
   ASSERT_EQ(r.size(), rows);
   std::mt19937_64 random(1);
   TickRecord got, want;
@@ -56,12 +55,11 @@ void expectTrueTicks(
     ASSERT_TRUE(r.read(i, got));
     do want = synthetic::noisy(tick, random);
     while (tick++ < got.tick);
-    change(want);
-    ASSERT_TRUE(identical(want, got)) << "row " << i;
+    ASSERT_TRUE(identical(got, r.digest(), want)) << "row " << i;
   }
 }
 
-TEST(Recording, EveryField_ComesBackBitForBit) {
+TEST(Recording, EveryTick_ComesBack) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   constexpr std::uint64_t kTicks = 1103;  // no multiple of a chunk
@@ -96,7 +94,6 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.parameter_names, want.parameter_names);
   EXPECT_EQ(got.parameter_values, want.parameter_values);
   EXPECT_EQ(got.value_names, want.value_names);
-  EXPECT_EQ(got.value_steps, want.value_steps);
   EXPECT_EQ(got.event_names, want.event_names);
   EXPECT_EQ(got.period_s, want.period_s);
   EXPECT_EQ(got.engine, want.engine);
@@ -111,6 +108,9 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.axis_units, want.axis_units);
   EXPECT_EQ(got.effort_limits, want.effort_limits);
   EXPECT_EQ(got.lever_arms_m, want.lever_arms_m);
+  EXPECT_EQ(got.encoder_step, want.encoder_step);
+  EXPECT_EQ(got.profile, want.profile);
+  EXPECT_EQ(got.game_slots, want.game_slots);
   EXPECT_EQ(got.armed_position, want.armed_position);
   EXPECT_EQ(got.joint_names, want.joint_names);
   EXPECT_EQ(got.body_names, want.body_names);
@@ -124,16 +124,15 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
   RecordingMeta meta = synthetic::meta();
   meta.body_names.clear();
   meta.joint_names.clear();
-  meta.law = {};
   meta.axis_names = {"x"};
   meta.armed_position = {0.0};
   meta.axis_units = {"m"};
   meta.effort_limits = {20};
   meta.lever_arms_m = {0};
+  meta.encoder_step = {0};
   meta.parameter_names.clear();
   meta.parameter_values.clear();
   meta.value_names.clear();
-  meta.value_steps.clear();
   TickRecord want;
   want.q_m = AxisPosition(1, 0.25);
   want.palm_distance_m = std::numeric_limits<double>::infinity();
@@ -141,8 +140,9 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
   ASSERT_TRUE(w->append(want));
   w->close();
   TickRecord got;
-  ASSERT_TRUE(reader(folder.file("a.h5"))->read(0, got));
-  EXPECT_TRUE(identical(want, got));
+  const auto r = reader(folder.file("a.h5"));
+  ASSERT_TRUE(r->read(0, got));
+  EXPECT_TRUE(identical(got, r->digest(), want));
 }
 
 /// Runs `body` in a child process and returns how it ended.
@@ -196,15 +196,15 @@ TEST(Recording, SlowTicksThenKill_PartialChunkIsThere) {
   const std::string path = folder.file("a.h5");
   endOfChild([&path] {
     auto w = RecordingWriter::create(path, synthetic::meta()).value().release();
-    for (const TickRecord& tick : noisyTicks(30)) {  // in 0.6 s or more: no chunk of 250
+    for (const TickRecord& tick : noisyTicks(50)) {  // in 1.5 s or more: no chunk of 1000
       w->append(tick);
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      std::this_thread::sleep_for(std::chrono::milliseconds(30));
     }
     ::kill(::getpid(), SIGKILL);
   });
   const std::uint64_t there = reader(path)->size();  // how many, a busy machine decides
   EXPECT_GE(there, 1U);
-  EXPECT_LT(there, 250U);
+  EXPECT_LT(there, 1000U);
 }
 
 TEST(Recording, WhileItIsWritten_AnotherProcessReads) {
@@ -367,45 +367,63 @@ TEST(RecordingReader, OtherHdf5AndOtherSchemas_AreRefused) {
   writer(path)->close();
   ASSERT_EQ(withH5py(other, "f['x'] = 1", "w"), "");
   expectRefused(other, "no Wholehand recording");
-  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 9"), "");
-  expectRefused(path, "schema_version = 9: was written by a newer Wholehand");
-  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 1"), "");
-  expectRefused(path, "this program reads schema versions 2 to 8; record anew");
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 10"), "");
+  expectRefused(path, "schema_version = 10: was written by a newer Wholehand");
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 8"), "");
+  expectRefused(path,
+                "this program reads schema version 9; record anew, or read it with a program "
+                "of its time: 7c1e90a");
 }
 
-// What a program of before schema 3 wrote: the same file without what schema 3 brought.
-TEST(RecordingReader, Schema2_IsReadWithoutSafetyStateAndFaultAxis) {
+TEST(RecordingReader, TextsThatH5pyWrote_AreRead) {
   const Folder folder;
-  const std::string path = folder.file("old.h5");
-  RecordingMeta plain = synthetic::meta();
-  plain.schema = kPackedSchema - 1;
-  synthetic::writeRecording(path, noisyTicks(300), plain);
+  const std::string path = folder.file("edited.h5");
+  writer(path)->close();
   ASSERT_EQ(withH5py(path,
-                     "f['meta'].attrs['schema_version'] = 2\n"
-                     "del f['meta'].attrs['simulated_device']\n"
-                     "del f['ticks/safety_state'], f['ticks/fault_axis']"),
+                     "f['meta'].attrs['title'] = 'Edited'\n"  // of variable length
+                     "f['meta'].attrs['event_names'] = ['one', 'two']\n"
+                     "f['meta'].attrs['level'] = 2\n"
+                     "del f['meta/files/0']; f['meta/files/0'] = 'kind = 1'\n"
+                     "f['meta/files/0'].attrs['name'] = 'config/a.toml'"),
             "");
-  auto r = reader(path);
+  const auto r = reader(path);
   ASSERT_NE(r, nullptr);
-  EXPECT_EQ(r->meta().schema, 2U);
-  EXPECT_TRUE(r->meta().simulated_device);
-  expectTrueTicks(*r, 300, [](TickRecord& want) {
-    want.safety_state = SafetyState::kDisarmed;
-    want.fault_axis = -1;
-  });
+  EXPECT_EQ(r->meta().title, "Edited");
+  EXPECT_EQ(r->meta().level, 2);
+  EXPECT_EQ(r->meta().event_names, (std::vector<std::string>{"one", "two"}));
+  EXPECT_EQ(r->meta().files.front().first, "config/a.toml");
+  EXPECT_EQ(r->meta().files.front().second, "kind = 1");
 }
 
-TEST(RecordingReader, TextsOfVariableLengthAndEndlessTicks_AreRefused) {
+// HDF5 1.10 keeps texts of variable length in heaps ("GCOL") that have no checksum.
+TEST(RecordingReader, DamagedTextsOfVariableLength_AreRefusedOrRead) {
+  const Folder folder;
+  const std::string path = folder.file("edited.h5"), damaged = folder.file("damaged.h5");
+  writer(path)->close();
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['title'] = 'Edited'"), "");
+  std::ifstream in(path, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t heap = whole.find("GCOL");
+  ASSERT_NE(heap, std::string::npos);
+  std::mt19937_64 random(test::seed());
+  for (int i = 0; i < test::cases(100); ++i) {
+    std::string bytes = whole;
+    for (int k = 0; k < 4; ++k) bytes[heap + random() % 64] = static_cast<char>(random());
+    std::ofstream(damaged, std::ios::binary) << bytes;
+    const auto opened = RecordingReader::open(damaged);  // the process goes on
+    if (!opened) EXPECT_TRUE(test::says(format(opened.errors()), "damaged"));
+  }
+}
+
+TEST(RecordingReader, AttributeOfAnotherTypeAndEndlessTicks_AreRefusedByName) {
   const Folder folder;
   const std::string path = folder.file("edited.h5"), endless = folder.file("endless.h5");
   writer(path)->close();
   writer(endless)->close();
-  ASSERT_EQ(withH5py(path, "f['meta'].attrs['title'] = 'Edited'"), "");  // of variable length
-  expectRefused(path, "texts of variable length");
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['title'] = 3"), "");
+  expectRefused(path, "'title' of /meta cannot be read");
   ASSERT_EQ(withH5py(endless, "[t.resize(2**50, axis=0) for t in f['ticks'].values()]"), "");
   expectRefused(endless, "claims more ticks");
-  ASSERT_EQ(withH5py(path, "f['meta'].attrs['title'] = numpy.bytes_('Edited')"), "");
-  EXPECT_EQ(reader(path)->meta().title, "Edited");  // as docs/recording.md advises
 }
 
 /// The lines that docs/recording.md gives to users of h5py, taken from that file.
@@ -428,14 +446,14 @@ TEST(Recording, DocumentedPythonLines_ReadWhatWasWritten) {
   double sum = 0.0;
   for (const TickRecord& tick : ticks) sum += tick.sent[3];
   const std::string lines = documentedPython();
-  ASSERT_TRUE(test::says(lines, "wholehand.open("));
+  ASSERT_TRUE(test::says(lines, "h5py.File("));
   const std::string out = python(
       "import os, sys\nsys.path.insert(0, '" WHOLEHAND_SOURCE_DIR "/clients/python')\nos.chdir('" +
       folder.path() + "')\n" + lines +
-      "\nprint('%.9f' % sent[:, 3].sum(), len(time_s), names[3], units[3])\n"
+      "\nprint('%.4f' % sent[:, 3].sum(dtype=float), len(time_s), names[3], units[3])\n"
       "print(f['meta'].attrs['title'].decode(), f['meta/files/0'][()].decode().split()[0])");
   std::array<char, 64> expected{};
-  std::snprintf(expected.data(), expected.size(), "%.9f 400 finger_flexion N·m\n", sum);
+  std::snprintf(expected.data(), expected.size(), "%.4f 400 finger_flexion N·m\n", sum);
   EXPECT_EQ(out, std::string(expected.data()) + "Reach and grasp kind\n");
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/tick_digest.hpp"
 #include "core/tick_record.hpp"
 #include "support/folder.hpp"
 #include "telemetry/recording.hpp"
@@ -17,25 +18,6 @@ namespace wholehand::synthetic {
 
 using test::Folder;
 
-/// Of six axes, the last three rotations: M(i, i) = 2 + 0.25 x₃ (2 x₄² - 1), M(i, j) = 0.125 x₅.
-inline RecordedInertia inertia() {
-  RecordedInertia m;
-  m.lower = {0, 0, 0, -2, -2, -2};
-  m.upper = {0, 0, 0, 2, 2, 2};
-  m.degrees = {0, 0, 0, 1, 2, 0,  //
-               0, 0, 0, 0, 0, 1,  //
-               0, 0, 0, 0, 0, 0};
-  const auto matrix = [&m](double diagonal, double others) {
-    for (int i = 0; i < 6; ++i) {
-      for (int j = 0; j <= i; ++j) m.coefficients.push_back(i == j ? diagonal : others);
-    }
-  };
-  matrix(0.25, 0.0);
-  matrix(0.0, 0.125);
-  matrix(2.0, 0.0);
-  return m;
-}
-
 inline RecordingMeta meta() {
   RecordingMeta m;
   m.created_utc = "2026-11-20T09:38:00Z";
@@ -49,24 +31,9 @@ inline RecordingMeta meta() {
   m.axis_units = {"m", "m", "m", "rad", "rad", "rad"};
   m.effort_limits = {20, 20, 20, 0.8, 0.6, 0.8};
   m.lever_arms_m = {0, 0, 0, 0.08, 0, 0.08};
+  m.encoder_step = {1e-5, 1e-5, 2e-5, 0.0, 1e-4, 3e-4};
   m.armed_position = {0.01, -0.02, 0.03, 0.4, 0.5, 0.6};
   for (int i = 0; i < 18; ++i) m.joint_names.push_back("joint_" + std::to_string(i));
-  m.law.k_pm = std::vector<double>(6, 900.0);
-  m.law.k_dm = std::vector<double>(6, 2.0);
-  m.law.gamma = std::vector<double>(6, 0.3);
-  m.law.filter_tau_s = std::vector<double>(6, 5e-3);
-  m.law.theta0 = std::vector<double>(18, 0.1);
-  for (int i = 0; i < 18 * 6; ++i) m.law.synergy.push_back(i % 6 == i / 18 ? 0.5 : 0.0);
-  m.law.encoder_step = std::vector<double>(6, 1e-5);
-  m.law.output_delay_ticks = 1;
-  m.law.device_damping = std::vector<double>(6, 0.5);
-  m.law.tank_capacity = std::vector<double>(6, 0.05);
-  m.law.effort_dead = std::vector<double>(6, 0.5);
-  m.law.effort_full = std::vector<double>(6, 5.0);
-  m.law.phi_kept = std::vector<double>(6, 0.997);
-  m.law.hand_axis = {0, 0, 0, 1, 1, 1};
-  m.law.palm_contact = {1, 1, 1, 0, 0, 0};
-  m.law.inertia = inertia();
   m.body_names = {"cube", "sphere", "cylinder", "disk"};
   m.capsule_names = {"palm", "index_proximal"};
   m.exercise = "cocktail-bar";
@@ -74,7 +41,6 @@ inline RecordingMeta meta() {
   m.parameter_names = {"effort_limit_arm_n", "wall_stiffness_ratio"};
   m.parameter_values = {20.0, 1.0};
   m.value_names = {"stage", "flow_l_s", "spilt_l"};
-  m.value_steps = {0.0, 0x1p-32, 0x1p-32};
   m.event_names = {"touched", "spilt"};
   m.files = {{"config/devices/lambda-pride.toml", "kind = \"device\"\nname = \"lambda-pride\"\n"},
              {"mesh.stl", std::string("bin\0ary\xff\0", 9)},
@@ -105,6 +71,8 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
   r.wall_ns = whole(200000);
   r.cpu_ns = whole(150000);
   for (auto& s : r.stage_cpu_ns) s = whole(20000);
+  r.moved_by = static_cast<Mover>(whole(kMovers));
+  r.help = static_cast<Help>(whole(kHelps));
   r.q_m = randomArray<AxisPosition>(6, random);
   r.intention = randomArray<AxisPosition>(tick % 3 == 0 ? 0 : 6, random);
   r.patient_effort = randomArray<AxisEffort>(tick % 3 == 0 ? 0 : 6, random);
@@ -190,16 +158,10 @@ inline void writeRecording(const std::string& path, const std::vector<TickRecord
   writer->close();
 }
 
-/// Byte for byte, so that NaN equals itself; but for the four bytes before the commands, which are
-/// padding.
-inline bool identical(const TickRecord& a, const TickRecord& b) {
-  constexpr std::size_t kPadding = offsetof(TickRecord, fault_axis) + sizeof(std::int32_t);
-  constexpr std::size_t kBehind = offsetof(TickRecord, commands);
-  static_assert(offsetof(TickRecord, bodies) == offsetof(TickRecord, body_count) + 8);
-  static_assert(kBehind == kPadding + 4);
-  const auto bytes = [](const TickRecord& r) { return reinterpret_cast<const char*>(&r); };
-  return std::memcmp(bytes(a), bytes(b), kPadding) == 0 &&
-         std::memcmp(bytes(a) + kBehind, bytes(b) + kBehind, sizeof a - kBehind) == 0;
+/// Whether `read` is what a recording keeps of `wrote`: its number, its inputs, and by its digest
+/// all the rest.
+inline bool identical(const TickRecord& read, std::uint64_t digest, const TickRecord& wrote) {
+  return read.tick == wrote.tick && digest == digestOf(wrote);
 }
 
 }  // namespace wholehand::synthetic

@@ -135,6 +135,14 @@ test('Connection_LostBeforeAnAnswer_AnswersTheOrderItself', async () => {
   expect(connection.controls.heldByYou).toBe(false);
 });
 
+test('Connection_ClosedWithAReason_AnswersWhatWaitsWithIt', async () => {
+  const connection = connect();
+  lines[0].welcome();
+  const arm = connection.arm(1);
+  lines[0].breaks('message: is damaged or cut short');
+  expect(await arm).toEqual({ accepted: false, reason: 'message: is damaged or cut short' });
+});
+
 test.each([[401, 401], [403, 403], [426, 0], [0, 0]])('Connection_RefusedWith%i_Knows%i', async (status, known) => {
   const connection = new Connection({
     url: 'ws://nowhere/ws', open: () => { const line = new TestLine(); lines.push(line); return line; },

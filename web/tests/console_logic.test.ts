@@ -12,6 +12,8 @@ import { figuresOf, offered, SavedWatch, shownOf } from '../src/console/recordin
 import { levelsOf } from '../src/console/setup';
 import { SampleWindow } from '../src/console/sample_window';
 import { faultWords, statusOf } from '../src/console/run_status';
+import { limitOfAxis } from '../src/console/plot_specs';
+import { personWords, sessionWords } from '../src/console/title_words';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
 import { logHeight, logTicks, tail, timeEnd } from '../src/console/timing_model';
 import { AxisT, EventT, LetGo, ParameterGroup, ParameterT, RunState, SafetyState, WorldStateT } from '../src/protocol';
@@ -466,5 +468,22 @@ describe('what was saved', () => {
     expect(offered(growing)).toEqual({ report: false, download: false });
     expect(offered({ ...growing, being_written: false })).toEqual({ report: true, download: true });
     expect(offered({ name: 'a.h5' })).toEqual({ report: false, download: true });
+  });
+});
+
+describe('limits of axes', () => {
+  // config/devices/lambda-pride.toml: fingers 10 N at the tip; circumduction 0.6 Nm over 0.08 m, 7.5 N.
+  const axis = (name: string, effortLimit: number): AxisT => Object.assign(new AxisT(), { name, unit: 'rad', leverArmM: 0.08, effortLimit });
+  it.each([[undefined, [10, 7.5]], [8, [8, 7.5]], [5, [5, 5]]])('are their own, or what is set where that is less: %s', (set, limits) => {
+    const all = [axis('finger_flexion', 0.8), axis('thumb_circumduction', 0.6)];
+    expect(all.map((one) => Number(limitOfAxis(one, (name) => (name === 'effort_limit_hand_tip_n' ? set : undefined)).toFixed(9)))).toEqual(limits);
+  });
+});
+
+describe('who plays', () => {
+  it('is the code of the open profile, else the virtual patient, said to be one; of a device nobody knows', () => {
+    expect([personWords('P-014', 'relaxed-adult', true), personWords('', 'relaxed-adult', true), personWords('', 'relaxed-adult', false)])
+      .toEqual(['P-014', 'Virtual patient: Relaxed adult', '']);
+    expect([sessionWords({ profile: 'P-014', title: 'cocktail-bar, level 1 of 4', name: 'a.h5' }), sessionWords({ name: 'a.h5' })]).toEqual(['P-014: Cocktail bar, Level 1', 'a.h5']);
   });
 });

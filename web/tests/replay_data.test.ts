@@ -261,6 +261,24 @@ describe('states', () => {
     states.close();
   });
 
+  it('that were under way while the file grew are asked for again, and only then', async () => {
+    const fake = new FakeRecordings(new URLSearchParams({ length: '1' }));
+    const waiting: (() => void)[] = [];
+    const source = new RecordingSource('a', '', (address) => new Promise((done) => { waiting.push(() => { void fake.answer(address).then(done); }); }));
+    const states = new StateStore(source, 990, () => {}, () => {});
+    states.wantAround(989, 4);
+    await settled();
+    states.grow(1000);
+    for (let i = 0; i < 20; i += 1) {
+      while (waiting.length > 0) waiting.shift()!();
+      await settled();
+      states.wantAround(999, 4);
+    }
+    expect(states.nearest(999)).toBe(999);
+    expect(fake.asked.length, 'the last block at both steps twice, those before it once').toBeLessThanOrEqual(7);
+    states.close();
+  });
+
   it('have steps of 1, 4, 16 ...', () => {
     expect([0, 1, 3, 4, 15.9, 16, 64, 3600].map(stepFor)).toEqual([1, 1, 1, 4, 4, 16, 64, 1024]);
   });
@@ -292,6 +310,25 @@ describe('series of a recording', () => {
     expect(asked.length).toBeLessThan(90);
     const fine = asked.findIndex((query) => Number(query.get('from_s')) > 1790 && Number(query.get('to_s')) - Number(query.get('from_s')) < 20);
     expect(fine, 'behind the two that were under way').toBeLessThanOrEqual(4);
+    series.close();
+  });
+
+  it('that were under way while the file grew are read to its new end', async () => {
+    const asked: { to_s: number; answer: () => void }[] = [];
+    const source = new RecordingSource('a', '', (address) => new Promise((done) => {
+      const query = new URL(address, 'http://a').searchParams;
+      const columns = Number(query.get('columns'));
+      asked.push({ to_s: Number(query.get('to_s')), answer: () => done(new Response(framed({ from_s: Number(query.get('from_s')), to_s: Number(query.get('to_s')), columns, channels: [{ name: 'alpha', axis: 0 }] }, new Float32Array(2 * columns)))) });
+    }));
+    const series = new SeriesStore(source, { from_s: 0, to_s: 30, period_s: 0.001 }, () => {}, () => {});
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    series.grow(31);
+    for (let i = 0, answered = 0; i < 200; i += 1) {
+      for (; answered < asked.length; answered += 1) asked[answered].answer();
+      await new Promise((resolve) => setTimeout(resolve, 0));
+    }
+    expect(series.progress).toBe(1);
+    expect(series.overview().at(-1)!.to_s).toBeGreaterThanOrEqual(30.99);
     series.close();
   });
 

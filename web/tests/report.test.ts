@@ -15,13 +15,13 @@ import { en } from '../src/report/i18n/en';
 import { fr } from '../src/report/i18n/fr';
 import { stepTimes, valueAt } from '../src/report/limits';
 import { barOf } from '../src/exercises/cocktail_bar/bar';
-import { drinksOf } from '../src/exercises/cocktail_bar/report';
+import { barReport, drinkOf } from '../src/exercises/cocktail_bar/report';
 import { labelOf } from '../src/exercises/panel';
 import { BodyBudgetT, GameBodiesT, GameBodyT, GameShapesT, PanelT, PanelValueT, SceneT, ShapeT, ShapeType, SlotState, WordsT } from '../src/protocol';
 import { setLanguage } from '../src/shared/i18n';
 import { signWords } from '../src/report/sheet';
-import { readReport } from '../src/report/report_data';
-import { gripFigures, lastValue, reachTimes, whatHappened } from '../src/report/therapy';
+import { GivenHelp, Mover, readReport, type Whose } from '../src/report/report_data';
+import { sharePercent, whatHappened, whoseWords } from '../src/report/therapy';
 
 const packed = (bytes: Uint8Array): string => Buffer.from(deflateSync(bytes)).toString('base64');
 
@@ -37,11 +37,25 @@ async function carried(options = '', changes: Record<string, unknown> = {}, fake
     series: packed(new Uint8Array(await (await ask('series?from_s=-0.0005&to_s=5.9995&columns=300')).arrayBuffer())),
     ...(fake.scene.budget ? { bodies: packed(new Uint8Array(await (await ask('bodies')).arrayBuffer())) } : {}),
     ...(scene.ok ? { scene: packed(new Uint8Array(await scene.arrayBuffer())), states: { rows, messages: packed(Buffer.concat(states)) } } : {}),
-    therapy: { bodies: [], bodies_in_scene: 0, touches: [], grips: [], has_grip_force: true, limits: [[[0, 20]]], largest_force_n: 0, largest_force_s: 0 },
+    therapy: THERAPY,
     engineering: { times: { counts: [1, 2] }, settings: { engine: 'bullet' } },
     ...changes,
   };
 }
+
+/** Figures of a person, as src/replay/therapy_facts.cpp writes them. */
+const THERAPY = {
+  moved: { by: [0, 5000, 1000, 0], helped: [0, 5000, 0, 0], share: 5 / 6, runs: [[0, 1, 2], [1, 6, 1]], runs_left_out: 0 },
+  parts: [
+    { event: 'drink_done', index: 0, value: 97, from_s: 0.2, to_s: 0.9, stars: 3, steps: [[0, 0.04]], by: 2, share: 0, help: 0, persons: false },
+    { event: 'drink_done', index: 0, value: 91, from_s: 1.5, to_s: 5, stars: 3, steps: [[0, 0.041]], by: 1, share: 1, help: 1, persons: true },
+  ],
+  parts_left_out: 0, sums: { drink_done: { count: 1, shared: 0, others: 1, value: 91, stars: 3, helps: [0, 1, 0, 0] }, level_done: { count: 0, shared: 1, others: 0, value: 0, stars: 0, helps: [0, 0, 0, 0] } },
+  reaches: { count: 2, shared: 1, others: 1, sum_s: 5 },
+  results: [{ name: 'poured_total_l', label: 'Poured', unit: 'ml', value: 41, decimals: 0 }, { name: 'score', label: 'Score', unit: '', value: null, decimals: 0 }],
+  bodies: [], bodies_in_scene: 0, touches: [], touches_left_out: 0, touches_not_persons: 4, grips: { count: 1, shared: 0, others: 2, mean_n: 2.5, variation: 0.1 },
+  has_grip_force: true, limits: [[[0, 20]]], limits_between_s: 0.1, largest_force_n: 0, strongest: { force_n: 0, time_s: 0, by: 0 },
+};
 
 const kindOf = async (data: Json): Promise<string> => readReport(data).then(() => 'none', (thrown: unknown) => asProblem(thrown).kind);
 
@@ -121,44 +135,45 @@ describe('states that a page holds', () => {
 });
 
 describe('the therapy', () => {
-  const names = ['engaged', 'disengaged', 'step_done', 'drink_done', 'restarted', 'spilt'];
-  const event = (time_s: number, name: string, index = -1, value = 0): { time_s: number; type: number; index: number; value: number } => ({ time_s, type: names.indexOf(name), index, value });
+  const whose = (by: Mover, share: number, help: GivenHelp, persons = share === 1): Whose => ({ by, share, help, persons });
 
-  it('counts a reach from when the hand is free until it grasps', () => {
-    const events = [event(1.5, 'engaged'), event(2, 'engaged'), event(5, 'step_done'), event(6, 'disengaged'), event(8, 'engaged'), event(9, 'disengaged')];
-    expect(reachTimes(events, names, 0)).toEqual([1.5, 2]);   // the last one came to nothing
+  it('says whose a part is, and with how much help', () => {
+    vi.stubGlobal('document', { documentElement: {} });
+    setLanguage('en');
+    expect([
+      whose(Mover.Person, 1, GivenHelp.Full), whose(Mover.Person, 1, GivenHelp.None), whose(Mover.Person, 1, GivenHelp.Unsaid),
+      whose(Mover.VirtualPatient, 0, GivenHelp.Unsaid), whose(Mover.Motion, 0, GivenHelp.Unsaid), whose(Mover.Person, 0.634, GivenHelp.Full),
+    ].map(whoseWords)).toEqual(['with full help', 'without help', 'the person’s', 'shown by the virtual patient', 'shown by a replayed motion', 'shared, 63.4 % the person’s']);
+    vi.unstubAllGlobals();
   });
 
-  it('weighs each grip by how long it lasted', () => {
-    // By hand: (4 N · 1 s + 2 N · 3 s) / 4 s, and (0.25 · 1 s + 0.05 · 3 s) / 4 s.
-    const grips = [{ from_s: 0, to_s: 1, mean_n: 4, deviation_n: 1, largest_n: 5 }, { from_s: 2, to_s: 5, mean_n: 2, deviation_n: 0.1, largest_n: 3 }];
-    expect(gripFigures(grips)?.mean_n).toBeCloseTo(2.5, 12);
-    expect(gripFigures(grips)?.variation).toBeCloseTo(0.1, 12);
-    expect(gripFigures([])).toBeUndefined();
+  it('never calls a share the whole while a tick is missing in it', () => {
+    expect([1, 0.9999999, 0.5, 0].map(sharePercent)).toEqual(['100.0', '99.9', '50.0', '0.0']);
   });
 
-  it('tells each drink with what was poured for its steps', () => {
+  it('counts what the person did, and nothing else', async () => {
+    const figures = figuresOf(await readReport(await carried()));
+    expect(figures.map(({ key, shown, unit }) => [key, shown, unit])).toEqual([
+      ['drinks', '1', ''], ['levels', '0', ''], ['result/poured_total_l', '41', 'ml'], ['result/score', '–', ''], ['reach', '2.5', 's'], ['grip', '2.5', 'N'], ['steadiness', '10', '%'], ['stars', '★ 3', 'of 3'],
+    ]);
+  });
+
+  it('tells each drink with what was poured for its steps, the person’s first', () => {
     const told = JSON.stringify({ kind: 'cocktail_bar', dispensers: [], drinks: [{ name: 'blush', steps: [{ liquid: 'lemon', amount_l: 0.04 }, { liquid: 'cherry', amount_l: 0.02 }] }] });
-    const events = [event(3, 'step_done', 0, 0.041), event(5, 'restarted'), event(8, 'step_done', 0, 0.039), event(9, 'step_done', 1, 0.02), event(9.5, 'drink_done', 0, 97)];
-    expect(drinksOf(events, names, barOf({ exerciseJson: told }))).toEqual([{
-      name: 'blush', done_s: 9.5, score: 97, steps: [{ liquid: 'lemon', poured_l: 0.039, asked_l: 0.04 }, { liquid: 'cherry', poured_l: 0.02, asked_l: 0.02 }],
-    }]);
+    const part = { index: 0, steps: [[0, 0.039], [1, 0.02]] as const };
+    expect(drinkOf(part, barOf({ exerciseJson: told }))).toEqual({
+      name: 'blush', steps: [{ liquid: 'lemon', poured_l: 0.039, asked_l: 0.04 }, { liquid: 'cherry', poured_l: 0.02, asked_l: 0.02 }],
+    });
     const broken = (drinks: string): string => `{"kind":"cocktail_bar","dispensers":[],"drinks":${drinks}}`;
-    for (const json of ['', '{', 'null', broken('7'), broken('[]'), broken('[7]'), broken('[{"steps":"x"}]')]) expect(drinksOf(events, names, barOf({ exerciseJson: json }))[0].name).toBe('1');
+    for (const json of ['', '{', 'null', broken('7'), broken('[]'), broken('[7]'), broken('[{"steps":"x"}]')]) expect(drinkOf(part, barOf({ exerciseJson: json })).name).toBe('1');
+    const rows = barReport.table({ parts: THERAPY.parts.map((one) => ({ ...one, steps: [] })), sums: THERAPY.sums, scene: undefined }, String, ({ persons }) => (persons ? 'person' : 'other'))!.rows;
+    expect(rows.map((cells) => cells.slice(3))).toEqual([['91', '5', 'person'], ['97', '0.9', 'other']]);
   });
 
   it('tells every stop, fault and loss of the controls, and that there was none', () => {
     const mark = (kind: 'stop' | 'fault' | 'controls_lost' | 'armed') => ({ time_s: 1, kind, text: '', axis: '' });
     const happened = whatHappened({ marks: [mark('armed'), mark('stop'), mark('fault'), mark('fault'), mark('controls_lost')] });
     expect(happened.map(({ kind, marks }) => [kind, marks.length])).toEqual([['stop', 1], ['emergency_stop', 0], ['fault', 2], ['controls_lost', 1]]);
-  });
-
-  it('takes what counts from the last state, or from the end of the series', async () => {
-    const data = await readReport(await carried());
-    const fake = new FakeRecordings(new URLSearchParams('length=6'));
-    const spilt = data.about.value_names.indexOf('spilt_l');
-    expect(lastValue(data, undefined, 'spilt_l')).toBeCloseTo(fake.state(5999).values[spilt], 5);
-    expect(lastValue(data, undefined, 'nothing')).toBeUndefined();
   });
 });
 
@@ -217,7 +232,7 @@ describe('the session before', () => {
     const data = await readReport(await carried('', { before }));
     expect(data.before?.about.name).toBe('a.h5');
     expect([data.before?.scene, data.before?.before]).toEqual([undefined, undefined]);
-    expect(figuresOf(data.before!).find(({ key }) => key === 'result/Score')).toMatchObject({ shown: '87', value: 87 });
+    expect(figuresOf(data.before!).find(({ key }) => key === 'result/poured_total_l')).toMatchObject({ shown: '41', value: 41 });
     expect((await readReport(await carried())).before).toBeUndefined();
   });
 
@@ -251,7 +266,7 @@ describe('the session before', () => {
 
   it('leaves no figure of another exercise beside one of this', async () => {
     const data = await readReport(await carried('', { before: await carried() }));
-    expect(compareWithBefore(data).figures.map(({ compared }) => compared?.became)).toEqual(['same', 'same', 'same', 'same', 'same']);
+    expect(compareWithBefore(data).figures.map(({ compared }) => compared?.became)).toEqual(Array(8).fill('same'));
     const other = { ...data, before: { ...data.before!, about: { ...data.about, exercise: 'squeeze-to-level' } } };
     expect(compareWithBefore(other).differences).toEqual(['exercise']);
     expect(compareWithBefore(other).figures.filter(({ of, compared }) => of === 'exercise' && compared)).toEqual([]);

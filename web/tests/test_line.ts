@@ -26,5 +26,5 @@ export class TestLine implements Line {
   }
   deliver(data: unknown): void { this.onmessage?.({ data } as MessageEvent); }
   welcome(): void { this.say(Payload.Welcome, new WelcomeT(SCHEMA_VERSION, 7, true, '0.3.0')); }
-  breaks(): void { this.onclose?.({} as CloseEvent); }
+  breaks(reason = ''): void { this.onclose?.({ reason } as CloseEvent); }
 }

@@ -98,8 +98,9 @@ namespace Wholehand
 
         /// <summary>Where the person wants the hand to be, per axis; sent once and at once, since the next
         /// one corrects it. Only one that is refused is answered, through ReplyReceived. Throws
-        /// ArgumentException for a posture without axes or with a number that is not finite.</summary>
-        public void Aim(float[] position)
+        /// ArgumentException for a posture without axes or with a number that is not finite. `by` is how much of
+        /// the motion the game does for the person; recordings keep it.</summary>
+        public void Aim(float[] position, Help by = Help.Unsaid)
         {
             if (position == null || position.Length < 1) throw new ArgumentException("no axes", "position");
             foreach (float p in position)
@@ -111,7 +112,7 @@ namespace Wholehand
                 if (!connected) return;
                 builder.Clear();
                 VectorOffset q = wholehand.protocol.Aim.CreateQVector(builder, position);
-                int aim = wholehand.protocol.Aim.CreateAim(builder, q).Value;
+                int aim = wholehand.protocol.Aim.CreateAim(builder, q, by).Value;
                 byte[] message = Words.Command(builder, ++command, Order.Aim, aim);
                 if (DatagramsCome(MonotonicClock.NowNs())) SendDatagram(DatagramKind.Command, message);
                 else SendMessage(message);

@@ -25,10 +25,10 @@ def to_pandas(recording, *names):
     """A DataFrame of datasets of /ticks: rows by time_s, columns (dataset, label); `attrs["units"]` has their units.
     Bodies have the label "cube px"."""
     import pandas
-    columns, units = {}, {}
+    columns, units, rows = {}, {}, recording.rows()
     for name in _names(recording, names):
         dataset = recording[f"ticks/{name}"]
-        values = numpy.asarray(dataset[:]).reshape(len(dataset), -1)
+        values = dataset[:rows].reshape(rows, -1)
         labels = _texts(dataset.attrs["labels"]) if "labels" in dataset.attrs else [""]
         if "columns" in dataset.attrs:
             labels = [f"{label} {column}" for label in labels for column in _texts(dataset.attrs["columns"])]
@@ -36,7 +36,7 @@ def to_pandas(recording, *names):
         for i, label in enumerate(labels):
             columns[name, label] = values[:, i]
             units[name, label] = str(unit[i])
-    index = pandas.Index(recording["ticks/time_s"][:], name="time_s")
+    index = pandas.Index(recording["ticks/time_s"][:rows], name="time_s")
     frame = pandas.DataFrame(columns, index=index)
     frame.attrs["units"] = units
     return frame
@@ -48,8 +48,8 @@ def to_xarray(recording, *names):
     meta = recording.meta
     known = {tuple(_texts(meta[key])): key.split("_")[0] for key in ("axis_names", "joint_names", "body_names")
              if len(numpy.atleast_1d(meta[key]))}
-    variables = {}
-    coordinates = {"time_s": ("time_s", recording["ticks/time_s"][:], {"units": "s"})}
+    variables, rows = {}, recording.rows()
+    coordinates = {"time_s": ("time_s", recording["ticks/time_s"][:rows], {"units": "s"})}
     for name in _names(recording, names):
         if name == "time_s":
             continue
@@ -59,5 +59,5 @@ def to_xarray(recording, *names):
                 labels = _texts(dataset.attrs[key])
                 dims.append(known.get(tuple(labels), f"{name}_{key}"))
                 coordinates[dims[-1]] = labels
-        variables[name] = (dims, numpy.asarray(dataset[:]), {"units": _units(dataset)})
+        variables[name] = (dims, dataset[:rows], {"units": _units(dataset)})
     return xarray.Dataset(variables, coordinates, {"title": _texts(meta["title"])[0], "period_s": float(meta["period_s"])})

@@ -170,6 +170,7 @@ OrderReply ConsoleOperator::obey(const Order& order) {
     case OrderType::kSteer:  // the controls were released or taken over
       switch_.end();
       return {true, ""};
+    case OrderType::kAttended:
     case OrderType::kUnattended:
       return {true, ""};
     default:

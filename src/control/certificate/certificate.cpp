@@ -89,8 +89,8 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
     case Criterion::kCoupled:
       return kInfinite;
     case Criterion::kAvatar: {  // 1/T²: above it the avatar rings
-      const double step_s = a.axis_case.stepPeriod();
-      const double wt = a.axis_case.avatarStiffness() * step_s * step_s;
+      const double t = a.axis_case.period_s;
+      const double wt = a.axis_case.avatarStiffness() * t * t;
       return wt <= 1.0 ? kInfinite : 1.0 / wt;
     }
     default:
@@ -134,10 +134,9 @@ AxisLoop AxisCase::loop(double phi) const {
   l.phi_k_dm = phi * gains.k_dm;
   l.gamma = gains.gamma;
   l.k_ps_per_s2 = avatarStiffness();
-  l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, stepPeriod());
+  l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, period_s);
   l.filter_tau_s = 1.0 / (2.0 * std::numbers::pi * gains.velocity_filter_hz);
   l.period_s = period_s;
-  l.physics_divisor = physics_divisor;
   return l;
 }
 
@@ -171,7 +170,6 @@ AxisCase axisCase(const CertificateInput& input, int axis) {
   for (const CertificateInput::Wall& wall : input.walls) {
     if (wall.axis == axis) c.walls.push_back(wall.wall);
   }
-  c.physics_divisor = input.rendering.physics_divisor;
   return c;
 }
 
@@ -249,10 +247,9 @@ Certificate certify(const CertificateInput& input) {
   }
   const CoupledCase coupled = coupledCase(input);
   const std::vector<AxisMatrix> sampled(coupled.inertias.begin() + 1, coupled.inertias.end());
-  const double step_s = input.stepPeriod();
-  const WorstPosture worst = worstPosture(sampled, k_pm, step_s);
-  out.avatar = {worst.radius, -step_s / std::log(worst.radius), worst.posture, sampled.size(),
-                largestStableFactor(sampled, k_pm, step_s, kLargestFactor)};
+  const WorstPosture worst = worstPosture(sampled, k_pm, input.period_s);
+  out.avatar = {worst.radius, -input.period_s / std::log(worst.radius), worst.posture,
+                sampled.size(), largestStableFactor(sampled, k_pm, input.period_s, kLargestFactor)};
   const RequiredShare need = requiredShare(coupled);
   out.coupled = {need.share > 0.0 ? 1.0 / need.share : kInfinite, need.frequency_hz, need.posture};
   out.certified = out.avatar.passes() && out.coupled.margin >= 1.0;

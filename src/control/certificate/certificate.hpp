@@ -46,10 +46,7 @@ struct AxisCase {
   AxisRendering gains;   ///< armature as in the file; if not stated, by the rule from K_pm
   double inertia = 0.0;  ///< of the avatar at its reference, without armature [kg or kg·m²]
   std::vector<WallCase> walls = {};  ///< walls of the exercise; empty without one
-  int physics_divisor = 1;           ///< ticks per physics step
 
-  /// Period of a physics step.
-  [[nodiscard]] double stepPeriod() const { return physics_divisor * period_s; }
   /// The armature stated, or by the rule [kg or kg·m²].
   [[nodiscard]] double armature() const;
   /// k_p: K_pm over the avatar's inertia, armature included [1/s²].
@@ -156,9 +153,6 @@ struct CertificateInput {
   std::string hand = {};         ///< its name
   std::string exercise = {};     ///< its name; empty without one
   int level = 0;                 ///< of the exercise; 0 where it has one level
-
-  /// Period of a physics step.
-  [[nodiscard]] double stepPeriod() const { return rendering.physics_divisor * period_s; }
 };
 
 /// @pre device and rendering have the same axes, the inertias as many rows; period_s > 0

@@ -24,11 +24,11 @@ AxisCase withStiffness(AxisCase c, double k_pm) {
 }
 
 bool rings(const AxisCase& c) {
-  return c.avatarStiffness() * c.stepPeriod() * c.stepPeriod() > 1.0;
+  return c.avatarStiffness() * c.period_s * c.period_s > 1.0;
 }
 
 /// b_min is convex in Φ and in a wall's α: it is a maximum over frequencies of functions that are
-/// affine in both, or convex where physics runs at a divisor. Its largest value lies at a corner.
+/// affine in both. Its largest value lies at a corner.
 bool dampedEnough(const AxisCase& c, int frequencies) {
   if (rings(c)) return false;
   std::vector<WallCase> walls = c.walls;
@@ -129,7 +129,7 @@ AxisStiffness stiffnessOf(const CertificateInput& input) {
 /// by the same share of their inertia; up to three times that share where linked persons and
 /// objects then pass.
 void raiseArmature(CertificateInput& input, const Certificate& judged) {
-  const double ringing = 1.0 / (input.stepPeriod() * input.stepPeriod());
+  const double ringing = 1.0 / (input.period_s * input.period_s);
   const CertificateInput given = input;
   std::optional<CertificateInput> calm;
   double most = 100.0;
@@ -142,7 +142,7 @@ void raiseArmature(CertificateInput& input, const Certificate& judged) {
     }
     if (more == 0.0) return;
     const CoupledCase coupled = coupledCase(input);
-    if (!(worstPosture(coupled.inertias, stiffnessOf(input), input.stepPeriod()).radius < 1.0)) {
+    if (!(worstPosture(coupled.inertias, stiffnessOf(input), input.period_s).radius < 1.0)) {
       continue;
     }
     if (requiredShare(coupled).share <= 1.0) return;
@@ -184,14 +184,6 @@ AxisAdvice advise(const AxisCase& c) {
     faster.period_s = 1.0 / kAdmittedRatesHz[i];
     faster.axis.effort_slew_limit = 0.0;  // a setting of the device file, no bound of the loop
     out.admitted_k_pm[i] = largestStiffness(faster, kAny);
-  }
-  if (c.physics_divisor > 1) {
-    AxisCase undivided = c;
-    undivided.physics_divisor = 1;
-    undivided.axis.effort_slew_limit = 0.0;
-    out.undivided_k_pm = largestStiffness(undivided, kAny);
-    undivided.physics_divisor = c.physics_divisor;
-    out.divided_k_pm = largestStiffness(undivided, kAny);
   }
   AxisCase best = c;
   double most = 0.0;
@@ -237,7 +229,7 @@ bool sameCase(const AxisCase& a, const AxisCase& b) {
     return std::tuple(c.axis.kind, c.axis.mass, c.axis.damping, c.axis.coulomb, c.axis.encoder_step,
                       c.axis.lever_arm_m, c.delay_ticks, c.period_s, c.gains.k_pm, c.gains.k_dm,
                       c.gains.gamma, c.gains.velocity_filter_hz, c.gains.armature,
-                      c.axis.speed_limit, c.axis.effort_slew_limit, c.physics_divisor);
+                      c.axis.speed_limit, c.axis.effort_slew_limit);
   };
   // Reflected masses along x, y and z differ by millionths.
   const auto same_wall = [](const WallCase& one, const WallCase& other) {

@@ -20,9 +20,6 @@ struct AxisAdvice {
   /// Largest K_pm that passes at 1, 2, 4 and 8 kHz with the axis's own γ and K_dm, its own armature
   /// or the rule's, and the same delay in ticks; 0 where none passes.
   std::array<double, kAdmittedRatesHz.size()> admitted_k_pm{};
-  /// What physics at a divisor costs: K_pm at the certificate's own rate with a physics step at
-  /// every tick, and with the divisor. 0 without a divisor.
-  double undivided_k_pm = 0.0, divided_k_pm = 0.0;
   double best_gamma = 0.0;       ///< of 0, 0.05 .. 1, the γ that admits the largest K_pm
   double best_gamma_k_pm = 0.0;  ///< that K_pm, at the certificate's own rate
 };

@@ -33,7 +33,6 @@ std::string renderingText(const RenderingConfig& rendering) {
       add(text, value);
     }
   }
-  if (rendering.physics_divisor > 1) text += fmt::format("divisor {};", rendering.physics_divisor);
   return text;
 }
 

@@ -46,13 +46,6 @@ std::string findingInWall(const AxisCertificate& a) {
                      w.damping_required, perUnit(axis, "·s"), w.damping_required_phi, axis.damping);
 }
 
-/// ", physics at every 4th tick"; empty without a divisor.
-std::string physicsWords(const AxisCase& c) {
-  if (c.physics_divisor == 1) return {};
-  const char* ending = c.physics_divisor == 2 ? "nd" : c.physics_divisor == 3 ? "rd" : "th";
-  return fmt::format(", physics at every {}{} tick", c.physics_divisor, ending);
-}
-
 /// "largest allowed k_pm_n_m: 1650 N/m (device damping 6 N·s/m, 1 tick of delay, 1000 Hz)"
 std::string remedy(const AxisCertificate& a) {
   const AxisCase& c = a.axis_case;
@@ -71,9 +64,9 @@ std::string remedy(const AxisCertificate& a) {
     out += fmt::format(" with {} = {:.6g}", dampingKey(c.axis), nearest.k_dm);
   }
   return out + softer +
-         fmt::format(" (device damping {:.4g} {}, {} tick{} of delay, {:.4g} Hz{})", c.axis.damping,
+         fmt::format(" (device damping {:.4g} {}, {} tick{} of delay, {:.4g} Hz)", c.axis.damping,
                      perUnit(c.axis, "·s"), c.delay_ticks, c.delay_ticks == 1 ? "" : "s",
-                     1.0 / c.period_s, physicsWords(c));
+                     1.0 / c.period_s);
 }
 
 /// "unstable against a rigid stop at Φ = 0: spectral radius 1.01 > 1; ", put before the binding
@@ -154,8 +147,8 @@ bool handHolds(const CertificateInput& input) {
   for (int i = 0; i < k_pm.size(); ++i) {
     k_pm[i] = input.rendering.axes[i].k_pm;
   }
-  const double radius = worstPosture(coupled.inertias, k_pm, input.stepPeriod()).radius;
-  return radius <= std::exp(-input.stepPeriod() / AvatarCertificate::kSlowest_s) &&
+  const double radius = worstPosture(coupled.inertias, k_pm, input.period_s).radius;
+  return radius <= std::exp(-input.period_s / AvatarCertificate::kSlowest_s) &&
          requiredShare(coupled).share <= 1.0;
 }
 

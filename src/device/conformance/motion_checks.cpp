@@ -77,7 +77,9 @@ CheckFinding follows(DriverBench& bench) {
 
 CheckFinding proportional(DriverBench& bench) {
   return eachMoved(bench, [&](const PushedAxis& axis, std::size_t a) -> std::string {
-    if (axis.response.friction > kRubs * kEffortShare) return {};
+    // Dry friction turns no push round, and what rubs as much as the push does not move at all.
+    const double rubs = axis.response.friction / kEffortShare;
+    if (rubs > kRubs && rubs <= 1.0 && axis.back >= 0.0) return {};
     const auto off = [](double ratio) { return !(std::abs(ratio - 1.0) <= kAlike); };
     const auto text = [&](double ratio, double share) {
       return "answers to " + effort(bench, a, share) + " with " + percent(ratio) +

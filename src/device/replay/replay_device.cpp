@@ -16,6 +16,7 @@ Fault ReplayDevice::read(DeviceReading& reading, int /*elapsed_periods*/) noexce
   if (!open_ || atEnd()) return Fault::kDeviceRead;
   const RecordedReading& tick = ticks_[next_++];
   reading = tick.reading;
+  reading.moved_by = Mover::kMotion;
   return tick.faults & kOfReading;
 }
 

@@ -1,6 +1,5 @@
 #include "device/simulated/simulated_device.hpp"
 
-#include "core/grid.hpp"
 #include "patient/scripted_player.hpp"
 #include "patient/virtual_patient.hpp"
 
@@ -11,10 +10,6 @@ namespace wholehand {
 
 namespace {
 
-// The patient is reported in steps of about 1 µm or µrad and 0.06 µN or µN·m, finer than any
-// encoder or sensor. The digits below were a quarter of a recording
-// (docs/adr/0065-patients-on-a-grid.md).
-constexpr double kPositionStep = 0x1p-20, kEffortStep = 0x1p-24;
 constexpr double kLongestStep_s = 1.0;  // a longer gap ends rendering, and the rest stands still
 
 }  // namespace
@@ -159,11 +154,12 @@ Fault SimulatedDevice::read(DeviceReading& reading, int elapsed_periods) noexcep
     const double step = device_.axes[i].encoder_step;
     if (step > 0.0) reading.q_m[i] = step * std::round(q_[i] / step);
   }
+  reading.moved_by = player_->mover();
+  reading.help = player_->help();
   reading.intention = q_intended_;
   reading.patient_effort = impedance();
   for (int i = 0; i < q_.size(); ++i) {
-    reading.intention[i] = onGrid(reading.intention[i], kPositionStep);
-    reading.patient_effort[i] = onGrid(reading.patient_effort[i] + person_.end()[i], kEffortStep);
+    reading.patient_effort[i] += person_.end()[i];
   }
   return Fault::kNone;
 }

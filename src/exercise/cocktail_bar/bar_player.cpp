@@ -83,7 +83,7 @@ void BarPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noex
   since_s_ += period_s;
   if (lost_) {
     lost_ = false;
-    go(near_ ? Phase::kOpen : Phase::kDrawBack, kSlowerAtFirst);
+    go(near_ ? Phase::kOpen : touches_ ? Phase::kFree : Phase::kDrawBack, kSlowerAtFirst);
   }
   reach_.advance(period_s, q_, qd_);
   if (phase_ == Phase::kSqueeze || phase_ == Phase::kEase) press(period_s);
@@ -98,6 +98,7 @@ void BarPlayer::see(const TickRecord& record) noexcept {
     q_ = record.intention;
     qd_ = AxisVelocity(layout_.axes);
     near_ = comeNear(record);
+    touches_ = record.contact_count > 0;
   }
   advanced_ = false;
   if (record.q_m.size() == layout_.axes) measured_ = record.q_m;

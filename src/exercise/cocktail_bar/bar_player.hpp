@@ -95,6 +95,7 @@ class BarPlayer final : public Player {
   bool advanced_ = false;  // advance() was called since the last record
   bool lost_ = false;      // someone else steered the hand ...
   bool near_ = false;      // ... to a dispenser
+  bool touches_ = false;   // ... or against something
   Reach reach_;
   AxisPosition q_;
   AxisVelocity qd_;

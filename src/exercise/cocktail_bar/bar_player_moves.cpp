@@ -141,6 +141,9 @@ void BarPlayer::shape(Phase phase) noexcept {
   } else if (phase == Phase::kDrawBack) {
     during(layout_.x, 0.0, 0.75);
     during(layout_.fingers, 0.5, 1.0);
+  } else if (phase == Phase::kFree) {
+    during(layout_.fingers, 0.0, 0.5);
+    during(layout_.x, 0.4, 1.0);
   }
 }
 

@@ -16,22 +16,6 @@ std::vector<std::string> barValueNames(const Bar& bar) {
   return names;
 }
 
-std::vector<double> barValueSteps(const Bar& bar) {
-  constexpr double kNewton = 0x1p-24, kMetre = 0x1p-24, kLitre = 0x1p-32;
-  std::vector<double> steps(kBarValueNames.size(), 0.0);
-  const auto set = [&steps](BarValue value, double step) {
-    steps[static_cast<std::size_t>(value)] = step;
-  };
-  set(BarValue::kSqueeze, kNewton);
-  set(BarValue::kRowY, kMetre);
-  for (const BarValue volume : {BarValue::kFlow, BarValue::kPoured, BarValue::kPouredTotal,
-                                BarValue::kGlass, BarValue::kSpilt}) {
-    set(volume, kLitre);
-  }
-  steps.resize(steps.size() + bar.dispensers.size() + kMaxSteps, kLitre);
-  return steps;
-}
-
 BarStatus readBarStatus(const ExerciseRecord& record) noexcept {
   const auto number = [&record](BarValue value) noexcept {
     const auto i = static_cast<std::int32_t>(value);

@@ -130,8 +130,6 @@ inline constexpr std::array<const char*, static_cast<std::size_t>(BarValue::kCou
 
 /// Names of all values of a bar, in the order of ExerciseRecord::values.
 [[nodiscard]] std::vector<std::string> barValueNames(const Bar& bar);
-/// Steps of forces, lengths and volumes that are computed in every tick [N, m, l].
-[[nodiscard]] std::vector<double> barValueSteps(const Bar& bar);
 
 /// Progress of the play, read from a record.
 struct BarStatus {

@@ -42,7 +42,6 @@ class CocktailBar final : public Exercise {
     description_.fade_out_s = bar_.transition.release_s;
     description_.parameters = parameters_.all();
     description_.value_names = barValueNames(bar_);
-    description_.value_steps = barValueSteps(bar_);
     description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());
     description_.resume_value = static_cast<int>(BarValue::kResumeDrink);
     description_.json = barJson(bar_);

@@ -26,7 +26,6 @@ class FreeGrasping final : public Exercise {
       : axes_(device.axisCount()) {
     description_.name = name;
     description_.value_names = {"palm_body", "palm_distance_m", "squeeze_n"};
-    description_.value_steps = {0.0, 0x1p-24, 0x1p-24};
     description_.json = R"({"kind":"free_grasping"})";
     const std::size_t shown = std::min(scene.bodies.size(), query_.targets.size());
     for (std::size_t i = 0; i < shown; ++i) query_.targets.set(i);

@@ -37,8 +37,6 @@ class SqueezeToLevel final : public Exercise {
         {"lead_in_m", "m", 0.0, kLargestLeadIn_m, task_.wall.lead_in_m, 0.005},
         {"level_ratio", "1", 0.25, 1.5, 1.0, 0.5}};
     description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
-    description_.value_steps.assign(kValues, 0.0);
-    description_.value_steps[kSqueeze] = 0x1p-24;
     description_.event_names = {"band_entered", "band_held", "level_done", "restarted"};
     description_.json = R"({"kind":"squeeze_to_level"})";
     SqueezeToLevel::reset();

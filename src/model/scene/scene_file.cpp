@@ -9,12 +9,15 @@
 #include "model/toml/toml_file.hpp"
 #include "model/urdf/urdf.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -44,6 +47,47 @@ bool isColor(const std::string& text) {
   return text.size() == 7 && text[0] == '#' &&
          std::all_of(text.begin() + 1, text.end(),
                      [](unsigned char c) { return std::isxdigit(c) != 0; });
+}
+
+/// Half the extent of a shape's box in its own frame.
+Vector3d halfBox(const Shape& shape) {
+  const double end_m = shape.type == ShapeType::kSphere    ? shape.radius_m
+                       : shape.type == ShapeType::kCapsule ? shape.radius_m + shape.length_m / 2.0
+                                                           : shape.length_m / 2.0;
+  return shape.type == ShapeType::kBox ? shape.half_extents_m
+                                       : Vector3d(shape.radius_m, shape.radius_m, end_m);
+}
+
+/// Calls `take` with points of the body frame between which the shapes lie.
+template <class Take>
+void eachBound(const std::vector<Shape>& shapes, const Take& take) {
+  for (const Shape& shape : shapes) {
+    const auto in_body = [&](const Vector3d& p) {
+      return Vector3d(shape.in_body.rotation * p + shape.in_body.translation_m);
+    };
+    for (const Vector3d& p : shape.points_m) take(in_body(p));
+    if (shape.type == ShapeType::kConvexMesh) continue;
+    const Vector3d half_m = halfBox(shape);
+    for (int i = 0; i < 8; ++i) {
+      const Vector3d sign((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0,
+                          (i & 4) != 0 ? 1.0 : -1.0);
+      take(in_body(sign.cwiseProduct(half_m)));
+    }
+  }
+}
+
+/// Bound of the distance of the shapes' points from a point [m].
+double farthestFrom(const std::vector<Shape>& shapes, const Vector3d& from_m) {
+  double most_m = 0.0;
+  eachBound(shapes, [&](const Vector3d& p) { most_m = std::max(most_m, (p - from_m).norm()); });
+  return most_m;
+}
+
+/// How far a point is outside of the box of the shapes [m]; 0 within.
+double besideShapes(const std::vector<Shape>& shapes, const Vector3d& point_m) {
+  Eigen::AlignedBox3d box;
+  eachBound(shapes, [&](const Vector3d& p) { box.extend(p); });
+  return box.exteriorDistance(point_m);
 }
 
 /// Reads one `[[bodies]]` table.
@@ -172,7 +216,8 @@ class BodyReader {
               "check the name; it is relative to the scene file");
       return;
     }
-    Expected<UrdfBody> urdf = loadUrdf(path.string(), *time_);
+    Expected<UrdfBody> urdf =
+        loadUrdf(path.string(), *time_, body.fixed ? UrdfUse::kShapes : UrdfUse::kShapesAndMass);
     if (!urdf) {
       urdf_faults_ = urdf.errors();
       return;
@@ -181,6 +226,13 @@ class BodyReader {
     assets_.push_back(path.string());
     assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
     notices_ = std::move(urdf->notices);
+    for (Diagnostic friction : urdf->frictions) {
+      if (t_.has("friction")) break;
+      friction.remedy =
+          fmt::format("the body's friction is {}; give the body friction = {} to apply it",
+                      formatNumber(body.friction), friction.value);
+      notices_.push_back(std::move(friction));
+    }
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
   }
@@ -209,13 +261,41 @@ class BodyReader {
     body.mass_kg = from_urdf ? t_.number("mass_kg", rule, inertial_ ? inertial_->mass_kg : 1.0)
                              : t_.number("mass_kg", rule);
     if (body.shapes.empty()) return;
-    MassProperties m = inertial_.value_or(uniformDensity(body.shapes, body.mass_kg));
+    const bool even = t_.flag("uniform_density", false);
+    const bool given = inertial_.has_value() && !even;
+    MassProperties m = given ? *inertial_ : uniformDensity(body.shapes, body.mass_kg);
     if (!rule.allows(m.mass_kg)) {
       t_.fail("file", fmt::format("the URDF's masses add up to {} kg", formatNumber(m.mass_kg)),
               rule.remedy());
     }
+    if (given) judgeInertial(body, m);
     body.com_m = m.com_m;
     body.inertia_kg_m2 = body.mass_kg / m.mass_kg * m.inertia_kg_m2;
+  }
+
+  /// Many URDFs carry placeholders, or moments in other units than kg·m².
+  void judgeInertial(const SceneBody& body, const MassProperties& m) {
+    const char* const remedy =
+        "correct the URDF's <inertial> (kg, m, kg·m²), or set uniform_density = true to use its "
+        "colliders'";
+    const double aside_m = besideShapes(body.shapes, m.com_m);
+    if (aside_m > 0.0) {
+      t_.fail(
+          "file",
+          fmt::format("the URDF's centre of mass is {:.3g} m outside of its colliders", aside_m),
+          remedy);
+      return;
+    }
+    const double reach_m = farthestFrom(body.shapes, m.com_m);
+    const double most = m.mass_kg * reach_m * reach_m;
+    const double is =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m.inertia_kg_m2).eigenvalues().maxCoeff();
+    if (is <= most) return;
+    t_.fail("file",
+            fmt::format("the URDF's largest moment of inertia is {:.3g} kg·m²; {:.3g} kg within "
+                        "{:.3g} m of their centre have {:.3g} at most",
+                        is, m.mass_kg, reach_m, most),
+            remedy);
   }
 
   TomlTable t_;
@@ -253,6 +333,70 @@ void reportOverlaps(const SceneModel& scene, std::vector<BodyReader>& readers) {
   }
 }
 
+/// What moves is watched and recorded, which a body beyond kMaxBodies is not.
+void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) {
+  for (std::size_t i = kMaxBodies; i < readers.size(); ++i) {
+    if (scene.bodies[i].fixed) continue;
+    readers[i].table().fail(
+        "name", fmt::format("moves and is body {} of the scene", i + 1),
+        fmt::format("the first {} are watched and recorded: put it before fixed bodies, or set "
+                    "fixed = true",
+                    kMaxBodies));
+  }
+}
+
+/// The contact solver's rest is not found within a tick where a body lies on a much lighter one.
+void noteHeavyOnLight(SceneModel& scene) {
+  const SceneBody *light = nullptr, *heavy = nullptr;
+  for (const SceneBody& body : scene.bodies) {
+    if (body.fixed) continue;
+    if (light == nullptr || body.mass_kg < light->mass_kg) light = &body;
+    if (heavy == nullptr || body.mass_kg > heavy->mass_kg) heavy = &body;
+  }
+  if (light == nullptr || heavy->mass_kg <= kMostMassRatio * light->mass_kg) return;
+  scene.notices.push_back(
+      {scene.path, 0, "bodies", "",
+       fmt::format("\"{}\" ({:.3g} kg) is {:.0f} times as heavy as \"{}\" ({:.3g} kg): where it "
+                   "rests on it, it may sink in",
+                   printable(heavy->name), heavy->mass_kg, heavy->mass_kg / light->mass_kg,
+                   printable(light->name), light->mass_kg),
+       fmt::format("keep bodies that rest on each other within a ratio of {:.0f}",
+                   kMostMassRatio)});
+}
+
+/// A body that falls onto a fixed one at more than kMostBodySpeed_m_s may pass through it.
+void reportFalls(const SceneModel& scene, std::vector<BodyReader>& readers) {
+  const double g_m_s2 = scene.gravity_m_s2.norm();
+  if (!(g_m_s2 > 0.0)) return;
+  const Vector3d down = scene.gravity_m_s2 / g_m_s2;
+  double ground_m = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const SceneBody& body = scene.bodies[i];
+    if (!body.fixed || !readers[i].placed()) continue;
+    for (const Shape& shape : body.shapes) {
+      double top_m = std::numeric_limits<double>::infinity();
+      eachBound({shape},
+                [&](const Vector3d& p) { top_m = std::min(top_m, down.dot(body.pose * p)); });
+      ground_m = std::max(ground_m, top_m);
+    }
+  }
+  const double most_m = kMostBodySpeed_m_s * kMostBodySpeed_m_s / (2.0 * g_m_s2);
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const SceneBody& body = scene.bodies[i];
+    if (body.fixed || !readers[i].placed()) continue;
+    const double fall_m = ground_m - down.dot(body.pose.translation_m);
+    if (!(fall_m > most_m)) continue;
+    readers[i].table().fail(
+        "position_m",
+        fmt::format("may fall {:.3g} m and arrive at {:.3g} m/s", fall_m,
+                    std::sqrt(2.0 * g_m_s2 * fall_m)),
+        fmt::format(
+            "must be at most {:.3g} m above the lowest top of a fixed shape: contacts are found "
+            "up to {:.3g} m/s",
+            most_m, kMostBodySpeed_m_s));
+  }
+}
+
 }  // namespace
 
 Expected<SceneModel> loadSceneFile(const std::string& path) {
@@ -280,6 +424,8 @@ Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) 
               fmt::format("a scene may have {} at most", kMaxSceneBodies));
   } else {
     reportOverlaps(scene, readers);
+    reportFalls(scene, readers);
+    reportUnwatched(scene, readers);
   }
   reportSameNames(scene, readers);
 
@@ -293,6 +439,7 @@ Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) 
     }
   }
   if (!faults.empty()) return faults;
+  noteHeavyOnLight(scene);
   return scene;
 }
 

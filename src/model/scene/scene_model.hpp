@@ -12,6 +12,11 @@ namespace wholehand {
 
 class MeshLoadTime;  // model/mesh/mesh_load_time.hpp
 
+/// Contacts between bodies are found up to this speed (tests/physics/body_laws_test.cpp).
+inline constexpr double kMostBodySpeed_m_s = 15.0;
+/// A body rests on one that is lighter by this factor within 0.1 mm.
+inline constexpr double kMostMassRatio = 100.0;
+
 enum class ShapeType { kBox, kSphere, kCylinder, kCapsule, kConvexMesh };
 
 /// A collider in its body's frame. Cylinder and capsule lie along the shape frame's z. A disk of a
@@ -60,10 +65,10 @@ struct SceneModel {
   std::string path;
   std::string name;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
-  std::vector<SceneBody> bodies;    ///< 0 .. kMaxSceneBodies; a record holds kMaxBodies
+  std::vector<SceneBody> bodies;    ///< 0 .. kMaxSceneBodies; beyond kMaxBodies fixed in a file
   double hand_friction = 0.8;       ///< of the hand's capsules
   std::vector<std::string> assets;  ///< paths of its meshes and URDFs
-  Diagnostics notices;              ///< meshes that their convex hull stands for
+  Diagnostics notices;              ///< no faults, but what the user should know
   GameBudget game;                  ///< its slots follow `bodies` in the record
 
   /// Names of the bodies of a record: the scene's, then a game's slots ("slot 0" ..); at most

@@ -50,7 +50,9 @@ const char* xmlProblem(tinyxml2::XMLError code) {
 
 class Reader {
  public:
-  Reader(const std::string& path, MeshLoadTime& time) : faults_(path) { meshes_.time = &time; }
+  Reader(const std::string& path, MeshLoadTime& time, UrdfUse use) : faults_(path), use_(use) {
+    meshes_.time = &time;
+  }
 
   Expected<UrdfBody> read() {
     if (!open()) return faults_.all();
@@ -65,6 +67,12 @@ class Reader {
     for (const XMLElement* e = robot_->FirstChildElement("joint"); e != nullptr;
          e = e->NextSiblingElement("joint")) {
       readJoint(*e);
+    }
+    for (const XMLElement* e = robot_->FirstChildElement("gazebo"); e != nullptr;
+         e = e->NextSiblingElement("gazebo")) {
+      const char* link = e->Attribute("reference");
+      const std::string key = fmt::format("gazebo[{}]", link != nullptr ? link : "");
+      for (const char* name : {"mu1", "mu2"}) noteFriction(e->FirstChildElement(name), key);
     }
     if (faults_.all().empty()) checkTree();
     if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
@@ -142,10 +150,22 @@ class Reader {
       faults_.add(&e, key, "", fmt::format("the link '{}' has no collider", link.name),
                   "give it a <collision> with a <geometry>, or take the link out");
     }
-    if (const XMLElement* i = e.FirstChildElement("inertial")) {
+    if (const XMLElement* c = e.FirstChildElement("contact")) {
+      noteFriction(c->FirstChildElement("lateral_friction"), key + ".contact");
+    }
+    const XMLElement* i = e.FirstChildElement("inertial");
+    if (i != nullptr && use_ == UrdfUse::kShapesAndMass) {
       link.inertial = readInertial(*i, key + ".inertial");
     }
     links_.push_back(std::move(link));
+  }
+
+  /// Of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`, `<mu2>`).
+  void noteFriction(const XMLElement* e, const std::string& key) {
+    if (e == nullptr) return;
+    const char* value = e->Attribute("value") != nullptr ? e->Attribute("value") : e->GetText();
+    frictions_.push_back({faults_.file(), e->GetLineNum(), fmt::format("{}.{}", key, e->Name()),
+                          value != nullptr ? value : "", "is not applied", ""});
   }
 
   std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key) {
@@ -243,6 +263,7 @@ class Reader {
     UrdfBody body;
     body.mesh_files = meshes_.files;
     body.notices = faults_.notices();
+    body.frictions = frictions_;
     for (const Link& link : links_) {
       Pose in_root = link.in_parent;
       for (int i = link.parent; i >= 0; i = links_[i].parent)
@@ -263,12 +284,14 @@ class Reader {
   const XMLElement* robot_ = nullptr;
   std::vector<Link> links_;
   UrdfMeshes meshes_{};
+  Diagnostics frictions_;
+  UrdfUse use_;
 };
 
 }  // namespace
 
-Expected<UrdfBody> loadUrdf(const std::string& path, MeshLoadTime& time) {
-  return Reader(path, time).read();
+Expected<UrdfBody> loadUrdf(const std::string& path, MeshLoadTime& time, UrdfUse use) {
+  return Reader(path, time, use).read();
 }
 
 Expected<UrdfBody> loadUrdf(const std::string& path) {

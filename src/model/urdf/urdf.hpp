@@ -12,12 +12,17 @@ namespace wholehand {
 
 class MeshLoadTime;  // model/mesh/mesh_load_time.hpp
 
+/// What a body takes from a URDF.
+enum class UrdfUse { kShapes, kShapesAndMass };
+
 /// A URDF as one rigid body, in the frame of its root link.
 struct UrdfBody {
   std::vector<Shape> shapes;               ///< every collision element of every link
   std::vector<std::string> mesh_files;     ///< paths of the meshes it names
   Diagnostics notices;                     ///< meshes that their convex hull stands for
   std::optional<MassProperties> inertial;  ///< sum of the inertials; empty when no link has one
+  /// Coefficients of friction in extensions of Bullet and Gazebo, which nothing here applies.
+  Diagnostics frictions;
 };
 
 /// Reads every `<collision>` of every link of a URDF (box, sphere, cylinder, capsule, mesh).
@@ -30,6 +35,8 @@ struct UrdfBody {
 /// than MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);
 /// As above; the time of its meshes is added to `time`.
-[[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path, MeshLoadTime& time);
+/// @param use kShapes for a body that never moves: inertials are not looked at
+[[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path, MeshLoadTime& time,
+                                          UrdfUse use = UrdfUse::kShapesAndMass);
 
 }  // namespace wholehand

@@ -1,6 +1,7 @@
 #include "physics/bullet/body_rows.hpp"
 
 #include "core/vector_clones.hpp"
+#include "physics/bullet/friction_disc.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -214,6 +215,8 @@ void BodyRows::leaveEmpty(Group& group, int place) noexcept {
   for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) copy(kNone, true, *row, place);
   group.a[place] = group.b[place] = &motions_.back();
   group.inverse_mass_a[place] = group.inverse_mass_b[place] = group.friction[place] = 0.0;
+  group.yield_11[place] = group.yield_22[place] = group.mass_11[place] = group.mass_22[place] = 1.0;
+  group.yield_12[place] = group.mass_12[place] = 0.0;
   group.point[place] = nullptr;
 }
 
@@ -236,13 +239,24 @@ void BodyRows::add(const btConstraintArray& normals, const btConstraintArray& fr
     group.friction[place] = tangent.m_friction;
     copy(normal, a_moves, group.normal, place);
     copy(tangent, a_moves, group.tangent1, place);
-    copy(frictions[normal.m_frictionIndex + 1], a_moves, group.tangent2, place);
+    const btSolverConstraint& other = frictions[normal.m_frictionIndex + 1];
+    copy(other, a_moves, group.tangent2, place);
+    group.yield_11[place] = 1.0 / tangent.m_jacDiagABInv;
+    group.yield_22[place] = 1.0 / other.m_jacDiagABInv;
+    group.yield_12[place] = tangent.m_relpos1CrossNormal.dot(other.m_angularComponentA) +
+                            tangent.m_relpos2CrossNormal.dot(other.m_angularComponentB);
+    const double det = group.yield_11[place] * group.yield_22[place] -
+                       group.yield_12[place] * group.yield_12[place];
+    group.mass_11[place] = group.yield_22[place] / det;
+    group.mass_12[place] = -group.yield_12[place] / det;
+    group.mass_22[place] = group.yield_11[place] / det;
     ++contacts_;
   }
 }
 
 void BodyRows::begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept {
   if (!any()) return;
+  backwards_ = false;
   for (int i = 0; i < bodies.size(); ++i) {
     copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
     copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);
@@ -292,37 +306,57 @@ void BodyRows::press(Group& group, FourNumbers& most) {
   keepLargest(most, change);
 }
 
-// Sets the impulses of one direction of friction, where the normal presses.
-void BodyRows::rub(Row& row, const Group& group, const FourNumbers& normal, Velocities& velocities,
-                   FourNumbers& most) {
-  const FourNumbers none{};
-  FourNumbers lacking, impulse, limit;
-  velocities.compare(row, lacking);
-  load(impulse, row.impulse.data());
+// Sets the impulses of friction. What nothing presses does not rub.
+void BodyRows::rub(Group& group, const FourNumbers& normal, FourNumbers& most) {
+  Velocities velocities;
+  velocities.take(group);
+  FourNumbers lacking_1, lacking_2, limit;
+  velocities.compare(group.tangent1, lacking_1);
+  velocities.compare(group.tangent2, lacking_2);
+  FrictionDisc<FourNumbers> disc;
+  load(disc.yield_11, group.yield_11.data());
+  load(disc.yield_12, group.yield_12.data());
+  load(disc.yield_22, group.yield_22.data());
+  load(disc.mass_11, group.mass_11.data());
+  load(disc.mass_12, group.mass_12.data());
+  load(disc.mass_22, group.mass_22.data());
   load(limit, group.friction.data());
-  limit *= normal;
-  const FourNumbers sum = impulse + lacking;
-  const FourNumbers within = sum < -limit ? -limit : (sum > limit ? limit : sum);
-  FourNumbers change = within == sum ? lacking : within - impulse;
-  change = normal > none ? change : none;
-  store(normal > none ? within : impulse, row.impulse.data());
-  velocities.apply(row, group, change);
-  keepLargest(most, change);
+  disc.limit = limit * normal;
+  FourNumbers was_1, was_2, is_1, is_2;
+  load(was_1, group.tangent1.impulse.data());
+  load(was_2, group.tangent2.impulse.data());
+  // The rows' units are impulses that alone would reach the target.
+  disc.solve(was_1, was_2, lacking_1 * disc.yield_11, lacking_2 * disc.yield_22, is_1, is_2);
+  const FourNumbers change_1 = is_1 - was_1, change_2 = is_2 - was_2;
+  store(is_1, group.tangent1.impulse.data());
+  store(is_2, group.tangent2.impulse.data());
+  velocities.apply(group.tangent1, group, change_1);
+  velocities.apply(group.tangent2, group, change_2);
+  velocities.put(group);
+  keepLargest(most, change_1);
+  keepLargest(most, change_2);
 }
 
-WHOLEHAND_VECTOR_CLONES double BodyRows::sweep(const std::vector<Group*>& groups) noexcept {
-  FourNumbers most{};
-  for (Group* group : groups) press(*group, most);
+WHOLEHAND_VECTOR_CLONES double BodyRows::sweep(const std::vector<Group*>& groups, bool backwards,
+                                               double& pressed) noexcept {
+  FourNumbers most{}, largest{};
+  const int count = static_cast<int>(groups.size());
+  const int first = backwards ? count - 1 : 0, step = backwards ? -1 : 1;
+  for (int i = 0, at = first; i < count; ++i, at += step) press(*groups[at], most);
   for (Group* group : groups) {
     FourNumbers normal;
     load(normal, group->normal.impulse.data());
-    if (!anyOf(normal > FourNumbers{})) continue;
-    Velocities velocities;
-    velocities.take(*group);
-    rub(group->tangent1, *group, normal, velocities, most);
-    rub(group->tangent2, *group, normal, velocities, most);
-    velocities.put(*group);
+    keepLargest(largest, normal);
+    const auto rubs = [&](const Row& row) {
+      FourNumbers impulse;
+      load(impulse, row.impulse.data());
+      return anyOf(impulse != FourNumbers{});
+    };
+    if (anyOf(normal > FourNumbers{}) || rubs(group->tangent1) || rubs(group->tangent2)) {
+      rub(*group, normal, most);
+    }
   }
+  pressed = std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3]));
   return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
 }
 
@@ -332,7 +366,8 @@ double BodyRows::sweep(Bodies& bodies, const std::vector<Group*>& groups) noexce
     copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
     copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);
   }
-  const double most = sweep(groups);
+  const double most = sweep(groups, backwards_, pressed_);
+  backwards_ = !backwards_;
   for (const int i : touched_) {
     copyVector(motions_[i].linear, bodies[i].m_deltaLinearVelocity);
     copyVector(motions_[i].angular, bodies[i].m_deltaAngularVelocity);

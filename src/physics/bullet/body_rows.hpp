@@ -12,9 +12,9 @@
 namespace wholehand::bullet {
 
 /// Rows of the contacts between two bodies, as Bullet's solver sets them up. Projected Gauss-Seidel
-/// sweeps four contacts at once, to the same bits as Bullet's own sweep: contacts that share a
-/// movable body keep their order, and four that share none form a group. Real-time safe except for
-/// construction.
+/// sweeps four contacts at once: contacts that share a movable body keep their order, and four that
+/// share none form a group. The two directions of friction are one unknown, a vector within
+/// Coulomb's disc (friction_disc.hpp). Real-time safe except for construction.
 class BodyRows {
  public:
   using Bodies = btAlignedObjectArray<btSolverBody>;
@@ -35,8 +35,12 @@ class BodyRows {
   void begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept;
   [[nodiscard]] bool any() const noexcept { return contacts_ > 0; }
   [[nodiscard]] bool anyNear() const noexcept { return !near_.empty(); }
-  /// One sweep: all normals, then all friction. Takes the velocities of touched bodies from
-  /// `bodies`, and puts them there. @return largest change of an impulse [N·s]
+  /// Largest normal impulse after the last sweep [N·s].
+  [[nodiscard]] double pressed() const noexcept { return pressed_; }
+  /// Number of groups: a sweep costs as many steps.
+  [[nodiscard]] int groups() const noexcept { return group_count_; }
+  /// One sweep: all normals, then all friction; every second one backwards. Takes the velocities of
+  /// touched bodies from `bodies`, and puts them there. @return largest change of an impulse [N·s]
   [[nodiscard]] double sweepAll(Bodies& bodies) noexcept;
   /// The same over near contacts only.
   [[nodiscard]] double sweepNear(Bodies& bodies) noexcept;
@@ -63,6 +67,8 @@ class BodyRows {
   struct alignas(32) Group {
     Row normal, tangent1, tangent2;
     Each inverse_mass_a, inverse_mass_b, friction;
+    /// Velocity of the tangents per impulse, a symmetric matrix, and its inverse.
+    Each yield_11, yield_12, yield_22, mass_11, mass_12, mass_22;
     std::array<Motion*, kWide> a, b;
     std::array<btManifoldPoint*, kWide> point;
     int run = 0;
@@ -74,11 +80,11 @@ class BodyRows {
   void leaveEmpty(Group& group, int place) noexcept;
   static void copy(const btSolverConstraint& from, bool a_moves, Row& to, int place) noexcept;
   [[gnu::always_inline]] static inline void press(Group& group, FourNumbers& most);
-  [[gnu::always_inline]] static inline void rub(Row& row, const Group& group,
-                                                const FourNumbers& normal, Velocities& velocities,
+  [[gnu::always_inline]] static inline void rub(Group& group, const FourNumbers& normal,
                                                 FourNumbers& most);
   [[nodiscard]] double sweep(Bodies& bodies, const std::vector<Group*>& groups) noexcept;
-  [[nodiscard]] static double sweep(const std::vector<Group*>& groups) noexcept;
+  [[nodiscard]] static double sweep(const std::vector<Group*>& groups, bool backwards,
+                                    double& pressed) noexcept;
 
   std::vector<Group> groups_;        ///< fixed size; the first group_count_ are in use
   std::vector<Group*> all_, near_;   ///< in the order of sweeps
@@ -91,6 +97,8 @@ class BodyRows {
   std::vector<Group*> open_;
   std::vector<int> first_;  ///< per run: its first place in all_
   int contacts_ = 0, group_count_ = 0, runs_ = 0;
+  double pressed_ = 0.0;
+  bool backwards_ = false;  ///< of the next sweep: loads pass up and down a stack
 };
 
 }  // namespace wholehand::bullet

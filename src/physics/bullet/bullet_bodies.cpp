@@ -16,6 +16,7 @@ namespace {
 // of points that part, but one towards whose normal the body was put would stay, as an overlap.
 constexpr double kFarthestSlide_m = 2e-3;
 constexpr double kFarthestTurn_rad = 0.05;
+constexpr double kLongestStep_s = 1e-2;
 
 }  // namespace
 
@@ -29,6 +30,7 @@ BulletBody::BulletBody(const SceneBody& body, int index, double reach_m)
   rigid_ = std::make_unique<btRigidBody>(
       btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, no_shape_.get(), moments));
   rigid_->setDamping(body.linear_damping_per_s, 0.0);
+  rigid_->setFlags(0);  // no gyroscopic torque of Bullet's: turnBody() keeps the momentum
   for (const Shape& shape : body.shapes) {
     if (body.soft_m > 0.0) {
       addCollider(body, shape, Meets::kAllButDigits);
@@ -55,7 +57,6 @@ void BulletBody::addCollider(const SceneBody& body, const Shape& shape, Meets me
   object.setUserPointer(&collider->tag);
   // Bullet multiplies the two coefficients of a pair; the roots make equal pairs come out true.
   object.setFriction(std::sqrt(body.friction));
-  object.setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   colliders_.push_back(std::move(collider));
 }
 
@@ -66,6 +67,7 @@ BulletBody::BulletBody(int index, int pieces, double reach_m)
       reach_m_(reach_m) {
   rigid_ = std::make_unique<btRigidBody>(
       btRigidBody::btRigidBodyConstructionInfo(0.0, nullptr, no_shape_.get(), btVector3(0, 0, 0)));
+  rigid_->setFlags(0);
   for (int i = 0; i < pieces; ++i) addEmptyCollider();
   putAtStart();
 }
@@ -78,7 +80,6 @@ void BulletBody::addEmptyCollider() {
   collider->object = std::make_unique<btCollisionObject>();
   collider->object->setCollisionShape(no_shape_.get());
   collider->object->setUserPointer(&collider->tag);
-  collider->object->setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   colliders_.push_back(std::move(collider));
 }
 
@@ -122,15 +123,16 @@ void BulletBody::putAt(const BodyPose& pose, const Vec3& velocity_m_s) noexcept 
       toBt(velocity_m_s.eigen()));
 }
 
-void BulletBody::placeColliders() noexcept {
+void BulletBody::placeColliders(double ahead_s) noexcept {
+  const Eigen::Vector3d way_m = ahead_s * toEigen(rigid_->getLinearVelocity());
   for (const auto& collider : colliders_) {
     if (!collider->used) continue;
     const btTransform at = rigid_->getWorldTransform() * collider->in_rigid;
     collider->object->setWorldTransform(at);
     btVector3 low, high;
     collider->object->getCollisionShape()->getAabb(at, low, high);
-    collider->box.low_m = toEigen(low).array() - reach_m_;
-    collider->box.high_m = toEigen(high).array() + reach_m_;
+    collider->box.low_m = toEigen(low).array() - reach_m_ + way_m.array().min(0.0);
+    collider->box.high_m = toEigen(high).array() + reach_m_ + way_m.array().max(0.0);
   }
 }
 
@@ -173,7 +175,7 @@ void BulletBody::put(const btTransform& at, const btVector3& velocity) noexcept 
   rigid_->setInterpolationAngularVelocity(none);
   rigid_->clearForces();
   rigid_->updateInertiaTensor();
-  placeColliders();
+  placeColliders(kLongestStep_s);
 }
 
 BodyState BulletBody::state() const noexcept {

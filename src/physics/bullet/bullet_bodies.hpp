@@ -56,8 +56,9 @@ class BulletBody {
   /// Places a slot's body at this pose; no contact survives. Real-time safe.
   void putAt(const BodyPose& pose, const Vec3& velocity_m_s) noexcept;
 
-  /// Moves the colliders to the rigid body's pose. Real-time safe.
-  void placeColliders() noexcept;
+  /// Moves the colliders to the rigid body's pose; their boxes hold what they may meet in the time
+  /// ahead. Real-time safe.
+  void placeColliders(double ahead_s) noexcept;
   /// Places the body for an exercise; stops its rotation. A fixed body has the given velocity in
   /// the next step only. An invalid placement is ignored. Returns true when the body was moved
   /// farther than it could slide while keeping its contacts. Real-time safe.

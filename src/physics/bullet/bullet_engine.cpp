@@ -2,6 +2,7 @@
 
 #include "physics/bullet/bullet_shapes.hpp"
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/free_motion.hpp"
 #include "physics/bullet/manifold_overlaps.hpp"
 
 #include <algorithm>
@@ -66,13 +67,14 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
 void BulletEngine::configure(const SolverSettings& settings) {
   dispatcher.setDispatcherFlags(dispatcher.getDispatcherFlags() &
                                 ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
-  solver_info_.m_numIterations = settings.iterations;
+  solver_info_.m_numIterations = std::max(settings.iterations, kMostFarSweeps);
   solver_info_.m_leastSquaresResidualThreshold = 0.0;
   solver_info_.m_splitImpulse = 0;
   solver_info_.m_erp2 = settings.contact_erp;
-  solver_info_.m_frictionERP = settings.friction_anchor_erp;
   solver_info_.m_linearSlop = settings.penetration_slop_m;
-  solver_info_.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  solver_info_.m_warmstartingFactor = settings.body_warm_start;
+  solver_info_.m_solverMode |=
+      SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
 }
 
 // The list of manifolds grows when it first needs to. More at once than in any scene that a tick
@@ -110,7 +112,7 @@ void BulletEngine::layDownWhatStands() {
   }
   for (int k = 0; k < kSteps; ++k) {
     solver.beginStep(AxisMatrix::Zero(hand_model.axis_count, hand_model.axis_count), qd_s);
-    pairs.findOfBodies();
+    pairs.findOfBodies(kStep_s);
     moveBodies(kStep_s);
   }
   std::vector<bool> fell(bodies.size());
@@ -184,7 +186,7 @@ void BulletEngine::updateState(int body) noexcept {
 }
 
 void BulletEngine::advance(double step_s) noexcept {
-  pairs.find();
+  pairs.find(step_s);
   game.settle(step_s);
   game.drive(step_s);
   moveBodies(step_s);
@@ -206,12 +208,10 @@ void BulletEngine::moveBodies(double step_s) noexcept {
                     manifolds_.data(), static_cast<int>(manifolds_.size()), nullptr, 0,
                     solver_info_, nullptr, &dispatcher);
   for (btRigidBody* body : moving_) {
-    btTransform moved;
-    body->predictIntegratedTransform(step_s, moved);
-    body->proceedToTransform(moved);
+    moveFree(*body, step_s);
     body->clearForces();
   }
-  for (const int body : resting.awakeBodies()) bodies[body].placeColliders();
+  for (const int body : resting.awakeBodies()) bodies[body].placeColliders(step_s);
 }
 
 void BulletEngine::forgetContacts(int body) noexcept {
@@ -234,7 +234,7 @@ void BulletEngine::setHand(const AxisPosition& position, const AxisVelocity& vel
 
 // The deepest overlap of each body with the hand.
 Diagnostics BulletEngine::overlaps() {
-  pairs.find();
+  pairs.find(0.0);
   HandOverlaps found(bodies.size());
   addOverlaps(dispatcher, found);
   return found.refuse(hand_model, scene_path, body_names);

@@ -26,12 +26,15 @@ BulletHand::BulletHand(const HandModel& hand, double friction)
     placed_[tags_.size()].radius_m = capsule.radius_m;
     palm_.push_back(capsule.part == HandPart::kPalm);
     shapes_.push_back(std::make_unique<btCapsuleShapeZ>(capsule.radius_m, length));
+    Shape& form = forms_.emplace_back();
+    form.type = ShapeType::kCapsule;
+    form.radius_m = capsule.radius_m;
+    form.length_m = length;
     tags_.push_back({static_cast<int>(tags_.size()), capsule.link, -1, nullptr, nullptr});
     auto object = std::make_unique<btCollisionObject>();
     object->setCollisionShape(shapes_.back().get());
     object->setUserPointer(&tags_.back());
     object->setFriction(std::sqrt(friction));  // see makeBody()
-    object->setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR);
     objects_.push_back(std::move(object));
   }
 }

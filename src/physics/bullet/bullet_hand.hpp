@@ -30,6 +30,8 @@ class BulletHand {
   /// Updates every capsule from its link's pose. Real-time safe. @pre kinematics outlives this
   void placeCapsules(const ArticulatedBody& kinematics) noexcept;
   [[nodiscard]] const PlacedCapsule& placed(int capsule) const { return placed_[capsule]; }
+  /// A capsule's shape, in the frame of its collision object.
+  [[nodiscard]] const Shape& form(int capsule) const { return forms_[capsule]; }
   [[nodiscard]] bool isPalm(int capsule) const { return palm_[capsule]; }
   /// Bounding box of all capsules.
   [[nodiscard]] const WorldBox& box() const { return box_; }
@@ -40,6 +42,7 @@ class BulletHand {
  private:
   std::vector<std::unique_ptr<btCapsuleShapeZ>> shapes_;
   std::vector<std::unique_ptr<btCollisionObject>> objects_;
+  std::vector<Shape> forms_;
   std::vector<ColliderTag> tags_;
   std::vector<Capsule> capsules_;
   std::vector<Pose> capsule_in_link_;

@@ -3,17 +3,16 @@
 #include "physics/bullet/bullet_types.hpp"
 #include "physics/segment_distance.hpp"
 
-#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
-#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace wholehand::bullet {
 namespace {
 
 constexpr double kAround_m = 0.03;  // 30 ms of a fast hand
+constexpr double kDeep_m = 1e-3;
+constexpr double kApart_m = 1e-4;  // two points of a patch are no nearer
 
 bool meetsHand(BulletBody::Meets meets, bool palm) {
   return meets == BulletBody::Meets::kAll || (meets == BulletBody::Meets::kDigits) == !palm;
@@ -37,16 +36,15 @@ std::vector<int> ownersOf(const std::vector<BulletBody>& bodies) {
   return owners;
 }
 
-bool keeps(const btPersistentManifold* manifold) {
-  return manifold != nullptr && manifold->getNumContacts() > 0;
+/// Whether what is deep within a body is now nearer to another side of it: a body that lets the
+/// hand go pushes it out where it came in.
+bool passedThrough(const btPersistentManifold& before, const ContactPatch& now) {
+  return now.count > 0 && before.getNumContacts() > 0 && now.points[0].gap_m < -kDeep_m &&
+         now.points[0].normal.dot(before.getContactPoint(0).m_normalWorldOnB) < 0.5;
 }
 
 bool isBall(const BulletBody::Collider& collider) {
   return collider.form.type == ShapeType::kSphere;
-}
-
-btCollisionObjectWrapper wrap(btCollisionObject& object) {
-  return {nullptr, object.getCollisionShape(), &object, object.getWorldTransform(), -1, -1};
 }
 
 }  // namespace
@@ -130,16 +128,18 @@ void ColliderPairs::listAround() noexcept {
   }
 }
 
-void ColliderPairs::find() noexcept {
+void ColliderPairs::find(double step_s) noexcept {
+  step_s_ = step_s;
   refreshBoxes();
   listAround();
   for (const int c : around_colliders_) {
     if (targets_[c].kept > 0 || overlap(hand_.box(), boxes_[c])) findOfHand(targets_[c]);
   }
-  findOfBodies();
+  findOfBodies(step_s);
 }
 
-void ColliderPairs::findOfBodies() noexcept {
+void ColliderPairs::findOfBodies(double step_s) noexcept {
+  step_s_ = step_s;
   refreshBoxes();
   disturbNear();
   listOverlaps();
@@ -260,78 +260,86 @@ void ColliderPairs::findOfHand(Target& target) noexcept {
       continue;
     }
     resting_.disturb(collider.tag.body);
-    if (collider.tag.shape != nullptr) {
-      const PlacedCapsule& placed = hand_.placed(capsule);
-      touch(
-          {placed.a_m, placed.b_m, placed.radius_m},
-          [this, capsule]() -> btCollisionObject& { return hand_.object(capsule); }, collider,
-          pair);
-    } else {
-      ask(pair, hand_.object(capsule), *collider.object);
+    const double reach_m = reach(collider, nullptr);
+    const PlacedCapsule& placed = hand_.placed(capsule);
+    const ContactPatch patch =
+        collider.tag.shape != nullptr
+            ? patchOf({placed.a_m, placed.b_m, placed.radius_m}, collider, reach_m)
+            : findPatch(hand_.object(capsule), hand_.form(capsule), *collider.object, collider.form,
+                        reach_m);
+    if (pair != nullptr && passedThrough(*pair, patch)) {
+      pair->refreshContactPoints(hand_.object(capsule).getWorldTransform(),
+                                 collider.object->getWorldTransform());
+      if (pair->getNumContacts() == 0) drop(pair);
+    } else if (patch.count > 0 || pair != nullptr) {
+      keep(patch, hand_.object(capsule), *collider.object, pair);
     }
-    if (pair.manifold != nullptr || pair.algorithm != nullptr) ++target.kept;
+    if (pair != nullptr) ++target.kept;
   }
 }
 
 /// Contact of a sphere-swept segment (capsule of the hand, or ball) with a shape that has a
-/// closed-form distance. @param object returns Bullet's object of the segment
-template <class Object>
-void ColliderPairs::touch(const Round& round, const Object& object, Collider& collider,
-                          Pair& pair) noexcept {
+/// closed-form distance: the nearest point, and the ends of the segment where they touch, too.
+ContactPatch ColliderPairs::patchOf(const Round& round, const Collider& collider,
+                                    double reach_m) noexcept {
   const btTransform& frame = collider.object->getWorldTransform();
-  const SegmentDistance is =
-      contactDistance(*collider.tag.shape, toEigen(frame.invXform(toBt(round.a_m))),
-                      toEigen(frame.invXform(toBt(round.b_m))), round.radius_m, threshold_m_);
-  const bool near = is.distance_m <= threshold_m_;
-  if (!near && pair.manifold == nullptr) return;
-  btCollisionObject& first = object();
-  const btCollisionObjectWrapper a = wrap(first), b = wrap(*collider.object);
-  btManifoldResult points(&a, &b);
-  if (pair.manifold == nullptr) {
-    pair.manifold = dispatcher_.getNewManifold(&first, collider.object.get());
-    ++version_;
-  }
-  points.setPersistentManifold(pair.manifold);
-  if (near) {
-    const Eigen::Vector3d on_axis_m = round.a_m + is.along * (round.b_m - round.a_m);
+  const Eigen::Vector3d a_m = toEigen(frame.invXform(toBt(round.a_m)));
+  const Eigen::Vector3d b_m = toEigen(frame.invXform(toBt(round.b_m)));
+  ContactPatch patch;
+  const auto add = [&](const SegmentDistance& is, const Eigen::Vector3d& on_axis_m) {
+    if (is.distance_m > reach_m) return;
     const btVector3 normal = frame.getBasis() * toBt(is.normal);
-    points.addContactPoint(normal, toBt(on_axis_m) - normal * (is.distance_m + round.radius_m),
-                           is.distance_m);
+    patch.add({frame * toBt(on_axis_m) - normal * (is.distance_m + round.radius_m), normal,
+               is.distance_m});
+  };
+  const SegmentDistance is =
+      contactDistance(*collider.tag.shape, a_m, b_m, round.radius_m, reach_m);
+  add(is, a_m + is.along * (b_m - a_m));
+  if (patch.count == 0) return patch;
+  const double length_m = (b_m - a_m).norm();
+  for (const double end : {0.0, 1.0}) {
+    if (std::abs(end - is.along) * length_m < kApart_m) continue;
+    const Eigen::Vector3d at_m = end == 0.0 ? a_m : b_m;
+    add(contactDistance(*collider.tag.shape, at_m, at_m, round.radius_m, reach_m), at_m);
   }
-  points.refreshContactPoints();
-  if (!near && !keeps(pair.manifold)) drop(pair);
+  return patch;
+}
+
+/// Largest gap of a contact point: what two bodies may close in a step is within.
+double ColliderPairs::reach(const Collider& a, const Collider* b) const noexcept {
+  btVector3 velocity = a.tag.rigid->getLinearVelocity();
+  if (b != nullptr) velocity -= b->tag.rigid->getLinearVelocity();
+  return threshold_m_ + velocity.length() * step_s_;
 }
 
 void ColliderPairs::meet(Collider& a, Collider& b, Pair& pair) noexcept {
+  const double reach_m = reach(a, &b);
   const bool closed_form = a.tag.shape != nullptr && b.tag.shape != nullptr;
-  const bool ball_a = isBall(a), ball_b = isBall(b);
-  if (!closed_form || ball_a == ball_b) return ask(pair, *a.object, *b.object);
-  Collider& ball = ball_a ? a : b;
-  const Eigen::Vector3d at_m = toEigen(ball.object->getWorldTransform().getOrigin());
-  touch(
-      {at_m, at_m, ball.form.radius_m}, [&ball]() -> btCollisionObject& { return *ball.object; },
-      ball_a ? b : a, pair);
+  if (closed_form && (isBall(a) || isBall(b))) {
+    Collider& ball = isBall(a) ? a : b;
+    Collider& other = isBall(a) ? b : a;
+    const Eigen::Vector3d at_m = toEigen(ball.object->getWorldTransform().getOrigin());
+    return keep(patchOf({at_m, at_m, ball.form.radius_m}, other, reach_m), *ball.object,
+                *other.object, pair);
+  }
+  keep(findPatch(*a.object, a.form, *b.object, b.form, reach_m), *a.object, *b.object, pair);
 }
 
-/// Bullet's own narrow phase.
-void ColliderPairs::ask(Pair& pair, btCollisionObject& first, btCollisionObject& second) noexcept {
-  const btCollisionObjectWrapper a = wrap(first), b = wrap(second);
-  if (pair.algorithm == nullptr) {
+void ColliderPairs::keep(const ContactPatch& patch, const btCollisionObject& first,
+                         const btCollisionObject& second, Pair& pair) noexcept {
+  if (patch.count == 0) return drop(pair);
+  if (pair == nullptr) {
+    pair = dispatcher_.getNewManifold(&first, &second);
     ++version_;
-    pair.algorithm = dispatcher_.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
   }
-  btManifoldResult points(&a, &b);
-  pair.algorithm->processCollision(&a, &b, info_, &points);
+  renew(*pair, patch);
 }
 
 void ColliderPairs::drop(Pair& pair) noexcept {
-  if (pair.manifold != nullptr || pair.algorithm != nullptr) ++version_;
-  if (pair.manifold != nullptr) dispatcher_.releaseManifold(pair.manifold);
-  if (pair.algorithm != nullptr) {
-    pair.algorithm->~btCollisionAlgorithm();
-    dispatcher_.freeCollisionAlgorithm(pair.algorithm);
-  }
-  pair = Pair{};
+  if (pair == nullptr) return;
+  ++version_;
+  dispatcher_.releaseManifold(pair);
+  pair = nullptr;
 }
 
 }  // namespace wholehand::bullet

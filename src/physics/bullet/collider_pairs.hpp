@@ -3,6 +3,7 @@
 #include "physics/bullet/box_sweep.hpp"
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
+#include "physics/bullet/contact_patch.hpp"
 #include "physics/bullet/resting_bodies.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -15,10 +16,11 @@ namespace wholehand::bullet {
 /// list of those around it, which is renewed when the hand leaves the enlarged box of its last
 /// list. For pairs of bodies it sweeps bounding boxes along x, and compares pairs whose boxes
 /// overlap; of two bodies at least one must be awake. A resting body wakes when
-/// the hand or an awake body comes near. contactDistance() handles a capsule of the hand against a
-/// box, sphere, cylinder or capsule, and a sphere against a box, cylinder or capsule; Bullet's
-/// narrow phase handles convex meshes and all other pairs of bodies. In both cases Bullet keeps the
-/// contact points between steps. Real-time safe except for construction.
+/// the hand or an awake body comes near. contactDistance() handles a capsule of the hand, or a
+/// ball, against a box, sphere, cylinder or capsule; findPatch() handles all other pairs. Every
+/// step finds the points anew and keeps their impulses. Points as far apart as two bodies may close
+/// in a step are among them, so that nothing passes through. Real-time safe except for
+/// construction.
 class ColliderPairs {
  public:
   /// @pre all outlive this @param threshold_m surfaces nearer than this make a contact point
@@ -28,10 +30,11 @@ class ColliderPairs {
   ColliderPairs(const ColliderPairs&) = delete;
   ColliderPairs& operator=(const ColliderPairs&) = delete;
 
-  /// Updates the contact points for the current poses of hand and bodies.
-  void find() noexcept;
+  /// Updates the contact points for the current poses of hand and bodies. @param step_s of the step
+  /// to come
+  void find(double step_s) noexcept;
   /// As find(), for pairs of bodies only.
-  void findOfBodies() noexcept;
+  void findOfBodies(double step_s) noexcept;
   /// Call after a body was placed. Wakes the bodies near its former and its new pose.
   void placed(int body) noexcept;
   /// Updates the boxes of a body that was moved outside a step. Wakes no body.
@@ -48,11 +51,8 @@ class ColliderPairs {
 
  private:
   using Collider = BulletBody::Collider;
-  /// Data kept for a pair while it is near.
-  struct Pair {
-    btPersistentManifold* manifold = nullptr;  ///< of a pair handled by contactDistance()
-    btCollisionAlgorithm* algorithm = nullptr;
-  };
+  /// Of a pair that touches; otherwise null.
+  using Pair = btPersistentManifold*;
   /// Sphere-swept segment, world frame.
   struct Round {
     Eigen::Vector3d a_m, b_m;
@@ -68,7 +68,7 @@ class ColliderPairs {
   /// Two colliders of bodies whose boxes overlap; the lower index first.
   struct BodyPair {
     int a = -1, b = -1;
-    Pair pair;
+    Pair pair = nullptr;
   };
 
   void refreshBoxes() noexcept;
@@ -79,16 +79,18 @@ class ColliderPairs {
   [[nodiscard]] BoxSweep::Part partOf(int collider) const noexcept;
   void follow() noexcept;
   [[nodiscard]] bool awake(int collider) const noexcept;
-  template <class Object>
-  void touch(const Round& round, const Object& object, Collider& collider, Pair& pair) noexcept;
+  [[nodiscard]] static ContactPatch patchOf(const Round& round, const Collider& collider,
+                                            double reach_m) noexcept;
+  [[nodiscard]] double reach(const Collider& a, const Collider* b) const noexcept;
   void meet(Collider& a, Collider& b, Pair& pair) noexcept;
-  void ask(Pair& pair, btCollisionObject& first, btCollisionObject& second) noexcept;
+  void keep(const ContactPatch& patch, const btCollisionObject& first,
+            const btCollisionObject& second, Pair& pair) noexcept;
   void drop(Pair& pair) noexcept;
 
   btCollisionDispatcher& dispatcher_;
   BulletHand& hand_;
   const double threshold_m_;
-  btDispatcherInfo info_;
+  double step_s_ = 0.0;
   RestingBodies& resting_;
   std::vector<Target> targets_;               ///< one per collider
   std::vector<std::pair<int, int>> of_body_;  ///< its first collider and the one after its last

@@ -17,8 +17,8 @@ constexpr double kTargetLives_s = 0.1;
 constexpr double kSilentFade_s = 0.2;
 constexpr double kLeaves_s = 5.0;
 
-// Faster, a body is held back and taken out: the supervisor stops the run when a body's velocity
-// changes by 10 m/s or 500 rad/s in one step.
+// Faster, a body is held back and taken out: the supervisor stops the run when a body's speed rises
+// by 10 m/s, or its spin by 500 rad/s, in one step.
 constexpr double kMostSpeed_m_s = 4.9;
 constexpr double kMostSpin_rad_s = 200.0;
 

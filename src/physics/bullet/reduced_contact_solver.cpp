@@ -18,23 +18,6 @@ constexpr double kLeastInverseMass = 1e-12;
 // More points than a record shows: what is not shown still pushes.
 constexpr int kMostContacts = 4 * kMaxContacts;
 
-// True when friction is at its limit, or there is none because nothing presses.
-bool slides(const HandContact& contact) {
-  const double limit = contact.friction * contact.normal_row.impulse;
-  return std::hypot(contact.tangent1_row.impulse, contact.tangent2_row.impulse) >=
-         limit * (1.0 - 1e-9);
-}
-
-// Bullet keeps an anchored point until its friction is seen outside the cone, and ours never is. A
-// point that slides must not be kept: it drifts past the contact threshold and is thrown away, and
-// the step in which that happens has no contact at all (a fast thumb sank 12 mm into a box).
-void letGoOfAnchor(btManifoldPoint& point) {
-  constexpr double kOutside = 1.0 + 1e-6;
-  constexpr double kAnything_ns = 1e-12;  // where both are zero
-  point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral1 * kOutside + kAnything_ns;
-  point.m_appliedImpulseLateral2 *= kOutside;
-}
-
 }  // namespace
 
 ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const ArticulatedBody& kinematics,
@@ -201,11 +184,14 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   const double gap = contact.distance_m + settings_.penetration_slop_m;
   const double goal = gap > 0.0 ? -gap / step_s : -gap * settings_.contact_erp / step_s;
   linear_row(contact.normal_row, contact.normal, goal);
-  // Friction anchors: the two points were one when they first touched.
-  const btVector3 drift = contact.on_hand - on_body;
+  const btManifoldPoint& point = *contact.point;
+  const btVector3 drift = point.m_lateralFrictionDir1 * point.m_contactMotion1 +
+                          point.m_lateralFrictionDir2 * point.m_contactMotion2;
+  contact.drift1_m = drift.dot(contact.tangent1);
+  contact.drift2_m = drift.dot(contact.tangent2);
   const double pull = -settings_.friction_anchor_erp / step_s;
-  linear_row(contact.tangent1_row, contact.tangent1, pull * drift.dot(contact.tangent1));
-  linear_row(contact.tangent2_row, contact.tangent2, pull * drift.dot(contact.tangent2));
+  linear_row(contact.tangent1_row, contact.tangent1, pull * contact.drift1_m);
+  linear_row(contact.tangent2_row, contact.tangent2, pull * contact.drift2_m);
 
   ReducedRow& spin = contact.spin_row;
   kinematics_.reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
@@ -247,6 +233,19 @@ void ReducedContactSolver::prepareSweeps() {
     finishRow(contact.tangent1_row, body, false);
     finishRow(contact.tangent2_row, body, false);
     finishRow(contact.spin_row, body, true);
+    const ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
+    FrictionDisc<double>& disc = contact.disc;
+    disc.yield_12 = one.linear.dot(two.linear_response) + one.angular.dot(two.angular_response);
+    for (int a = 0; a < axes_; ++a) disc.yield_12 += one.jacobian[a] * two.response[a];
+    constexpr double kDefinite = 1.0 + 1e-9;  // where one axis alone moves both
+    if (one.effective_mass > 0.0 && two.effective_mass > 0.0) {
+      disc.yield_11 = kDefinite / one.effective_mass;
+      disc.yield_22 = kDefinite / two.effective_mass;
+      const double det = disc.yield_11 * disc.yield_22 - disc.yield_12 * disc.yield_12;
+      disc.mass_11 = disc.yield_22 / det;
+      disc.mass_12 = -disc.yield_12 / det;
+      disc.mass_22 = disc.yield_11 / det;
+    }
     start(contact);
   }
   rows_.start(change_.data());
@@ -293,12 +292,14 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
   rows_.finish();
   body_rows_.write(m_tmpSolverBodyPool);
   for (int i = 0; i < contact_count_; ++i) {
-    const HandContact& contact = contacts_[i];
+    HandContact& contact = contacts_[i];
+    keepDrift(contact, info.m_timeStep);
     btManifoldPoint& point = *contact.point;
     point.m_appliedImpulse = contact.normal_row.impulse;
     point.m_appliedImpulseLateral1 = contact.tangent1_row.impulse;
     point.m_appliedImpulseLateral2 = contact.tangent2_row.impulse;
-    if (slides(contact)) letGoOfAnchor(point);
+    point.m_contactMotion1 = contact.drift1_m;
+    point.m_contactMotion2 = contact.drift2_m;
     point.m_lateralFrictionDir1 = contact.tangent1;
     point.m_lateralFrictionDir2 = contact.tangent2;
     point.m_prevRHS = contact.spin_row.impulse;  // a free slot that lives with the point

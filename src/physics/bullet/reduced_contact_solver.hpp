@@ -5,6 +5,7 @@
 #include "physics/bullet/body_rows.hpp"
 #include "physics/bullet/collider_tag.hpp"
 #include "physics/bullet/cone_newton.hpp"
+#include "physics/bullet/friction_disc.hpp"
 #include "physics/bullet/hand_rows.hpp"
 #include "physics/bullet/inertia_root.hpp"
 #include "physics/bullet/solver_settings.hpp"
@@ -49,6 +50,10 @@ struct HandContact {
   double distance_m = 0.0;
   ImpulseBound* bound = nullptr;  ///< null: unbounded
   ReducedRow normal_row, tangent1_row, tangent2_row, spin_row;
+  /// Way that the surfaces have crept along the tangents while friction held them [m]. The rows
+  /// undo a share of it in each step. Rolling leaves none.
+  double drift1_m = 0.0, drift2_m = 0.0;
+  FrictionDisc<double> disc;  ///< of both tangents; its limit is that of the last sweep
   double yielding = 0.0;  ///< R / (R + inverse mass) of the normal row, R as SolverSettings says
 };
 
@@ -139,6 +144,10 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   [[gnu::always_inline]] inline void apply(ReducedRow& row, btSolverBody& body, double impulse);
   template <int Width>
   [[gnu::always_inline]] inline void solveFriction(HandContact& contact);
+  template <int Width>
+  [[gnu::always_inline, nodiscard]] inline double change(const ReducedRow& row,
+                                                         const btSolverBody& body) const;
+  void keepDrift(HandContact& contact, double step_s) const;
 
   const int axes_;
   const SolverSettings settings_;
@@ -163,6 +172,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   };
   ConeNewton newton_;
   bool at_once_ = false;            ///< newton_ solved this step
+  bool far_done_ = false;           ///< contacts that the hand does not touch need no more sweeps
   AxisRoot root_;                   ///< of M_r⁻¹
   std::vector<IslandBody> island_;  ///< bodies that the hand touches
   std::vector<int> slot_;           ///< per solver body: its index in the island, or −1

@@ -20,12 +20,17 @@ static_assert(kMaxCoupledEnds == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 
 
 }  // namespace
 
+/// Change of the velocity along a row in this step.
+template <int Width>
+double ReducedContactSolver::change(const ReducedRow& row, const btSolverBody& body) const {
+  return alongRow<Width>(row.jacobian.data(), change_.data(), row.linear.m_floats,
+                         body.m_deltaLinearVelocity.m_floats, row.angular.m_floats,
+                         body.m_deltaAngularVelocity.m_floats);
+}
+
 template <int Width>
 double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
-  const double velocity = alongRow<Width>(row.jacobian.data(), change_.data(), row.linear.m_floats,
-                                          body.m_deltaLinearVelocity.m_floats, row.angular.m_floats,
-                                          body.m_deltaAngularVelocity.m_floats);
-  return row.impulse + row.target - velocity * row.effective_mass;
+  return row.impulse + row.target - change<Width>(row, body) * row.effective_mass;
 }
 
 template <int Width>
@@ -77,17 +82,21 @@ void ReducedContactSolver::solveFriction(HandContact& contact) {
   const double spin_limit = settings_.spinning_friction_m * normal;
   apply<Width>(contact.spin_row, body,
                std::clamp(wanted<Width>(contact.spin_row, body), -spin_limit, spin_limit));
-  // Both tangents at once, so that friction is a disc and not a square.
-  double t1 = wanted<Width>(contact.tangent1_row, body);
-  double t2 = wanted<Width>(contact.tangent2_row, body);
-  const double length = std::sqrt(t1 * t1 + t2 * t2);
-  const double limit = contact.friction * normal;
-  if (length > limit) {
-    t1 *= limit / length;
-    t2 *= limit / length;
+  ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
+  if (one.effective_mass == 0.0 || two.effective_mass == 0.0) {
+    // Nothing moves along one of them.
+    const double limit = contact.friction * normal;
+    apply<Width>(one, body, std::clamp(wanted<Width>(one, body), -limit, limit));
+    const double left = std::sqrt(std::max(0.0, limit * limit - one.impulse * one.impulse));
+    apply<Width>(two, body, std::clamp(wanted<Width>(two, body), -left, left));
+    return;
   }
-  apply<Width>(contact.tangent1_row, body, t1);
-  apply<Width>(contact.tangent2_row, body, t2);
+  contact.disc.limit = contact.friction * normal;
+  double t1 = 0.0, t2 = 0.0;
+  contact.disc.solve(one.impulse, two.impulse, one.lacking - change<Width>(one, body),
+                     two.lacking - change<Width>(two, body), t1, t2);
+  apply<Width>(one, body, t1);
+  apply<Width>(two, body, t2);
 }
 
 template <int Width>
@@ -100,6 +109,23 @@ void ReducedContactSolver::iterate() {
   }
   for (int i = 0; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
   residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
+}
+
+// What slides begins anew. What friction holds has crept by what the solver left of its slip.
+void ReducedContactSolver::keepDrift(HandContact& contact, double step_s) const {
+  const double limit = contact.friction * contact.normal_row.impulse;
+  const ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
+  if (std::hypot(one.impulse, two.impulse) >= limit * (1.0 - 1e-9)) {
+    contact.drift1_m = contact.drift2_m = 0.0;
+    return;
+  }
+  const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const double pull = -settings_.friction_anchor_erp / step_s;
+  const auto creep = [&](const ReducedRow& row, double drift_m) {
+    return step_s * (pull * drift_m - row.lacking + change<kMaxAxes>(row, body));
+  };
+  contact.drift1_m += creep(one, contact.drift1_m);
+  contact.drift2_m += creep(two, contact.drift2_m);
 }
 
 WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateNarrow() {
@@ -117,24 +143,26 @@ btScalar ReducedContactSolver::solveSingleIteration(
     const btContactSolverInfo& /*info*/, btIDebugDraw* /*drawer*/) {
   if (iteration == 0) {
     body_rows_.begin(m_tmpSolverBodyPool, touched_);
+    far_done_ = !body_rows_.any();
     at_once_ = solveAtOnce();
     if (!at_once_) prepareSweeps();
   }
-  const bool far = iteration < settings_.far_iterations;
-  if (at_once_) {
-    if (!far || !body_rows_.any()) return 0.0;  // the base class stops
-    static_cast<void>(body_rows_.sweepAll(m_tmpSolverBodyPool));
-    return 1.0;
+  const bool far = !far_done_ && body_rows_.any();
+  double others = 0.0;
+  if (far) {
+    others = body_rows_.sweepAll(m_tmpSolverBodyPool);
+    const int most = std::clamp(kFarBudget / body_rows_.groups(), kLeastFarSweeps, kMostFarSweeps);
+    far_done_ = iteration + 1 >= most || others <= settings_.far_tolerance * body_rows_.pressed();
   }
-  const double others =
-      far ? body_rows_.sweepAll(m_tmpSolverBodyPool) : body_rows_.sweepNear(m_tmpSolverBodyPool);
+  if (at_once_ || iteration >= settings_.iterations) return far_done_ ? 0.0 : 1.0;
+  if (!far) others = body_rows_.sweepNear(m_tmpSolverBodyPool);
   residual_ = 0.0;
   if (axes_ <= kNarrow) {
     iterateNarrow();
   } else {
     iterateWide();
   }
-  // With 0 the base class would stop after its first iteration.
+  // With 0 the base class stops.
   return std::max(others, residual_);
 }
 

@@ -7,8 +7,9 @@
 namespace wholehand::bullet {
 namespace {
 
-constexpr double kStill_m_s = 2e-3;
-constexpr double kStill_rad_s = 0.05;
+// What rolls at half a millimetre a second still moves.
+constexpr double kStill_m_s = 5e-4;
+constexpr double kStill_rad_s = 0.0125;
 constexpr double kFall_s = 2e-3;  // a body in free fall for this time exceeds the still speed
 constexpr double kRests_s = 0.5;
 constexpr double kWatched_s = 0.05;

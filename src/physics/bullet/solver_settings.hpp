@@ -4,13 +4,18 @@
 
 namespace wholehand::bullet {
 
+inline constexpr int kLeastFarSweeps = 10, kMostFarSweeps = 200, kFarBudget = 1000;
+
 /// Settings of Bullet's contact solver; ADR 3 explains the differences from stock.
 struct SolverSettings {
   int iterations = 50;   ///< per step; 20 let one grasp slide, 100 bring slip to 0.05 mm
   bool at_once = false;  ///< the hand's contacts by Newton's method where that applies (ADR 55)
   NewtonSettings newton;
-  int far_iterations = 10;    ///< for contacts of bodies that the hand does not touch
-  double contact_erp = 0.05;  ///< fraction of a penetration removed per step
+  /// Contacts of bodies that the hand does not touch are swept until an impulse changes by less
+  /// than this share of the largest, within a budget of groups of four contacts: kFarBudget.
+  double far_tolerance = 1e-4;
+  double body_warm_start = 0.97;  ///< fraction of the last step's impulses between bodies
+  double contact_erp = 0.05;      ///< fraction of a penetration removed per step
   /// Of a contact between hand and body in its normal direction. Row's softness:
   /// R = contact_erp / (contact_stiffness h²), so that λ = h · stiffness · depth at rest.
   double contact_stiffness_n_m = 2.5e6;

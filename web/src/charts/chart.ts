@@ -105,8 +105,8 @@ function dataOf({ x = [], lines }: ChartSpec): uPlot.AlignedData {
 
 const propertyAt = (host: Element, name: string): string => getComputedStyle(host).getPropertyValue(name).trim();
 
-interface Colors { readonly words: string; readonly grid: string; readonly mark: string; readonly bad: string }
-const colorsAt = (host: Element): Colors => ({ words: propertyAt(host, '--ink-2'), grid: propertyAt(host, '--grid'), mark: propertyAt(host, '--line-2'), bad: propertyAt(host, '--bad') });
+interface Colors { readonly words: string; readonly grid: string; readonly mark: string; readonly bad: string; readonly paper: string }
+const colorsAt = (host: Element): Colors => ({ words: propertyAt(host, '--ink-2'), grid: propertyAt(host, '--grid'), mark: propertyAt(host, '--line-2'), bad: propertyAt(host, '--bad'), paper: propertyAt(host, '--bg') || '#FFFFFF' });
 
 /** A canvas knows no custom properties. */
 function inColors(host: HTMLElement, spec: ChartSpec): ChartSpec {
@@ -172,28 +172,43 @@ function drawBands(plot: uPlot, { bands = [] }: ChartSpec): void {
 function drawMarks(plot: uPlot, { marks = [] }: ChartSpec, colors: Colors): void {
   const { ctx, bbox } = plot;
   const dots = FINER * devicePixelRatio;
-  let free = -Infinity;
+  const taken: { left: number; right: number }[] = [];
+  let line = -Infinity;
   ctx.save();
   ctx.textAlign = 'left';
-  for (const { at, label, bad } of marks) {
+  // What is bad is named first: a word that has no room is left to the table.
+  for (const { at, label, bad } of [...marks.filter((mark) => mark.bad), ...marks.filter((mark) => !mark.bad)]) {
     const x = plot.valToPos(at, 'x', true);
     if (!(x >= bbox.left && x <= bbox.left + bbox.width)) continue;
     ctx.strokeStyle = bad ? colors.bad : colors.mark;
     ctx.fillStyle = bad ? colors.bad : colors.words;
     ctx.lineWidth = (bad ? 1.6 : 0.8) * dots;
     ctx.setLineDash(bad ? [] : [2 * dots, 2 * dots]);
-    ctx.beginPath();
-    ctx.moveTo(x, bbox.top);
-    ctx.lineTo(x, bbox.top + bbox.height);
-    ctx.stroke();
-    // A word that has no room is left to the table.
-    if (label === '' || x < free) continue;
+    // Hundreds of lines would hide what they mark: those that stand close are one.
+    if (Math.abs(x - line) >= 4 * dots) {
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      line = x;
+    }
+    if (label === '') continue;
     // Signs, such as circled numbers, are read no smaller than that.
     ctx.font = label.length === 1 ? `${14 * dots}px ${SIGNS}` : `${bad ? 700 : 400} ${11 * dots}px ${FONT}`;
     const width = ctx.measureText(label).width;
-    const left = x + 3 * dots + width > bbox.left + bbox.width;
-    ctx.fillText(label, left ? x - 3 * dots - width : x + 3 * dots, bbox.top + 11 * dots);
-    free = x + width + 8 * dots;
+    const left = x + 3 * dots + width > bbox.left + bbox.width ? x - 3 * dots - width : x + 3 * dots;
+    const place = { left: left - 4 * dots, right: left + width + 4 * dots };
+    if (taken.some((other) => place.left < other.right && place.right > other.left)) continue;
+    taken.push(place);
+    // Read over the lines, too.
+    ctx.save();
+    ctx.setLineDash([]);
+    ctx.lineWidth = 3 * dots;
+    ctx.lineJoin = 'round';
+    ctx.strokeStyle = colors.paper;
+    ctx.strokeText(label, left, bbox.top + 11 * dots);
+    ctx.restore();
+    ctx.fillText(label, left, bbox.top + 11 * dots);
   }
   ctx.restore();
 }

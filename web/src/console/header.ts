@@ -1,14 +1,14 @@
 import { infoOf, type ExerciseInfo } from '../exercises/info';
-import { Act } from '../protocol';
+import { Act, RunState, Steering } from '../protocol';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
 import { FreshButtons } from '../shared/fresh_buttons';
+import { deviceLines } from './device_status';
 import { h, say, setAttribute, setClass } from './dom';
-import { asWords } from '../shared/format';
 import { texts } from './i18n';
 import { icon, type IconName } from './icons';
 import type { ConsoleModel, Panel } from './model';
 import { toggleTheme } from './theme';
-import { exerciseWords } from './title_words';
+import { exerciseWords, personWords } from './title_words';
 
 const LANGUAGE_NAMES: Readonly<Record<Language, string>> = { de: 'Deutsch', fr: 'Français', en: 'English' };
 const PILL_ICON: Readonly<Record<string, IconName>> = {
@@ -83,8 +83,11 @@ export class Header implements Panel {
     const { scene } = model;
     if (!scene) return;
     const side = scene.rightHand ? t.hand.right : t.hand.left;
-    say(this.who.first, t.patients[String(scene.patientName)] ?? asWords(String(scene.patientName ?? '')));
-    say(this.who.second, `${fill(t.session, { n: model.state?.session ?? scene.session })}, ${side}`);
+    const profile = String(scene.profile ?? ''), simulated = deviceLines(model.state?.device, t) === undefined;
+    say(this.who.first, personWords(profile, String(scene.patientName ?? ''), simulated) || fill(t.profile.profile, { name: t.profile.noProfile }));
+    const plays = profile !== '' && simulated && model.state?.runState === RunState.Rendering && model.state.steering === Steering.VirtualPatient;
+    say(this.who.second, [fill(t.session, { n: model.state?.session ?? scene.session }), side, ...(plays ? [t.virtualPlays] : []),
+      ...(model.recorded === undefined ? [] : [model.recorded ? t.recordings.on : t.recordings.off])].join(', '));
     setAttribute(this.who.element, 'title', `${String(scene.deviceName ?? '')}, ${String(scene.handName ?? '')}`);
     const exercise = String(scene.exerciseName ?? '');
     say(this.what.first, exercise === '' ? t.noExercise : exerciseWords(exercise));

@@ -1,6 +1,7 @@
 import type { Connection } from '../net/connection';
 import type { Answer } from '../net/pending_answers';
 import { RunState, SafetyState, type EventT, type SceneT, type WorldStateT } from '../protocol';
+import { isRecorded } from '../shared/recorded';
 import { History, WINDOW_S } from './history';
 import { texts } from './i18n';
 import { Marks } from './marks';
@@ -64,6 +65,11 @@ export class ConsoleModel {
   get startable(): boolean {
     const startable = ['disarmed', 'stopped', 'faulted'].includes(this.status.name);
     return startable && performance.now() - this.ended_ms > DEAD_MS;
+  }
+
+  /** Whether the running session is recorded; undefined while none runs. */
+  get recorded(): boolean | undefined {
+    return this.connection.status === 'open' ? isRecorded(this.scene, this.state) : undefined;
   }
 
   /** Whether an effort was at its limit just now. */

@@ -1,11 +1,11 @@
-import { titleWords } from './title_words';
+import { sessionWords } from './title_words';
 import { fill } from '../shared/i18n';
 import { h, say } from './dom';
 import { texts } from './i18n';
 import { Role } from '../protocol';
 import type { ConsoleModel, Panel } from './model';
 import { tokenOf } from '../net/open_connection';
-import { figuresOf, recordingUrl, type Recording } from './recordings';
+import { figuresOf, reportUrl, type Recording } from './recordings';
 
 /** A refusal is shown for this long [ms]. */
 const REFUSAL_MS = 10_000;
@@ -29,6 +29,7 @@ export class NoticesPanel implements Panel {
   private readonly left: HTMLElement;
   private readonly leftText = h('span');
   private readonly unconfirmed: HTMLElement;
+  private readonly unrecorded: HTMLElement;
   private readonly refused: HTMLElement;
   private readonly refusedText = h('span');
   private readonly kept: HTMLElement;
@@ -45,11 +46,12 @@ export class NoticesPanel implements Panel {
     const take = this.takeButton('take-controls-banner');
     this.held = h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'held' }, this.heldText, take);
     this.watching = h('div', { class: 'notice warn', role: 'status', hidden: true, 'data-testid': 'watching' }, h('span', {}, t.watching));
+    this.unrecorded = h('div', { class: 'notice warn', role: 'status', hidden: true, 'data-testid': 'unrecorded' }, h('strong', {}, t.unrecorded), h('span', {}, t.unrecordedMore));
     const close = h('button', { type: 'button', class: 'b small' }, t.close);
     close.addEventListener('click', () => { this.refused.hidden = true; });
     this.refused = h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'refused' }, this.refusedText, close);
     this.kept = h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'saved' });
-    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.watching, this.held, this.refused, this.kept);
+    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.watching, this.held, this.unrecorded, this.refused, this.kept);
     this.refresh();
   }
 
@@ -82,6 +84,8 @@ export class NoticesPanel implements Panel {
     const left = connection.status === 'open' && loss !== '' && !connection.controls.held;
     if (this.left.hidden === left) this.left.hidden = !left;
     if (loss !== '') say(this.leftText, t[loss]);
+    const unrecorded = this.model.recorded === false;
+    if (this.unrecorded.hidden === unrecorded) this.unrecorded.hidden = !unrecorded;
     if (this.shownSaved !== this.model.saved) this.showSaved(this.shownSaved = this.model.saved);
     if (this.unconfirmed.hidden === connection.stopUnconfirmed) this.unconfirmed.hidden = !connection.stopUnconfirmed;
   }
@@ -94,11 +98,11 @@ export class NoticesPanel implements Panel {
     this.kept.hidden = recording === undefined;
     if (!recording) return;
     const t = this.t;
-    const { name, title } = recording;
-    const link = h('a', { href: recordingUrl(name, true, tokenOf(location)), target: '_blank', rel: 'noopener', 'aria-label': fill(t.recordings.reportOf, { name: titleWords(title ?? '', name) }) }, t.recordings.report);
+    const { name } = recording;
+    const link = h('a', { href: reportUrl(name, tokenOf(location)), target: '_blank', rel: 'noopener', 'aria-label': fill(t.recordings.reportOf, { name: sessionWords(recording) }) }, t.recordings.report);
     const close = h('button', { type: 'button', class: 'b small' }, t.notices.close);
     close.addEventListener('click', () => { this.model.saved = undefined; this.refresh(); });
-    this.kept.replaceChildren(h('span', { title: name }, fill(t.notices.saved, { name: titleWords(title ?? '', name), figures: figuresOf(recording) })),
+    this.kept.replaceChildren(h('span', { title: name }, fill(t.notices.saved, { name: sessionWords(recording), figures: figuresOf(recording) })),
       ...(recording.report ? [link] : []), close);
   }
 

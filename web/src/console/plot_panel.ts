@@ -4,7 +4,7 @@ import { fixed } from '../shared/format';
 import type { ConsoleTexts } from './i18n';
 import type { Mark } from './marks';
 import type { PlotSource } from './plot_source';
-import { limitOf, type Axes, type PlotSpec, type SeriesSpec } from './plot_specs';
+import { limitsOf, type Axes, type PlotSpec, type SeriesSpec } from './plot_specs';
 import type { Theme } from './theme';
 import { TimePlot, type PlotHands } from './time_plot';
 
@@ -48,8 +48,8 @@ export class PlotPanel {
 
   draw(): void {
     const { model, spec } = this;
-    const limit = model.scene ? limitOf(spec.id, model.scene, (name) => model.parameter(name)) : undefined;
-    this.plot.draw(model.history, model.marks.list, limit);
+    const limits = model.scene ? limitsOf(spec.id, model.scene, model.history, (name) => model.parameter(name), this.t) : [];
+    this.plot.draw(model.history, model.marks.list, limits);
   }
 
   refresh(inTables: boolean): void {

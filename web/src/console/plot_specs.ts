@@ -94,13 +94,19 @@ export function plotSpecs(scene: Axes, columns: PlotColumns, axis: number, t: Co
   ].filter((spec) => spec.series.length > 0);
 }
 
-/** The limit that holds for a part of the device now [N]; undefined: none is known. */
-export function limitOf(id: string, scene: Axes, parameter: (name: string) => number | undefined): number | undefined {
-  if (id !== 'hand' && id !== 'arm') return undefined;
-  const own = scene.axes
-    .filter((axis) => isArm(axis) === (id === 'arm') && shownUnits(axis).effortUnit === 'N')
-    .map((axis) => axis.effortLimit * shownUnits(axis).effort);
-  if (own.length === 0) return undefined;
-  const set = parameter(id === 'hand' ? 'effort_limit_hand_tip_n' : 'effort_limit_arm_n');
-  return Math.min(Math.max(...own), set ?? Infinity);
+/** A limit in a plot: that of one axis. */
+export interface AxisLimit { readonly column: number; readonly name: string; readonly limit: number }
+
+/** The limit that holds for an axis now, in its shown unit: the device's own, or what is set for its part if that is less. */
+export function limitOfAxis(axis: AxisT, parameter: (name: string) => number | undefined): number {
+  const { effort, effortUnit } = shownUnits(axis);
+  const set = effortUnit === 'N' ? parameter(isArm(axis) ? 'effort_limit_arm_n' : 'effort_limit_hand_tip_n') : undefined;
+  return Math.min(axis.effortLimit * effort, set ?? Infinity);
+}
+
+/** The limits that hold for the axes of a plot of efforts now [N]; an axis is at its own, not at the largest of its part. */
+export function limitsOf(id: string, scene: Axes, columns: PlotColumns, parameter: (name: string) => number | undefined, t: ConsoleTexts): AxisLimit[] {
+  if (id !== 'hand' && id !== 'arm') return [];
+  return scene.axes.flatMap((axis, i) => (isArm(axis) !== (id === 'arm') || shownUnits(axis).effortUnit !== 'N' ? []
+    : [{ column: columns.column('effort', i), name: t.axes[String(axis.name)] ?? String(axis.name), limit: limitOfAxis(axis, parameter) }]));
 }

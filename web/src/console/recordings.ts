@@ -1,4 +1,4 @@
-import { titleWords } from './title_words';
+import { sessionWords } from './title_words';
 import { tokenOf } from '../net/open_connection';
 import { fill, language } from '../shared/i18n';
 import { h, say } from './dom';
@@ -21,6 +21,8 @@ export interface Recording {
   /** The program is writing it now; it can be replayed as far as it goes. */
   being_written?: boolean;
   title?: string;
+  /** Code of the person whose profile was open. */
+  profile?: string;
   report?: boolean | string;
 }
 
@@ -46,6 +48,11 @@ function whenMade(created_utc: string | undefined, now: Date, locale: string): s
 /** The address of a recording or its report; the token where this page has one. */
 export function recordingUrl(name: string, report: boolean, token: string): string {
   return `/api/recordings/${encodeURIComponent(name)}${report ? '/report' : ''}${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`;
+}
+
+/** The address of the page that has the report made and shows it. */
+export function reportUrl(name: string, token: string): string {
+  return `/replay?recording=${encodeURIComponent(name)}&report${token === '' ? '' : `&token=${encodeURIComponent(token)}`}`;
 }
 
 /** The address of the page that replays a recording, or two beside each other. */
@@ -128,7 +135,7 @@ export class RecordingsPanel implements Panel {
     const size = Number(state?.recordingBytes ?? 0n);
     const writing = String(this.model.scene?.recording ?? '');
     if (this.watch.take(writing)) void this.read();
-    const runs = writing !== '' || size > 0;
+    const runs = writing !== '';
     if (this.now.hidden === runs) this.now.hidden = !runs;
     if (runs) say(this.nowText, `${duration(state?.timeS ?? 0)}, ${bytes(size)}`);
   }
@@ -185,11 +192,11 @@ export class RecordingsPanel implements Panel {
 
   private row(recording: Recording, token: string): HTMLElement {
     const { t } = this;
-    const { name, title } = recording;
+    const { name } = recording;
     const can = offered(recording);
     const when = whenMade(recording.created_utc, new Date(), language());
-    const called = titleWords(title ?? '', name);
-    const reportLink = can.report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
+    const called = sessionWords(recording);
+    const reportLink = can.report ? h('a', { href: reportUrl(name, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
     const replayLink = h('a', { href: replayUrl([name], token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.replayOf, { name: called }), 'data-testid': 'replay' }, t.replay);
     const downloadLink = can.download ? h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download) : null;
     const box = h('input', { type: 'checkbox', value: name, 'aria-label': fill(t.besideOf, { name: called }) });

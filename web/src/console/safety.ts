@@ -8,7 +8,7 @@ import { language } from '../shared/i18n';
 import { texts } from './i18n';
 import { icon } from './icons';
 import type { ConsoleModel, Panel } from './model';
-import { isArm, limitOf } from './plot_specs';
+import { isArm, limitOfAxis } from './plot_specs';
 
 /** A peak against its limit. */
 class PeakRow {
@@ -120,18 +120,20 @@ export class SafetyPanel implements Panel {
     const { model, t } = this;
     const { scene, history } = model;
     if (!scene || history.samples.length === 0) return;
-    const own = (i: number): number => scene.axes[i].effortLimit * shownUnits(scene.axes[i]).effort;
-    const limitFor = (id: string, fallback: number): number => limitOf(id, scene, (name) => model.parameter(name)) ?? fallback;
     const indices = scene.axes.map((_, i) => i);
-    const peakOf = (wanted: (i: number) => boolean): number => Math.max(0, ...indices.filter(wanted).map((i) => history.peak('effort', i)));
-    const isThumb = (i: number): boolean => String(scene.axes[i].name) === 'thumb_flexion';
-    const isFinger = (i: number): boolean => !isArm(scene.axes[i]) && !String(scene.axes[i].name).startsWith('thumb');
-    const isTranslation = (i: number): boolean => isArm(scene.axes[i]) && String(scene.axes[i].unit) === 'm';
-    this.fingers.show(peakOf(isFinger), limitFor('hand', 10), t.safety.of);
-    this.thumb.show(peakOf(isThumb), limitFor('hand', 10), t.safety.of);
-    const arm = indices.filter(isTranslation);
+    const nameOf = (i: number): string => String(scene.axes[i].name);
+    // Of several axes that which is nearest to its own limit: one at its limit is not hidden by another with more room.
+    const show = (row: PeakRow, wanted: readonly number[]): void => {
+      const peaks = wanted.map((i) => ({ peak: history.peak('effort', i), limit: limitOfAxis(scene.axes[i], (name) => model.parameter(name)) }));
+      const nearest = peaks.reduce((a, b) => (b.peak / b.limit > a.peak / a.limit ? b : a), peaks[0] ?? { peak: 0, limit: 1 });
+      row.show(nearest.peak, nearest.limit, t.safety.of);
+    };
+    const inNewton = (i: number): boolean => shownUnits(scene.axes[i]).effortUnit === 'N';
+    show(this.fingers, indices.filter((i) => !isArm(scene.axes[i]) && !nameOf(i).startsWith('thumb') && inNewton(i)));
+    show(this.thumb, indices.filter((i) => nameOf(i).startsWith('thumb') && inNewton(i)));
+    const arm = indices.filter((i) => isArm(scene.axes[i]) && String(scene.axes[i].unit) === 'm');
     if (arm.length === 0) return;
-    this.arm.show(peakOf(isTranslation), limitFor('arm', own(arm[0])), t.safety.of);
+    show(this.arm, arm);
     this.speed.show(history.peakSpeed(arm), scene.axes[arm[0]].speedLimit || 1, t.safety.of);
   }
 }

@@ -3,7 +3,7 @@ import { h } from './dom';
 import type { ConsoleTexts } from './i18n';
 import type { Mark } from './marks';
 import type { PlotSource, Span, TimeTick } from './plot_source';
-import type { PlotSpec } from './plot_specs';
+import type { AxisLimit, PlotSpec } from './plot_specs';
 import { CalmRange, niceStep, ticksIn } from './scale';
 import type { Theme } from './theme';
 
@@ -39,7 +39,8 @@ export class TimePlot {
   private plot: uPlot | undefined;
   private source: PlotSource | undefined;
   private marks: readonly Mark[] = [];
-  private limit: number | undefined;
+  private limits: readonly AxisLimit[] = [];
+  private near: AxisLimit[] = [];
   private readonly resized: ResizeObserver;
 
   constructor(
@@ -60,13 +61,13 @@ export class TimePlot {
     this.plot = undefined;
   }
 
-  draw(source: PlotSource, marks: readonly Mark[], limit: number | undefined): void {
+  draw(source: PlotSource, marks: readonly Mark[], limits: readonly AxisLimit[]): void {
     // A plot that has no size yet is drawn with them once it has.
     this.source = source;
     this.marks = marks;
-    this.limit = limit;
+    this.limits = limits;
     if (!this.plot) return;
-    this.follow(source, limit);
+    this.follow(source);
     this.plot.setData([source.times(), ...this.spec.series.map((series) => source.values(series.column))] as unknown as uPlot.AlignedData, true);
   }
 
@@ -83,11 +84,16 @@ export class TimePlot {
     return this.source?.window ?? NOTHING;
   }
 
-  // The range holds the data, and the limit once the data come near it.
-  private follow(source: PlotSource, limit: number | undefined): void {
+  // The range holds the data, and the limit of each axis once that axis comes near it.
+  private follow(source: PlotSource): void {
     let [least, most] = source.extremes(this.spec.series.map((series) => series.column));
-    if (limit !== undefined && most > LIMIT_NEAR * limit) most = Math.max(most, limit);
-    if (limit !== undefined && least < -LIMIT_NEAR * limit) least = Math.min(least, -limit);
+    this.near = [];
+    for (const axis of this.limits) {
+      const [low, high] = source.extremes([axis.column]);
+      if (high > LIMIT_NEAR * axis.limit) most = Math.max(most, axis.limit);
+      if (low < -LIMIT_NEAR * axis.limit) least = Math.min(least, -axis.limit);
+      if (Math.max(high, -low) > LIMIT_NEAR * axis.limit) this.near.push(axis);
+    }
     if (source.live) this.range.follow(least, most, source.window.to_s);
     else this.range.fit(least, most);
   }
@@ -102,7 +108,7 @@ export class TimePlot {
     }
     this.plot = new uPlot(this.options(width, height), [[], ...this.spec.series.map(() => [])], this.host);
     if (this.hands) this.listen(this.plot, this.hands);
-    if (this.source) this.draw(this.source, this.marks, this.limit);
+    if (this.source) this.draw(this.source, this.marks, this.limits);
   }
 
   private listen(plot: uPlot, hands: PlotHands): void {
@@ -186,7 +192,7 @@ export class TimePlot {
     context.save();
     context.textAlign = 'left';
     context.textBaseline = 'alphabetic';
-    if (this.limit !== undefined) for (const value of [this.limit, -this.limit]) this.drawLimit(plot, value, ratio);
+    this.drawLimits(plot, ratio);
     this.drawMarks(plot, ratio);
     context.restore();
   }
@@ -202,7 +208,17 @@ export class TimePlot {
     }
   }
 
-  private drawLimit(plot: uPlot, value: number, ratio: number): void {
+  /** Of the axes that come near theirs, or the one that all have; where they have several, it is said whose each is. */
+  private drawLimits(plot: uPlot, ratio: number): void {
+    const values = [...new Set(this.limits.map(({ limit }) => limit))];
+    const drawn = values.length === 1 ? values : values.filter((value) => this.near.some(({ limit }) => limit === value));
+    for (const value of drawn) {
+      const whose = values.length === 1 ? '' : `, ${this.near.filter(({ limit }) => limit === value).map(({ name }) => name).join(', ')}`;
+      for (const signed of [value, -value]) this.drawLimit(plot, signed, `${this.words.limit}${whose}`, ratio);
+    }
+  }
+
+  private drawLimit(plot: uPlot, value: number, words: string, ratio: number): void {
     const { ctx: context, bbox } = plot;
     const [lower, upper] = this.valueRange();
     if (value < lower || value > upper) return;
@@ -215,7 +231,7 @@ export class TimePlot {
     context.lineTo(bbox.left + bbox.width, y);
     context.stroke();
     context.font = scaled(FONT, ratio);
-    context.fillText(this.words.limit, bbox.left + 8 * ratio, y + (value < 0 ? -5 : 15) * ratio);
+    context.fillText(words, bbox.left + 8 * ratio, y + (value < 0 ? -5 : 15) * ratio);
   }
 
   /** @param taken where names stand [px]; @returns where this one's does */

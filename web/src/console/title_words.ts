@@ -19,3 +19,16 @@ export function titleWords(title: string, file_name: string): string {
   const known = exercise === undefined ? undefined : knownTitle(exercise);
   return known ? `${known}, ${fill(texts().level, { n: level })}` : title || file_name;
 }
+
+/** Who plays, by the code of the open profile; without one, of a simulated device the virtual patient. Empty: nothing is known. */
+export function personWords(profile: string, patient: string, simulated: boolean): string {
+  if (profile !== '') return profile;
+  const t = texts();
+  return simulated && patient !== '' ? fill(t.virtualPatient, { name: t.patients[patient] ?? asWords(patient) }) : '';
+}
+
+/** A recording as it is listed: the person's code, where it has one, before its title. */
+export function sessionWords({ profile = '', title = '', name }: { readonly profile?: string; readonly title?: string; readonly name: string }): string {
+  const called = titleWords(title, name);
+  return profile === '' ? called : `${profile}: ${called}`;
+}

@@ -38,27 +38,28 @@ export interface EventSign { readonly sign: string; meaning(): string; legend():
 /** The signs of the exercises' own events, by the events' names. */
 export const OWN_SIGNS: Readonly<Record<string, EventSign>> = BAR_SIGNS;
 
-export interface ReportEvent { readonly time_s: number; readonly type: number; readonly index: number; readonly value: number }
+/** A finished part of an exercise as a report tells it: what src/replay/part_log.hpp finds. */
+export interface ReportPart { readonly event: string; readonly index: number; readonly value: number; readonly to_s: number; readonly persons: boolean; readonly steps: readonly (readonly [index: number, amount_l: number])[] }
 
 /** What a recording tells of its exercise. */
-export interface Recorded {
-  readonly events: readonly ReportEvent[];
-  readonly eventNames: readonly string[];
+export interface Recorded<Part extends ReportPart = ReportPart> {
+  readonly parts: readonly Part[];
+  /** Of all parts that an event finishes, by its name: how many are the person's, and their stars together. */
+  readonly sums: Readonly<Record<string, { readonly count: number; readonly stars: number }>>;
   readonly scene: SceneT | undefined;
-  /** At its end. */
-  readonly value: Value;
 }
 
 export interface ExerciseReport {
-  /** Events after which the hand is free to reach for something. */
-  readonly freeAfter: readonly string[];
   /** Of results, by their names. */
   readonly better: Readonly<Record<string, 'more' | 'less'>>;
-  /** How many parts of the exercise were finished. */
-  parts(recorded: Recorded): { readonly key: string; readonly done: number; readonly all: number; readonly words: string } | undefined;
-  stars(recorded: Recorded): { readonly value: number; readonly words: string } | undefined;
-  /** What was done, part by part. */
-  table(recorded: Recorded, timeWords: (time_s: number) => string): { readonly title: string; readonly none: string; readonly head: readonly string[]; readonly rows: readonly (readonly string[])[] } | undefined;
+  /** What is finished by an event of its own; undefined where the event is not. */
+  thing(event: string): string | undefined;
+  /** How many parts of the exercise the person finished. */
+  parts(recorded: Recorded): { readonly key: string; readonly done: number; readonly words: string } | undefined;
+  /** How many stars they had together, and how many there could be; undefined where no part was finished. */
+  stars(recorded: Recorded): { readonly value: number; readonly most: number; readonly words: string } | undefined;
+  /** What was done, part by part: the person's first, and whose each is. */
+  table<Part extends ReportPart>(recorded: Recorded<Part>, timeWords: (time_s: number) => string, whoseWords: (part: Part) => string): { readonly title: string; readonly none: string; readonly head: readonly string[]; readonly rows: readonly (readonly string[])[] } | undefined;
 }
 
 /** Each says nothing of a recording that is not its own. */

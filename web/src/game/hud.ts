@@ -109,6 +109,7 @@ export class Hud {
   private readonly title = h('b', { class: 't-l', 'data-testid': 'instruction' });
   private readonly more = h('span', { class: 't-read' });
   private readonly unconfirmed = h('div', { class: 'say alarm', role: 'alert', 'data-testid': 'stop-unconfirmed' });
+  private readonly recorded = h('p', { class: 'recorded t-s', 'data-testid': 'recorded', hidden: true });
   private readonly stopWord = h('span');
   private readonly restWord = h('span');
   private readonly help: HTMLButtonElement;
@@ -128,7 +129,7 @@ export class Hud {
       h('div', { class: 'say', role: 'status', 'aria-live': 'polite' }, this.title, this.more),
       this.unconfirmed, this.meter.element, this.play, this.help, this.rest, this.stop);
     this.chevrons.append(...[0, 1, 2].map(() => h('i')));
-    root.append(this.ring, this.shadow, this.task.element, this.panel.element, this.chevrons, this.callOut, this.strip);
+    root.append(this.ring, this.shadow, this.task.element, this.panel.element, this.chevrons, this.callOut, this.recorded, this.strip);
   }
 
   words(): void {
@@ -159,6 +160,12 @@ export class Hud {
     if (!goal) return;
     setText(this.amount, goal.amount);
     setText(this.amountMore, goal.more);
+  }
+
+  /** Whether the session is recorded; undefined: there is none. */
+  record(on: boolean | undefined): void {
+    this.recorded.hidden = on === undefined;
+    if (on !== undefined) setText(this.recorded, text(on ? 'game.recorded' : 'game.unrecorded'));
   }
 
   /** A ring where the target stands on the counter, and the hand's shadow; null: no such hint. */

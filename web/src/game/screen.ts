@@ -6,6 +6,7 @@ import type { GameBodyShown } from '../net/game_bodies';
 import { RunState, type SceneT, type WorldStateT } from '../protocol';
 import { language, text } from '../shared/i18n';
 import { answerPresses, showPressed } from '../shared/pressed';
+import { isRecorded } from '../shared/recorded';
 import { CameraView } from './camera_view';
 import { cueTowards, depthMarks, targetAndPalm, unit_px } from './cues';
 import { Cards, type Behind } from './cards';
@@ -130,6 +131,7 @@ export class Screen {
     const said = this.words(now, state);
     this.hud.say(...said);
     this.speak(now, said);
+    this.hud.record(isRecorded(this.behind.connection.scene, state));
     const panel = PANEL.has(now) ? play?.panel ?? null : null;
     this.hud.panel.show(panel, state, performance.now());
     const shown = own && now !== 'welcome' && now !== 'framing' && now !== 'unseen' ? play : null;

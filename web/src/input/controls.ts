@@ -1,7 +1,7 @@
 import './input.css';
 import { targetsOf } from '../exercises';
 import type { Connection } from '../net/connection';
-import { RunState, Steering, type SceneT } from '../protocol';
+import { Help as HelpGiven, RunState, Steering, type SceneT } from '../protocol';
 import { language, type Language } from '../shared/i18n';
 import { AimModel, type AimConfig } from './aim_model';
 import { partOfAxis } from './axis_range';
@@ -29,6 +29,9 @@ const ASK_AGAIN_S = 1;
 /** An aim that moves faster than this [m/s or rad/s] moves; so long after it a person is still at it [s]. */
 const MOVES = 0.01;
 const MOVING_S = 0.5;
+
+/** What every aim says of the help in it. */
+const GIVEN: Readonly<Record<Help, HelpGiven>> = { full: HelpGiven.Full, some: HelpGiven.Some, none: HelpGiven.None };
 
 export interface ControlsOptions {
   /** Language of what is said; the page's unless told otherwise. */
@@ -226,7 +229,7 @@ export class Controls {
     const { connection, model } = this;
     if (this.began && model && connection.latestState?.runState === RunState.Rendering) {
       model.open();
-      void connection.aim([...model.aim]);
+      void connection.aim([...model.aim], GIVEN[this.helped]);
     }
     this.began = false;
   }
@@ -284,7 +287,7 @@ export class Controls {
     model.advance(current?.wish(now) ?? restingWish(), perceiver.see(state), dt_s);
     if (model.aim.some((q, i) => Math.abs(q - aimed[i]!) > MOVES * dt_s)) this.moved_s = now;
     current?.overruled?.(model.overruled);
-    void connection.aim([...model.aim]);
+    void connection.aim([...model.aim], GIVEN[this.helped]);
   }
 
   /** Asks for steering where it is missing, now and then. The controls are taken by a press only. */

@@ -203,12 +203,13 @@ export class Connection extends Orders {
       this.stopAsked.heard();
       this.reading_ms += performance.now() - began_ms;
     };
-    line.onclose = () => { if (this.line === line) this.lost(); };
+    line.onclose = (event) => { if (this.line === line) this.lost(event.reason); };
   }
 
-  private lost(): void {
+  /** @param why the program's reason for closing the line: a message that it could not read */
+  private lost(why = ''): void {
     this.dropLine();
-    this.pending.settleAll({ accepted: false, reason: text('line.lost') });
+    this.pending.settleAll({ accepted: false, reason: why === '' ? text('line.lost') : why });
     this.attempts += 1;
     this.setStatus('lost');
     void this.askWhy();

@@ -17,13 +17,13 @@ function open(url: string): void {
   try {
     socket = new WebSocket(url);
   } catch {
-    tell({ is: 'closed' });
+    tell({ is: 'closed', reason: '' });
     return;
   }
   socket.binaryType = 'arraybuffer';
   socket.onopen = () => tell({ is: 'open' });
   socket.onmessage = ({ data }: MessageEvent<unknown>) => tell({ is: 'message', data }, data instanceof ArrayBuffer ? [data] : []);
-  socket.onclose = () => tell({ is: 'closed' });
+  socket.onclose = ({ reason }) => tell({ is: 'closed', reason });
 }
 
 function send(bytes: Uint8Array<ArrayBuffer>): void {

@@ -1,7 +1,7 @@
 // The orders of a page, as methods and as bytes.
 import * as flatbuffers from 'flatbuffers';
 import {
-  type Act, ActionT, AimT, AnswerT, ArmT, CommandT, EmergencyStopT, HeartbeatT, type Help, HoldToMoveT, LoadExerciseT, LoadProfileT, Message, MessageT, Order,
+  type Act, ActionT, AimT, AnswerT, ArmT, CommandT, EmergencyStopT, HeartbeatT, Help, HoldToMoveT, LoadExerciseT, LoadProfileT, Message, MessageT, Order,
   Payload, ReleaseControlsT, RestT, SaveProfileT, SCHEMA_VERSION, SetHelpT, SetParameterT, type Steering, SteerT, StopT, TakeControlsT,
 } from '../protocol';
 import type { Answer } from './pending_answers';
@@ -48,8 +48,8 @@ export abstract class Orders {
   /** Sets how much the game does for the player; Unsaid: the player chooses. */
   setHelp(help: Help): Promise<Answer> { return this.order(new SetHelpT(help)); }
   setParameter(name: string, value: number): Promise<Answer> { return this.order(new SetParameterT(name, value)); }
-  /** Where the person wants to be, one value per axis of the scene [m or rad]. */
-  aim(q: number[]): Promise<Answer> { return this.order(new AimT(q)); }
+  /** Where the person wants to be, one value per axis of the scene [m or rad]. `by`: how much of it the page does for them. */
+  aim(q: number[], by = Help.Unsaid): Promise<Answer> { return this.order(new AimT(q, by)); }
   steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }
   act(act: Act): Promise<Answer> { return this.order(new ActionT(act)); }
   /** Answers a question of a commissioning, by its number. */

@@ -10,7 +10,9 @@ export type ToLine =
 export type FromLine =
   | { readonly is: 'open' } | { readonly is: 'message'; readonly data: unknown }
   /** Asks whether the page is alive. It answers from its message loop, which no browser slows down. */
-  | { readonly is: 'ask' } | { readonly is: 'closed' };
+  | { readonly is: 'ask' }
+  /** @param reason of the program, where it closed because it could not read a message; empty: none */
+  | { readonly is: 'closed'; readonly reason: string };
 
 export class WorkerLine implements Line {
   binaryType = 'arraybuffer';
@@ -21,7 +23,7 @@ export class WorkerLine implements Line {
 
   constructor(url: string) {
     this.worker.onmessage = ({ data }: MessageEvent<FromLine>) => this.heard(data);
-    this.worker.onerror = () => this.heard({ is: 'closed' });
+    this.worker.onerror = () => this.heard({ is: 'closed', reason: '' });
     this.tell({ is: 'open', url });
   }
 
@@ -37,7 +39,7 @@ export class WorkerLine implements Line {
       case 'open': this.onopen?.(new Event('open')); return;
       case 'message': this.onmessage?.(new MessageEvent('message', { data: message.data })); return;
       case 'ask': this.tell({ is: 'answer' }); return;
-      case 'closed': this.onclose?.(new CloseEvent('close'));
+      case 'closed': this.onclose?.(new CloseEvent('close', { reason: message.reason }));
     }
   }
 }

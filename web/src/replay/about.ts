@@ -10,6 +10,8 @@ export interface ToldAxis { readonly name: string; readonly unit: string; readon
 export interface About {
   readonly name: string;
   readonly title: string;
+  /** Code of the person whose profile was open; empty: none, or an older file. */
+  readonly profile: string;
   readonly created_utc: string;
   readonly program_version: string;
   readonly period_s: number;
@@ -51,6 +53,14 @@ const orZero = (value: number): number => (Number.isFinite(value) ? value : 0);
 const namesOf = (said: Said, key: string): string[] => (Array.isArray(said[key]) ? said[key].map((name) => String(name).slice(0, LONGEST)) : []);
 const isSaid = (value: unknown): value is Said => typeof value === 'object' && value !== null && !Array.isArray(value);
 
+/** Of an exercise; a value that there is none of has a dash. */
+export function readResults(said: unknown): Result[] {
+  return Array.isArray(said) ? said.filter(isSaid).map((line) => ({
+    name: textOf(line, 'name'), label: textOf(line, 'label'), unit: textOf(line, 'unit'),
+    value: Number.isFinite(numberOf(line, 'value')) ? fixed(numberOf(line, 'value'), orZero(numberOf(line, 'decimals'))) : '–',
+  })) : [];
+}
+
 /** Reads the answer; a Problem where it says nothing that can be shown. */
 export function readAbout(json: unknown): About {
   if (!isSaid(json)) throw new Problem('nonsense', 'about: no object');
@@ -60,7 +70,7 @@ export function readAbout(json: unknown): About {
   }
   const unreadable = numberOf(json, 'unreadable_from_s');
   return {
-    name: textOf(json, 'name'), title: textOf(json, 'title'), created_utc: textOf(json, 'created_utc'), program_version: textOf(json, 'program_version'),
+    name: textOf(json, 'name'), title: textOf(json, 'title'), profile: textOf(json, 'profile'), created_utc: textOf(json, 'created_utc'), program_version: textOf(json, 'program_version'),
     period_s, ticks, from_s, to_s, ticks_missing: orZero(numberOf(json, 'ticks_missing')),
     simulated_device: json.simulated_device === true, patient: textOf(json, 'patient'), device: textOf(json, 'device'),
     hand: textOf(json, 'hand'), exercise: textOf(json, 'exercise'), level: orZero(numberOf(json, 'level')),
@@ -71,9 +81,6 @@ export function readAbout(json: unknown): About {
       name: textOf(axis, 'name'), unit: textOf(axis, 'unit'), effort_limit: orZero(numberOf(axis, 'effort_limit')), lever_arm_m: orZero(numberOf(axis, 'lever_arm_m')),
     })) : [],
     value_names: namesOf(json, 'value_names'), event_names: namesOf(json, 'event_names'),
-    result: Array.isArray(json.result) ? json.result.filter(isSaid).map((line) => ({
-      name: textOf(line, 'name'), label: textOf(line, 'label'), unit: textOf(line, 'unit'),
-      value: fixed(numberOf(line, 'value'), orZero(numberOf(line, 'decimals'))),
-    })) : [],
+    result: readResults(json.result),
   };
 }

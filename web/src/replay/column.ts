@@ -1,4 +1,4 @@
-import { titleWords } from '../console/title_words';
+import { sessionWords } from '../console/title_words';
 import type { GameBodyShown } from '../net/game_bodies';
 import { PacedView, type HandLook } from '../scene/paced_view';
 import { h } from '../console/dom';
@@ -89,7 +89,7 @@ export function arranged(columns: readonly Column[]): HTMLElement {
   const t = texts().sides;
   return h('main', { class: 'replay beside' }, ...columns.map(({ side, view, exercise, plots, moments, facts }, i) => {
     const letter = i === 0 ? t.a : t.b;
-    const called = titleWords(side.about.title, side.about.name || side.source.name);
+    const called = sessionWords({ ...side.about, name: side.about.name || side.source.name });
     return h('div', { class: 'col' }, h('h2', { class: 'called' }, h('b', {}, letter), h('bdi', { title: called }, called)),
       view.element, plots.element, hint(), exercise.element, moments.element, facts);   // plots at the same height
   }));

@@ -5,7 +5,8 @@ export type Difference = 'patient' | 'hand' | 'device' | 'exercise';
 
 /** An exercise of another level is another one. */
 export function differencesBetween(a: About, b: About): Difference[] {
-  return (['patient', 'hand', 'device', 'exercise'] as const).filter((key) => a[key] !== b[key] || (key === 'exercise' && a.level !== b.level));
+  return (['patient', 'hand', 'device', 'exercise'] as const).filter((key) => a[key] !== b[key]
+    || (key === 'exercise' && a.level !== b.level) || (key === 'patient' && a.profile !== b.profile));
 }
 
 /** Names of the axes that only one of two recordings has. */

@@ -1,5 +1,5 @@
 import { h } from '../console/dom';
-import { exerciseWords } from '../console/title_words';
+import { exerciseWords, personWords } from '../console/title_words';
 import { duration, grouped } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
 import { fill, language } from '../shared/i18n';
@@ -24,7 +24,7 @@ export function factsPanel(about: About, missing: number, scene: SceneT | null):
   const exercise = about.exercise === '' ? t.noExercise : exerciseWords(about.exercise, about.level);
   const rows: [string, string][] = [
     [t.when, dateWords(about.created_utc, language())], [t.exercise, exercise], [t.hand, c.hands[about.hand] ?? about.hand],
-    [t.patient, c.patients[about.patient] ?? about.patient], [t.device, about.simulated_device ? [about.device, t.simulated].filter(Boolean).join(', ') : about.device],
+    [t.patient, personWords(about.profile, about.patient, about.simulated_device)], [t.device, about.simulated_device ? [about.device, t.simulated].filter(Boolean).join(', ') : about.device],
     [t.length, `${duration(about.to_s - about.from_s)}, ${fill(t.ticks, { n: grouped(about.ticks) })}`],
     [t.missing, missing > 0 ? fill(t.ticks, { n: grouped(missing) }) : ''], [t.program, about.program_version],
   ];

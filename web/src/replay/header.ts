@@ -1,7 +1,7 @@
 import { h, say } from '../console/dom';
 import { texts as consoleTexts } from '../console/i18n';
 import { icon } from '../console/icons';
-import { titleWords } from '../console/title_words';
+import { sessionWords } from '../console/title_words';
 import { toggleTheme } from '../console/theme';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
 import { dateWords } from './facts_panel';
@@ -16,7 +16,7 @@ export class Header {
 
   constructor(private readonly sides: readonly ReplaySide[], rebuild: () => void) {
     const { t } = this;
-    const names = sides.map(({ about, source }) => titleWords(about.title, about.name || source.name));
+    const names = sides.map(({ about, source }) => sessionWords({ ...about, name: about.name || source.name }));
     document.title = fill(t.title, { name: names.join(', ').slice(0, 200) });
     this.element = h('header', { class: 'top' },
       h('h1', { class: 'brand' }, icon('logo'), t.brand), ...sides.map((side, i) => this.who(side, names[i])), h('span', { class: 'sp' }), this.progress,

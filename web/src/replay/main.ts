@@ -9,8 +9,9 @@ import { answerPresses } from '../shared/pressed';
 import { openSides } from './opened';
 import { openingPage } from './opening';
 import { ReplayPage, type ReplayNow } from './page';
-import type { Problem } from './problem';
+import { Problem } from './problem';
 import { RecordingSource, type Fetch } from './recording_source';
+import { ReportOpening } from './report_opening';
 
 declare global {
   interface Window { wholehandReplay: ReplayNow | null }
@@ -27,6 +28,7 @@ const root = document.querySelector<HTMLElement>('#app')!;
 const AGAIN_MS = 2000;
 let again: ReturnType<typeof setTimeout> | undefined;
 let page: ReplayPage | undefined;
+let report: ReportOpening | undefined;
 let shown: { name: string; problem: Problem | 'none' | undefined } = { name: names[0], problem: undefined };
 Object.defineProperty(window, 'wholehandReplay', { get: () => page?.now ?? null });
 
@@ -48,6 +50,7 @@ async function open(): Promise<void> {
   showOpening();
   if (names[0] === '') return;
   const get = await answers();
+  if (asked.has('report')) return openReport(new RecordingSource(names[0], token, get));
   const { sides, failed } = await openSides(names.map((name) => new RecordingSource(name, token, get)));
   if (sides.length === 0) {
     shown = failed[0];
@@ -60,7 +63,16 @@ async function open(): Promise<void> {
   await page.loadViews();
 }
 
-onLanguage(() => (page ? page.build() : showOpening()));
+/** Its own page takes the place of this one. What is wrong with the recording, the program's answer says there. */
+async function openReport(source: RecordingSource): Promise<void> {
+  report = new ReportOpening(root, source, (address) => fetch(address).then(() => true, () => false));
+  if (await report.open((address) => location.replace(address))) return;
+  report = undefined;
+  shown = { name: names[0], problem: new Problem('gone') };
+  showOpening();
+}
+
+onLanguage(() => (report ? report.build() : page ? page.build() : showOpening()));
 function frame(now_ms: number): void {
   requestAnimationFrame(frame);
   page?.frame(now_ms);

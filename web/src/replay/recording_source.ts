@@ -3,7 +3,7 @@ import { readAbout, type About } from './about';
 import { BodiesHistory } from './bodies_history';
 import { readScene, splitStates } from './messages';
 import { Problem } from './problem';
-import { recordingUrl } from '../console/recordings';
+import { recordingUrl, reportUrl } from '../console/recordings';
 import { readPiece, type SeriesPiece } from './series_piece';
 import { SeriesStore } from './series_store';
 import type { Series, Source, States } from './source';
@@ -19,6 +19,11 @@ export class RecordingSource implements Source {
   constructor(readonly name: string, private readonly token: string, private readonly get: Fetch = (address, init) => fetch(address, init)) {}
 
   get reportUrl(): string {
+    return reportUrl(this.name, this.token);
+  }
+
+  /** Where the report itself is, once it is made. */
+  get madeUrl(): string {
     return recordingUrl(this.name, true, this.token);
   }
 

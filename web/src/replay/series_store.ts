@@ -23,7 +23,7 @@ export class SeriesStore implements Series {
   private readonly coarse = new Map<string, SeriesPiece>();
   private readonly fine = new BoundedCache<SeriesPiece>(MOST_BYTES);
   private readonly slots = new Map<string, Slot>();
-  private readonly loader: Loader<SeriesPiece>;
+  private readonly loader: Loader<{ readonly piece: SeriesPiece; readonly end_s: number }>;
   private looked: readonly Slot[] = [];
   private whole: Span;
 
@@ -35,12 +35,15 @@ export class SeriesStore implements Series {
     this.whole = { from_s: about.from_s, to_s: about.to_s };
     this.levels = new SeriesLevels(about.from_s, about.to_s, about.period_s);
     this.overviewLevel = this.levels.overview(OVERVIEW);
-    this.loader = new Loader((key) => {
+    this.loader = new Loader(async (key) => {
       const { from_s, to_s, columns } = this.slots.get(key)!;
-      return this.source.readSeries(from_s, to_s, columns);
-    }, (key, piece) => {
+      const { whole: { to_s: end_s } } = this;
+      return { piece: await this.source.readSeries(from_s, to_s, columns), end_s };
+    }, (key, { piece, end_s }) => {
       const slot = this.slots.get(key)!;
       this.slots.delete(key);
+      // It ended with the file, which has grown meanwhile: it is asked for again.
+      if (end_s < this.whole.to_s && piece.to_s >= end_s - 1e-9) return this.order();
       if (slot.level === this.overviewLevel) this.coarse.set(key, piece);
       else this.fine.put(key, piece, piece.bytes);
       came(piece, slot.level === this.overviewLevel);

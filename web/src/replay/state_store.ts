@@ -24,16 +24,19 @@ export function stepFor(rows: number): number {
 /** States of a recording: blocks of rows as they are wanted, the last used kept. */
 export class StateStore extends StateMessages implements States {
   private readonly blocks = new BoundedCache<Block>(MOST_BYTES);
-  private readonly loader: Loader<Uint8Array[]>;
+  private readonly loader: Loader<{ readonly messages: Uint8Array[]; readonly ticks: number }>;
 
   /** @param changed is called when states came */
   constructor(private readonly source: Pick<RecordingSource, 'readStates'>, private ticks: number, changed: () => void, tell: (problem: Problem | undefined) => void) {
     super();
-    this.loader = new Loader((key) => {
+    this.loader = new Loader(async (key) => {
       const [step, index] = key.split(':').map(Number);
-      return this.source.readStates(index * BLOCK * step, this.rowsIn(step, index), step);
-    }, (key, messages) => {
+      const { ticks: asked } = this;
+      return { messages: await this.source.readStates(index * BLOCK * step, this.rowsIn(step, index), step), ticks: asked };
+    }, (key, { messages, ticks: asked }) => {
       const [step, index] = key.split(':').map(Number);
+      // It ended with the file, which has grown meanwhile: it is asked for again.
+      if (messages.length < BLOCK && asked < this.ticks) return changed();
       this.blocks.put(key, { first: index * BLOCK * step, step, messages }, messages.reduce((sum, { length }) => sum + length, 200));
       changed();
     }, tell);

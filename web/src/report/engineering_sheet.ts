@@ -25,10 +25,10 @@ export function engineeringSheet(context: SheetContext): HTMLElement {
 
 type Axis = { readonly axis: AxisT; readonly i: number };
 
-function seriesCharts({ data, scene, samples, marks, touches, look }: SheetContext): HTMLElement[] {
+function seriesCharts({ data, scene, samples, marks, bands, look }: SheetContext): HTMLElement[] {
   const t = texts().charts;
   const all = scene.axes.map((axis, i): Axis => ({ axis, i }));
-  const shared = { x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, numbers_x: timesOfSheet(data), bands: touches, marks, pick: look };
+  const shared = { x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, numbers_x: timesOfSheet(data), bands, marks, pick: look };
   const charts: HTMLElement[] = [];
   const add = (title: string, unit: string, height_px: number, axes: readonly Axis[], lineOf: (axis: Axis) => ChartLine, holds?: readonly [number, number]): void => {
     if (axes.length > 0) charts.push(chart({ ...shared, title, unit, height_px, lines: axes.map(lineOf), holds }));

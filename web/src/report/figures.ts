@@ -1,12 +1,12 @@
 // What a session came to, in numbers that can be compared with those of the session before. No elements.
-import { fixed } from '../shared/format';
+import { fixed, grouped } from '../shared/format';
 import { REPORTS } from '../exercises/info';
 import { differencesBetween, type Difference } from '../replay/differences';
 import { fill } from '../shared/i18n';
 import { labelOf } from '../exercises/panel';
 import { texts } from './i18n';
 import type { ReportData } from './report_data';
-import { gripFigures, meanOf, reachTimes, recordedOf } from './therapy';
+import { recordedOf } from './therapy';
 
 export interface Figure {
   readonly key: string;
@@ -26,29 +26,33 @@ const NEEDED: Readonly<Record<Figure['of'], readonly Difference[]>> = { exercise
 /** Of the results that exercises name. */
 const BETTER: Readonly<Record<string, 'more' | 'less'>> = { score: 'more', bands_done: 'more', ...Object.assign({}, ...REPORTS.map(({ better }) => better)) };
 
-export function figuresOf(data: Pick<ReportData, 'about' | 'series' | 'therapy' | 'states' | 'scene'>): Figure[] {
+/** What the person did; what anybody else moved is in none of them. */
+export function figuresOf(data: Pick<ReportData, 'therapy' | 'scene'>): Figure[] {
   const t = texts().tiles;
-  const { about, series, therapy } = data;
+  const { therapy: { sums, results, reaches, grips } } = data;
   const recorded = recordedOf(data);
   const out: Figure[] = [];
+  const count = (key: string, value: number, words: string): void => { out.push({ key, value, shown: grouped(value), unit: '', words, better: 'more', of: 'exercise' }); };
   for (const { parts } of REPORTS) {
     const told = parts(recorded);
-    if (told) out.push({ key: told.key, value: told.done, shown: String(told.done), unit: fill(t.of, { n: told.all }), words: told.words, better: 'more', of: 'exercise' });
+    if (told) count(told.key, told.done, told.words);
   }
-  for (const { name, label, value: shown, unit } of about.result) {
+  if (sums.level_done) count('levels', sums.level_done.count, t.levels);
+  for (const { name, label, value: shown, unit } of results) {
     const words = labelOf(data.scene, name) || label;
-    out.push({ key: `result/${name || label}`, value: Number(shown.replace('−', '-')), shown, unit, words, better: BETTER[name], of: 'exercise' });
+    out.push({ key: `result/${name || label}`, value: Number(shown.replace('−', '-')), shown, unit: shown === '–' ? '' : unit, words, better: BETTER[name], of: 'exercise' });
   }
-  const reaches = reachTimes(series.events, about.event_names, about.from_s);
-  if (reaches.length > 0) out.push({ key: 'reach', value: meanOf(reaches), shown: fixed(meanOf(reaches), 1), unit: 's', words: t.reach, better: 'less', of: 'exercise' });
-  const grip = gripFigures(therapy.grips);
-  if (grip) {
-    out.push({ key: 'grip', value: grip.mean_n, shown: fixed(grip.mean_n, 1), unit: 'N', words: t.grip, of: 'grip' },
-      { key: 'steadiness', value: 100 * grip.variation, shown: fixed(100 * grip.variation, 0), unit: '%', words: t.steadiness, better: 'less', of: 'grip' });
+  if (reaches.count > 0) {
+    const mean_s = reaches.sum_s / reaches.count;
+    out.push({ key: 'reach', value: mean_s, shown: fixed(mean_s, 1), unit: 's', words: t.reach, better: 'less', of: 'exercise' });
+  }
+  if (grips.count > 0) {
+    out.push({ key: 'grip', value: grips.mean_n, shown: fixed(grips.mean_n, 1), unit: 'N', words: t.grip, of: 'grip' },
+      { key: 'steadiness', value: 100 * grips.variation, shown: fixed(100 * grips.variation, 0), unit: '%', words: t.steadiness, better: 'less', of: 'grip' });
   }
   for (const { stars } of REPORTS) {
     const told = stars(recorded);
-    if (told) out.push({ key: 'stars', value: told.value, shown: '★'.repeat(Math.max(0, Math.min(5, Math.round(told.value)))) || '–', unit: '', words: told.words, better: 'more', of: 'exercise' });
+    if (told) out.push({ key: 'stars', value: told.value / told.most, shown: `★ ${grouped(told.value)}`, unit: fill(t.of, { n: grouped(told.most) }), words: told.words, better: 'more', of: 'exercise' });
   }
   return out;
 }

@@ -6,7 +6,7 @@ import './report.css';
 import { h } from '../console/dom';
 import { icon } from '../console/icons';
 import { startTheme } from '../console/theme';
-import { titleWords } from '../console/title_words';
+import { sessionWords } from '../console/title_words';
 import { pageData } from '../embedded/page_data';
 import { headerButtons } from '../replay/header';
 import { ReplayPage, type ReplayNow } from '../replay/page';
@@ -52,7 +52,7 @@ function problemPanel(): HTMLElement {
 /** Builds the sheets anew, in the language of now. */
 function build(): void {
   const t = texts();
-  document.title = data ? fill(t.title, { name: titleWords(data.about.title, data.about.name).slice(0, 200) }) : t.report;
+  document.title = data ? fill(t.title, { name: sessionWords(data.about).slice(0, 200) }) : t.report;
   if (!data) {
     root.replaceChildren(topBar(), h('main', {}, refused ? problemPanel() : h('p', { class: 'none', role: 'status' }, t.reading)));
     return;

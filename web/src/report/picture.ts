@@ -4,7 +4,7 @@ import { fill } from '../shared/i18n';
 import { h, setText } from '../shared/dom';
 import { timeOfState, readState } from '../replay/messages';
 import { texts } from './i18n';
-import type { ReportData } from './report_data';
+import { Mover, type ReportData } from './report_data';
 import { shortTime } from './sheet';
 
 /** The hand is still being made, and the glow of a contact fades in: pictures go on for so long after it is whole [ms]. */
@@ -13,9 +13,9 @@ const SETTLES_MS = 700;
 const PATIENCE_MS = 60_000;
 
 /** Which state is shown: that of the strongest contact, or the last one. */
-function shownState({ states, therapy }: Pick<ReportData, 'states' | 'therapy'>): number {
-  if (!(therapy.largest_force_n > 0)) return states.length - 1;
-  const off = (i: number): number => Math.abs(timeOfState(states[i]!) - therapy.largest_force_s);
+function shownState({ states, therapy: { strongest } }: Pick<ReportData, 'states' | 'therapy'>): number {
+  if (!(strongest.force_n > 0)) return states.length - 1;
+  const off = (i: number): number => Math.abs(timeOfState(states[i]!) - strongest.time_s);
   return states.reduce((best, _, i) => (off(best) <= off(i) ? best : i), 0);
 }
 
@@ -32,8 +32,10 @@ export function pictureFrame(data: ReportData): HTMLElement {
     figure.classList.add('without');
     return figure;
   }
-  const time = shortTime(timeOfState(shown));
-  const caption = data.therapy.largest_force_n > 0 ? fill(t.caption, { n: fixed(data.therapy.largest_force_n, 1), time }) : fill(t.last, { time });
+  const { strongest } = data.therapy;
+  const strong = fill(t.caption, { n: fixed(strongest.force_n, 1), time: shortTime(strongest.time_s) });
+  const by = strongest.by === Mover.Person ? '' : ` (${texts().whose.shown[strongest.by]})`;
+  const caption = strongest.force_n > 0 ? `${strong}${by}` : fill(t.last, { time: shortTime(timeOfState(shown)) });
   pictureOf(data, at, place).then((image) => {
     image.alt = caption;
     place.replaceChildren(image);

@@ -1,7 +1,7 @@
 // What the program wrote into the page: src/replay/recording_report.cpp. Everything here is read once and never trusted.
 import { unpackBytes, type Json } from '../embedded/page_data';
 import type { SceneT } from '../protocol';
-import { readAbout, type About } from '../replay/about';
+import { readAbout, readResults, type About, type Result } from '../replay/about';
 import { BodiesHistory } from '../replay/bodies_history';
 import { readScene, splitStates } from '../replay/messages';
 import { Problem } from '../replay/problem';
@@ -11,16 +11,44 @@ const VERSION = 1;
 
 export interface HeldBody { readonly name: string; readonly touches: number; readonly first_s: number; readonly longest_s: number; readonly held_s: number; readonly largest_force_n: number; readonly travelled_m: number }
 export interface Touch { readonly body: string; readonly from_s: number; readonly to_s: number; readonly held_s: number; readonly largest_force_n: number }
-export interface Grip { readonly from_s: number; readonly to_s: number; readonly mean_n: number; readonly deviation_n: number; readonly largest_n: number }
+/** Who moves the hand, and how much of it a page does for the person: the numbers of src/core/mover.hpp. */
+export enum Mover { Nobody, Person, VirtualPatient, Motion }
+export enum GivenHelp { Unsaid, Full, Some, None }
+/** Whose something is (the rule: src/replay/moved_time.hpp). `by` moved longest; `share` is the person's. */
+export interface Whose { readonly by: Mover; readonly share: number; readonly help: GivenHelp; readonly persons: boolean }
+/** A part of an exercise that was finished, as its own, a band of force or a level. */
+export interface Part extends Whose {
+  /** That finished it. */
+  readonly event: string; readonly index: number; readonly value: number; readonly from_s: number; readonly to_s: number; readonly stars: number;
+  /** Of a part that has steps. */
+  readonly steps: readonly (readonly [index: number, amount_l: number])[];
+}
+/** Over all parts that one event finishes: all but `shared` and `others` are over the person's. */
+export interface PartSums { readonly count: number; readonly shared: number; readonly others: number; readonly value: number; readonly stars: number; readonly helps: readonly number[] }
+export interface Counted { readonly count: number; readonly shared: number; readonly others: number }
+/** Time by who moved the hand [periods], and in which intervals. */
+export interface Moved {
+  readonly by: readonly number[]; readonly helped: readonly number[]; readonly share: number;
+  readonly runs: readonly (readonly [from_s: number, to_s: number, by: Mover])[]; readonly runs_left_out: number;
+}
 /** A value from a time on, until the next one. */
 export type Change = readonly [time_s: number, value: number];
 
+/** What is the person's, but where it says otherwise. */
 export interface Therapy {
-  readonly bodies: readonly HeldBody[]; readonly bodies_in_scene: number; readonly touches: readonly Touch[];
-  readonly grips: readonly Grip[]; readonly has_grip_force: boolean;
-  /** Of each axis, in its own unit. */
-  readonly limits: readonly (readonly Change[])[];
-  readonly largest_force_n: number; readonly largest_force_s: number;
+  readonly moved: Moved;
+  readonly parts: readonly Part[]; readonly parts_left_out: number; readonly sums: Readonly<Record<string, PartSums>>;
+  readonly reaches: Counted & { readonly sum_s: number };
+  readonly results: readonly Result[];
+  readonly bodies: readonly HeldBody[]; readonly bodies_in_scene: number;
+  /** Anybody's. */
+  readonly touches: readonly Touch[]; readonly touches_left_out: number; readonly touches_not_persons: number;
+  readonly grips: Counted & { readonly mean_n: number; readonly variation: number }; readonly has_grip_force: boolean;
+  /** Of each axis, in its own unit. Changes closer than this are one. */
+  readonly limits: readonly (readonly Change[])[]; readonly limits_between_s: number;
+  readonly largest_force_n: number;
+  /** The person's; where there was none, of anybody. Its state is among those of the page. */
+  readonly strongest: { readonly force_n: number; readonly time_s: number; readonly by: Mover };
 }
 
 export interface Percentiles { readonly p50_s: number; readonly p99_s: number; readonly p999_s: number; readonly max_s: number }
@@ -78,18 +106,47 @@ export async function readReport(data: Json): Promise<ReportData> {
 
 const text0 = (value: unknown): string => (typeof value === 'string' ? value : '');
 
-function readTherapy(said: Json): Therapy {
+const one = <T extends number>(value: unknown, most: T): T => Math.min(most, Math.max(0, Math.trunc(number(value)))) as T;
+const counted = (said: Json): Counted => ({ count: number(said.count), shared: number(said.shared), others: number(said.others) });
+const pairs = (value: unknown): number[][] => (Array.isArray(value) ? value.map(numbers) : []);
+
+function readPart(said: Json): Part {
   return {
+    event: text(said.event), index: number(said.index), value: number(said.value), from_s: number(said.from_s), to_s: number(said.to_s), stars: number(said.stars),
+    steps: pairs(said.steps).map(([index, amount_l]) => [number(index), number(amount_l)]),
+    by: one(said.by, Mover.Motion), share: number(said.share), help: one(said.help, GivenHelp.None), persons: said.persons === true,
+  };
+}
+
+function readMoved(said: Json): Moved {
+  return {
+    by: numbers(said.by).map(number), helped: numbers(said.helped).map(number), share: number(said.share),
+    runs: pairs(said.runs).map(([from_s, to_s, by]) => [number(from_s), number(to_s), one(by, Mover.Motion)]), runs_left_out: number(said.runs_left_out),
+  };
+}
+
+function readTherapy(said: Json): Therapy {
+  const [grips, reaches, strongest] = [asJson(said.grips), asJson(said.reaches), asJson(said.strongest)];
+  const sums = Object.entries(asJson(said.sums)).map(([event, value]): [string, PartSums] => {
+    const of = asJson(value);
+    return [event, { ...counted(of), value: number(of.value), stars: number(of.stars), helps: numbers(of.helps).map(number) }];
+  });
+  return {
+    moved: readMoved(asJson(said.moved)), parts: objects(said.parts).map(readPart), parts_left_out: number(said.parts_left_out), sums: Object.fromEntries(sums),
+    reaches: { ...counted(reaches), sum_s: number(reaches.sum_s) }, results: readResults(said.results),
     bodies: objects(said.bodies).map((b) => ({
       name: text(b.name), touches: number(b.touches), first_s: number(b.first_s), longest_s: number(b.longest_s), held_s: number(b.held_s),
       largest_force_n: number(b.largest_force_n), travelled_m: number(b.travelled_m),
     })),
     bodies_in_scene: number(said.bodies_in_scene),
     touches: objects(said.touches).map((t) => ({ body: text(t.body), from_s: number(t.from_s), to_s: number(t.to_s), held_s: number(t.held_s), largest_force_n: number(t.largest_force_n) })),
-    grips: objects(said.grips).map((g) => ({ from_s: number(g.from_s), to_s: number(g.to_s), mean_n: number(g.mean_n), deviation_n: number(g.deviation_n), largest_n: number(g.largest_n) })),
+    touches_left_out: number(said.touches_left_out), touches_not_persons: number(said.touches_not_persons),
+    grips: { ...counted(grips), mean_n: number(grips.mean_n), variation: number(grips.variation) },
     has_grip_force: said.has_grip_force === true,
     limits: Array.isArray(said.limits) ? said.limits.map((axis) => (Array.isArray(axis) ? axis.map((change): Change => [number(numbers(change)[0]), number(numbers(change)[1])]) : [])) : [],
-    largest_force_n: number(said.largest_force_n), largest_force_s: number(said.largest_force_s),
+    limits_between_s: number(said.limits_between_s),
+    largest_force_n: number(said.largest_force_n),
+    strongest: { force_n: number(strongest.force_n), time_s: number(strongest.time_s), by: one(strongest.by, Mover.Motion) },
   };
 }
 

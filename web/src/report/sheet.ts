@@ -2,7 +2,7 @@
 import { h } from '../shared/dom';
 import { asWords, duration } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
-import { exerciseWords, titleWords } from '../console/title_words';
+import { exerciseWords, personWords, sessionWords } from '../console/title_words';
 import { infoOf, OWN_SIGNS } from '../exercises/info';
 import type { SceneT } from '../protocol';
 import { clockTime } from '../replay/clock';
@@ -28,7 +28,8 @@ export interface SheetContext {
   readonly scene: SceneT;
   readonly samples: WindowSamples;
   readonly marks: readonly ChartMark[];
-  readonly touches: readonly ChartBand[];
+  /** Touches, and over them what is not known: ticks that are missing or cannot be read. */
+  readonly bands: readonly ChartBand[];
   /** A moment is to be looked at. */
   readonly look: (time_s: number) => void;
 }
@@ -42,11 +43,14 @@ export function sheetContext(data: ReportData, scene: SceneT, look: (time_s: num
   const names: Names = { eventNames: scene.eventNames, ownWords: (type) => panel?.event(type) ?? '' };
   return {
     data, scene, look, samples: new WindowSamples([{ piece: series, from: 0, to: series.columns, width_s }], moments.gaps, about.period_s),
-    marks: moments.list.filter(({ kind }) => kind !== 'armed' && kind !== 'neutral').map((moment) => {
+    marks: moments.list.filter(({ kind }) => kind !== 'armed' && kind !== 'neutral' && kind !== 'gap').map((moment) => {
       const { time_s, label, bad } = plotMark(moment, names, replayTexts(), consoleTexts());
       return { at: time_s, label, bad };
     }).filter(({ label, bad }) => bad || label !== ''),
-    touches: data.therapy.touches.map(({ from_s, to_s }) => ({ from: from_s, to: to_s, color: '#F4EEE3' })),
+    bands: [
+      ...data.therapy.touches.map(({ from_s, to_s }) => ({ from: from_s, to: to_s, color: '#F4EEE3' })),
+      ...[...series.gaps, ...series.unreadable].map(({ from_s, to_s }) => ({ from: from_s, to: to_s, color: '#F7E3E0' })),
+    ],
   };
 }
 
@@ -76,9 +80,9 @@ export function header(data: ReportData, page: string): HTMLElement {
   const { about } = data;
   const item = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, name), h('dd', {}, told(value === '' ? t.facts.unknown : value)));
   return h('header', {},
-    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, told(titleWords(about.title, about.name)))),
+    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, told(sessionWords(about)))),
     h('dl', {},
-      item(t.facts.patient, c.patients[about.patient] ?? about.patient), item(t.facts.hand, c.hands[about.hand] ?? about.hand),
+      item(t.facts.patient, personWords(about.profile, about.patient, about.simulated_device)), item(t.facts.hand, c.hands[about.hand] ?? about.hand),
       item(t.facts.device, [about.device, about.simulated_device ? t.facts.simulated : ''].filter(Boolean).join(', ')), item(t.facts.exercise, about.exercise === '' ? t.facts.noExercise : exerciseWords(about.exercise, about.level)),
       item(t.facts.date, dateWords(about.created_utc, language())), item(t.facts.length, duration(about.to_s - about.from_s))));
 }

@@ -1,8 +1,8 @@
-import { fixed, grouped } from '../shared/format';
+import { duration, fixed, grouped } from '../shared/format';
 import { shownUnits } from '../console/history';
 import { texts as consoleTexts } from '../console/i18n';
 import { lookOf } from '../console/plot_specs';
-import { titleWords } from '../console/title_words';
+import { sessionWords } from '../console/title_words';
 import { REPORTS } from '../exercises/info';
 import { dateWords } from '../replay/facts_panel';
 import { faultWord, fill, language } from '../shared/i18n';
@@ -14,7 +14,8 @@ import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
 import { bodyWords, footer, header, shortTime, signWords, table, timeName, timesOfSheet, told, type SheetContext } from './sheet';
-import { recordedOf, whatHappened } from './therapy';
+import { GivenHelp, Mover } from './report_data';
+import { recordedOf, sharePercent, whatHappened, whoseWords } from './therapy';
 
 const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
 
@@ -23,11 +24,12 @@ export function therapySheet(context: SheetContext): HTMLElement {
   const t = texts();
   const { data } = context;
   const comparison = compareWithBefore(data);
-  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context, comparison), sessionBefore(context, comparison),
+  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context, comparison), whoMoved(context), sessionBefore(context, comparison),
     h('div', { class: 'two' }, pictureFrame(data), h('div', {}, happened(context), ...partTables(context))),
     h('div', { class: 'charts' }, ...gripChart(context), limitsChart(context)),
     bodies(context),
-    h('p', { class: 'note' }, [data.therapy.touches.length > 0 ? t.charts.touches : '', signWords(context.marks), data.therapy.has_grip_force ? t.steadinessNote : ''].filter(Boolean).join(' ')),
+    h('p', { class: 'note' }, [data.therapy.touches.length > 0 ? t.charts.touches : '', data.therapy.touches_left_out > 0 ? fill(t.charts.touchesLeftOut, { n: grouped(data.therapy.touches_left_out) }) : '',
+      data.series.gaps.length + data.series.unreadable.length > 0 ? t.charts.missing : '', data.therapy.limits_between_s > 0.11 ? fill(t.charts.limitsThinned, { s: fixed(data.therapy.limits_between_s, 1) }) : '', signWords(context.marks), data.therapy.has_grip_force ? t.steadinessNote : ''].filter(Boolean).join(' ')),
     footer(data, 1));
 }
 
@@ -52,11 +54,29 @@ function tiles({ data, scene }: SheetContext, { figures }: Comparison): HTMLElem
   return h('section', { class: 'tiles' }, ...out.slice(0, MOST_TILES + 1));
 }
 
+/** Who moved the hand for how long, what is in no figure for it, and by which rule. */
+function whoMoved({ data: { therapy: { moved, sums, reaches, grips, touches_not_persons }, about } }: SheetContext): HTMLElement {
+  const t = texts().whose;
+  const all = moved.by.reduce((sum, periods) => sum + periods, 0);
+  const time = (periods: number): string => duration(periods * about.period_s);
+  const share = (periods: number): string => sharePercent(all > 0 ? periods / all : 0);
+  const movers = [Mover.Person, Mover.VirtualPatient, Mover.Motion, Mover.Nobody].filter((by) => (moved.by[by] ?? 0) > 0 || by === Mover.Person)
+    .map((by) => fill(t.moved, { who: t.who[by], n: share(moved.by[by] ?? 0), time: time(moved.by[by] ?? 0) }));
+  const helped = [GivenHelp.Full, GivenHelp.Some, GivenHelp.None].filter((help) => (moved.helped[help] ?? 0) > 0).map((help) => `${t.helps[help]} ${time(moved.helped[help]!)}`);
+  const told = movers.join(', ');
+  const apart = [...Object.entries(sums), ['reach', reaches] as const, ['grip', grips] as const]
+    .filter(([, { shared, others }]) => shared + others > 0).map(([what, { shared, others }]) => fill(t.apart, { what: REPORTS.map((report) => report.thing(what)).find((words) => words !== undefined) ?? t.things[what] ?? what, n: [shared > 0 ? fill(t.sharedCount, { n: grouped(shared) }) : '', others > 0 ? fill(t.othersCount, { n: grouped(others) }) : ''].filter(Boolean).join(', ') }));
+  if (touches_not_persons > 0) apart.push(fill(t.touches, { n: grouped(touches_not_persons) }));
+  return h('p', { class: 'moved', 'data-testid': 'moved', 'data-share': String(moved.share) },
+    h('b', {}, `${told.charAt(0).toUpperCase()}${told.slice(1)}. `), helped.length > 0 ? `${fill(t.helped, { helps: helped.join(', ') })} ` : '',
+    apart.length > 0 ? `${fill(t.notCounted, { what: apart.join('; ') })} ` : '', t.rule);
+}
+
 /** With which session this one is compared, what was different in it, and what is not compared. */
 function sessionBefore({ data: { before } }: SheetContext, { differences, figures }: Comparison): HTMLElement | null {
   if (!before) return null;
   const t = texts();
-  const words = fill(t.before.compared, { name: titleWords(before.about.title, before.about.name), date: dateWords(before.about.created_utc, language()) });
+  const words = fill(t.before.compared, { name: sessionWords(before.about), date: dateWords(before.about.created_utc, language()) });
   const alone = figures.filter(({ compared }) => !compared).map((figure) => figure.words);
   const other = differences.length === 0 ? '' : fill(t.before.other, { what: differences.map((what) => t.facts[what]).join(', ') });
   const not = alone.length === figures.length ? t.before.nothing : alone.length > 0 ? fill(t.before.not, { what: alone.join(', ') }) : '';
@@ -64,11 +84,13 @@ function sessionBefore({ data: { before } }: SheetContext, { differences, figure
 }
 
 function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly number[]): HTMLElement | undefined {
-  const shown = axes.map((axis, i) => ({ axis, effort: (efforts[i] ?? NaN) * shownUnits(axis).effort })).filter(({ axis, effort }) => shownUnits(axis).effortUnit === 'N' && Number.isFinite(effort));
+  const shown = axes.map((axis, i) => ({ axis, effort: (efforts[i] ?? NaN) * shownUnits(axis).effort, limit: axis.effortLimit * shownUnits(axis).effort }))
+    .filter(({ axis, effort }) => shownUnits(axis).effortUnit === 'N' && Number.isFinite(effort));
   if (shown.length === 0) return undefined;
-  const most = shown.reduce((a, b) => (b.effort > a.effort ? b : a));
+  // Nearest to its own limit: each axis has one.
+  const most = shown.reduce((a, b) => (b.effort / b.limit > a.effort / a.limit ? b : a));
   const name = String(most.axis.name);
-  return tile(fixed(most.effort, 1), 'N', fill(texts().tiles.effort, { axis: consoleTexts().axesLong[name] ?? name }));
+  return tile(fixed(most.effort, 1), `N ${fill(texts().tiles.of, { n: Number(most.limit.toFixed(1)) })}`, fill(texts().tiles.effort, { axis: consoleTexts().axesLong[name] ?? name }));
 }
 
 /** Every kind is told, also where nothing of it happened. */
@@ -103,7 +125,7 @@ function timesOf(times: readonly string[]): string {
 
 /** What was done, part by part, where the exercise has parts. */
 function partTables({ data }: SheetContext): HTMLElement[] {
-  return REPORTS.flatMap((report) => report.table(recordedOf(data), shortTime) ?? []).map(({ title, none, head, rows }) => {
+  return REPORTS.flatMap((report) => report.table(recordedOf(data), shortTime, whoseWords) ?? []).map(({ title, none, head, rows }) => {
     const shown = rows.slice(0, MOST_ROWS).map(([name, ...figures]) => [told(name), ...figures]);
     return h('section', {}, h('h2', {}, title), shown.length === 0 ? h('p', { class: 'none' }, none) : table(head, shown),
       rows.length > MOST_ROWS ? h('p', { class: 'none' }, fill(texts().bodies.more, { n: rows.length - MOST_ROWS })) : null);
@@ -111,13 +133,13 @@ function partTables({ data }: SheetContext): HTMLElement[] {
 }
 
 /** The force of the grip with what was asked for, where the exercise knows it; else all contact forces. */
-function gripChart({ data, samples, marks, touches, look }: SheetContext): HTMLElement[] {
+function gripChart({ data, samples, marks, bands, look }: SheetContext): HTMLElement[] {
   const t = texts().charts;
   const of = (name: string): ArrayLike<number> | undefined => {
     const index = data.about.value_names.indexOf(name);
     return index < 0 ? undefined : samples.values(channelKey('value', index), 1);
   };
-  const shared = { unit: 'N', x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, numbers_x: timesOfSheet(data), bands: touches, marks, pick: look };
+  const shared = { unit: 'N', x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, numbers_x: timesOfSheet(data), bands, marks, pick: look };
   const contact = chart({ ...shared, title: t.contact, height_px: 60, lines: [{ name: '', color: '#1E1A17', values: samples.values('contact_force_n/0', 1) }], holds: [0, 1] });
   const grip = of('squeeze_n');
   if (!grip) return [contact];

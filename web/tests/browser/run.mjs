@@ -22,6 +22,7 @@ import { lostPictureIsSaid } from './picture_checks.mjs';
 import { takePictures } from './pictures.mjs';
 import * as presence from './presence_checks.mjs';
 import { stopsAtRandomMoments } from './random_stops.mjs';
+import * as recorded from './recorded_checks.mjs';
 import * as replays from './replay_checks.mjs';
 import * as reports from './report_checks.mjs';
 import * as roles from './role_checks.mjs';
@@ -37,6 +38,8 @@ const TESTS = [
   ['pictures in full quality_slow', takePictures],
   ['mouse moves the hand', checks.mouseMovesTheHand, PACED],
   ['keys fill a glass', checks.keysFillAGlass, PACED],
+  ['first session is recorded', recorded.firstSessionIsRecorded],
+  ['unrecorded session is said', recorded.unrecordedSessionIsSaid],
   ['keys fill a glass without help_slow', checks.keysFillAGlassAlone, PACED],
   ['touch moves and squeezes', checks.touchMovesAndSqueezes, PACED],
   ['emergency stop ends all effort', checks.emergencyStopEndsAllEffort, PACED],

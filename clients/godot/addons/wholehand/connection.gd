@@ -147,9 +147,10 @@ func act(act: int) -> int:
 	return _order("Action", [[Protocol.Action.act, "u8", act]])
 
 
-# Where the person wants the hand to be, per axis of scene.axes.
-func aim(q: Array) -> int:
-	return _order("Aim", [[Protocol.Aim.q, "floats", q]])
+# Where the person wants the hand to be, per axis of scene.axes. Protocol.Help: how much of it the game does for the
+# person; recordings keep it.
+func aim(q: Array, by: int = 0) -> int:
+	return _order("Aim", [[Protocol.Aim.q, "floats", q], [Protocol.Aim.by, "u8", by]])
 
 
 # ---- orders to bodies of a game, in the program's axes: arrays of body_orders.gd ----

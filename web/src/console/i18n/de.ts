@@ -14,6 +14,7 @@ export const de: ConsoleTexts = {
     'man-p05-right': 'Mann P5, rechts', 'man-p50-right': 'Mann P50, rechts', 'man-p95-right': 'Mann P95, rechts',
     'man-p05-left': 'Mann P5, links', 'man-p50-left': 'Mann P50, links', 'man-p95-left': 'Mann P95, links',
   },
+  virtualPatient: 'Virtueller Patient: {name}', virtualPlays: 'der virtuelle Patient spielt',
   patients: {
     'relaxed-adult': 'Entspannte Person', 'stiff-adult': 'Steife Person', 'no-arm': 'Ohne Arm', tremor: 'Zittern', spastic: 'Spastik',
     releases: 'Lässt los', slams: 'Schlägt', fights: 'Wehrt sich', 'enslaved-fingers': 'Finger hängen zusammen', 'spastic-fist': 'Spastische Faust',
@@ -164,9 +165,11 @@ export const de: ConsoleTexts = {
     beingWritten: 'wird noch aufgezeichnet',
     all: 'Alle {n} zeigen', newest: 'Nur die neuesten zeigen',
     now: 'Aufnahme',
+    on: '● Aufnahme läuft', off: 'Nicht aufgezeichnet',
   },
 
   notices: {
+    unrecorded: 'Diese Sitzung wird nicht aufgezeichnet.', unrecordedMore: 'Den Grund nennt das Programm dort, wo es gestartet wurde.',
     saved: 'Gespeichert: {name}, {figures}.',
     lost: 'Verbindung unterbrochen. Die Zahlen sind von vorher.', lostMore: 'Wenn das Programm läuft, klingt die Kraft der Übung von selbst ab.',
     unconfirmed: 'Stopp nicht bestätigt: roten Knopf drücken.', unconfirmedMore: 'Diese Seite sendet den Stopp weiter.',

@@ -13,6 +13,7 @@ export const en = {
     'man-p05-right': 'Man P5, right', 'man-p50-right': 'Man P50, right', 'man-p95-right': 'Man P95, right',
     'man-p05-left': 'Man P5, left', 'man-p50-left': 'Man P50, left', 'man-p95-left': 'Man P95, left',
   } as Record<string, string>,
+  virtualPatient: 'Virtual patient: {name}', virtualPlays: 'the virtual patient plays',
   patients: {
     'relaxed-adult': 'Relaxed adult', 'stiff-adult': 'Stiff adult', 'no-arm': 'No arm', tremor: 'Tremor', spastic: 'Spasticity',
     releases: 'Lets go', slams: 'Slams', fights: 'Fights back', 'enslaved-fingers': 'Linked fingers', 'spastic-fist': 'Spastic fist',
@@ -164,9 +165,11 @@ export const en = {
     beingWritten: 'still being recorded',
     all: 'Show all {n}', newest: 'Show the newest only',
     now: 'Recording',
+    on: '● Recording', off: 'Not recorded',
   },
 
   notices: {
+    unrecorded: 'This session is not recorded.', unrecordedMore: 'The program says why where it was started.',
     saved: 'Saved: {name}, {figures}.',
     lost: 'Connection lost. The figures are from before.', lostMore: 'If the program runs, the exercise effort fades out by itself.',
     unconfirmed: 'Stop not confirmed: use the red button.', unconfirmedMore: 'This page goes on sending the stop.',

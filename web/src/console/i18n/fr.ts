@@ -14,6 +14,7 @@ export const fr: ConsoleTexts = {
     'man-p05-right': 'Homme P5, droite', 'man-p50-right': 'Homme P50, droite', 'man-p95-right': 'Homme P95, droite',
     'man-p05-left': 'Homme P5, gauche', 'man-p50-left': 'Homme P50, gauche', 'man-p95-left': 'Homme P95, gauche',
   },
+  virtualPatient: 'Patient virtuel : {name}', virtualPlays: 'le patient virtuel joue',
   patients: {
     'relaxed-adult': 'Adulte détendu', 'stiff-adult': 'Adulte raide', 'no-arm': 'Sans bras', tremor: 'Tremblement', spastic: 'Spasticité',
     releases: 'Lâche', slams: 'Frappe', fights: 'Résiste', 'enslaved-fingers': 'Doigts liés', 'spastic-fist': 'Poing spastique',
@@ -164,9 +165,11 @@ export const fr: ConsoleTexts = {
     beingWritten: 'enregistrement en cours',
     all: 'Afficher les {n}', newest: 'Afficher seulement les plus récents',
     now: 'En cours',
+    on: '● Enregistrement', off: 'Non enregistré',
   },
 
   notices: {
+    unrecorded: 'Cette séance n’est pas enregistrée.', unrecordedMore: 'Le programme en dit la raison là où il a été lancé.',
     saved: 'Enregistré : {name}, {figures}.',
     lost: 'Connexion perdue. Les chiffres datent d’avant.', lostMore: 'Si le programme tourne, la force de l’exercice s’éteint d’elle-même.',
     unconfirmed: 'Arrêt non confirmé : appuyez sur le bouton rouge.', unconfirmedMore: 'Cette page continue d’envoyer l’arrêt.',

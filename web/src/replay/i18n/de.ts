@@ -3,7 +3,7 @@ import type { ReplayTexts } from './en';
 export const de: ReplayTexts = {
   title: '{name}: Wiedergabe', brand: 'Wiedergabe',
   report: 'Bericht', reportOf: 'Bericht zu {name}',
-  opening: 'Die Aufzeichnung wird geöffnet …', loading: '{percent} % gelesen',
+  making: 'Der Bericht wird erstellt … {s} s', makingLine: 'In Arbeit', opening: 'Die Aufzeichnung wird geöffnet …', loading: '{percent} % gelesen',
   sides: { a: 'A', b: 'B' },
 
   transport: {

@@ -2,7 +2,7 @@
 export const en = {
   title: '{name}: replay', brand: 'Replay',
   report: 'Report', reportOf: 'Report of {name}',
-  opening: 'The recording is being opened …', loading: '{percent} % read',
+  making: 'The report is being made … {s} s', makingLine: 'Under way', opening: 'The recording is being opened …', loading: '{percent} % read',
   sides: { a: 'A', b: 'B' },
 
   transport: {

@@ -3,7 +3,7 @@ import type { ReplayTexts } from './en';
 export const fr: ReplayTexts = {
   title: '{name} : relecture', brand: 'Relecture',
   report: 'Rapport', reportOf: 'Rapport de {name}',
-  opening: 'L’enregistrement s’ouvre …', loading: '{percent} % lus',
+  making: 'Le rapport se prépare … {s} s', makingLine: 'En cours', opening: 'L’enregistrement s’ouvre …', loading: '{percent} % lus',
   sides: { a: 'A', b: 'B' },
 
   transport: {

@@ -6,8 +6,17 @@ export const de: ReportTexts = {
   reading: 'Der Bericht wird gelesen …', none: 'keine', time: 'Zeit', seconds: 's',
   facts: { patient: 'Patient', hand: 'Hand', device: 'Gerät', exercise: 'Übung', date: 'Datum', length: 'Dauer', file: 'Datei', simulated: 'simuliert', noExercise: 'Keine Übung', unknown: 'nicht angegeben' },
   tiles: {
-    of: 'von {n}', reach: 'bis zum Greifen, im Mittel', reaches: '{n} Griffe', grip: 'Griffkraft, im Mittel', steadiness: 'Griff schwankt um',
+    levels: 'Stufen beendet', of: 'von {n}', reach: 'bis zum Greifen, im Mittel', grip: 'Griffkraft, im Mittel', steadiness: 'Griff schwankt um',
     touched: 'Gegenstände berührt', held: 'insgesamt gehalten', force: 'grösste Kontaktkraft', effort: 'grösste Kraft, {axis}',
+  },
+  whose: {
+    who: ['niemand', 'die Person', 'der virtuelle Patient', 'eine abgespielte Bewegung'], moved: '{who} bewegte die Hand {n} % der Zeit ({time})',
+    helps: ['', 'mit voller Hilfe', 'mit etwas Hilfe', 'ohne Hilfe'], helped: 'Von der Person: {helps}.',
+    person: 'von der Person', shared: 'geteilt, zu {n} % von der Person', shown: ['niemand bewegte', 'von der Person', 'gezeigt vom virtuellen Patienten', 'gezeigt von einer abgespielten Bewegung'],
+    unknown: 'Diese Aufnahme sagt nicht, wer die Hand bewegte: Sie ist älter, und ihre Hand war simuliert.',
+    things: { band_held: 'Bereiche', level_done: 'Stufen', reach: 'Griffwege', grip: 'Griffe' } as Record<string, string>,
+    apart: '{what}: {n}', sharedCount: '{n} geteilt', othersCount: '{n} nicht von der Person', touches: 'Berührungen: {n}', notCounted: 'Nicht gezählt: {what}.',
+    rule: 'Ein Teil der Übung, eine Stufe, ein Griffweg, ein Griff oder eine Berührung zählt, wenn die Person die Hand in jedem Takt vom ersten bis zum letzten bewegte; was zum Teil jemand anders bewegte, ist geteilt und in keiner Summe.',
   },
   before: { was: 'vorher: {x}', better: 'besser', compared: 'Vorher: {name}, {date}.', other: 'Anders war: {what}.', not: 'Nicht verglichen: {what}.', nothing: 'Keine der Zahlen ist vergleichbar.' },
   steadinessNote: 'Griff: mindestens 1 N für mindestens 1 s. Er schwankt um seine Standardabweichung, als Anteil des Mittels; die ersten und letzten 0,25 s jedes Griffs zählen nicht.',
@@ -20,7 +29,7 @@ export const de: ReportTexts = {
   bodies: { title: 'Was gehalten wurde', body: 'Gegenstand', first: 'Zuerst bei', touches: 'Berührungen', longest: 'Längste, s', held: 'Gehalten, s', force: 'Kraft, N', way: 'Bewegt, cm', nothing: 'Keine der Zahlen ist vergleichbar.', noBodies: 'Es gab nichts zu berühren.', more: 'und {n} weitere', note: 'Gehalten: Finger auf einer Seite, Daumen oder Handfläche auf der anderen, oder ein Griff, den die Übung zählt.' },
   charts: {
     grip: 'Griffkraft', goal: 'verlangt', contact: 'Kontaktkraft', limits: 'Geltende Kraftgrenzen', effortHand: 'Kraft, Hand', effortArm: 'Kraft, Arm', phi: 'Adaptive Dämpfung φ', alpha: 'Wand der Übung α',
-    handPosition: 'Stellung, Hand', armPosition: 'Stellung, Arm', palm: 'Handfläche zum nächsten Gegenstand', count: 'Kontaktpunkte', times: 'Zeit je Takt', timesCpu: 'Rechenzeit je Takt', ticks: 'Takte', click: 'Klick in ein Diagramm: diesen Augenblick ansehen.', touches: 'Getönt: Die Hand berührt etwas.',
+    handPosition: 'Stellung, Hand', armPosition: 'Stellung, Arm', palm: 'Handfläche zum nächsten Gegenstand', count: 'Kontaktpunkte', times: 'Zeit je Takt', timesCpu: 'Rechenzeit je Takt', ticks: 'Takte', click: 'Klick in ein Diagramm: diesen Augenblick ansehen.', missing: 'Blassrot: fehlt.', touchesLeftOut: 'Nicht schattiert: {n} weitere Berührungen; die Zahlen enthalten sie.', limitsThinned: 'Änderungen einer Grenze innerhalb von {s} s sind als eine gezeichnet.', touches: 'Getönt: Die Hand berührt etwas.',
   },
   stages: {
     title: 'Rechenzeit eines Takts, µs', stage: 'Stufe', max: 'max.', whole: 'ganzer Takt',

@@ -5,8 +5,17 @@ export const en = {
   reading: 'The report is being read …', none: 'none', time: 'Time', seconds: 's',
   facts: { patient: 'Patient', hand: 'Hand', device: 'Device', exercise: 'Exercise', date: 'Date', length: 'Length', file: 'File', simulated: 'simulated', noExercise: 'No exercise', unknown: 'not told' },
   tiles: {
-    of: 'of {n}', reach: 'to reach, on average', reaches: '{n} reaches', grip: 'grip force, on average', steadiness: 'grip varies by',
+    levels: 'levels finished', of: 'of {n}', reach: 'to reach, on average', grip: 'grip force, on average', steadiness: 'grip varies by',
     touched: 'objects touched', held: 'held in all', force: 'largest contact force', effort: 'largest effort, {axis}',
+  },
+  whose: {
+    who: ['nobody', 'the person', 'the virtual patient', 'a replayed motion'], moved: '{who} moved the hand {n} % of the time ({time})',
+    helps: ['', 'with full help', 'with some help', 'without help'], helped: 'Of the person: {helps}.',
+    person: 'the person’s', shared: 'shared, {n} % the person’s', shown: ['nobody moved', 'the person’s', 'shown by the virtual patient', 'shown by a replayed motion'],
+    unknown: 'This recording does not say who moved the hand: it is older, and its hand was simulated.',
+    things: { band_held: 'bands', level_done: 'levels', reach: 'reaches', grip: 'grips' } as Record<string, string>,
+    apart: '{what}: {n}', sharedCount: '{n} shared', othersCount: '{n} not the person’s', touches: 'touches: {n}', notCounted: 'Not counted: {what}.',
+    rule: 'A part of the exercise, a level, reach, grip or touch counts where the person moved the hand in every tick from its first to its last; what somebody else moved in part is shared, and in no sum.',
   },
   before: { was: 'before: {x}', better: 'better', compared: 'Before: {name}, {date}.', other: 'It differs in: {what}.', not: 'Not compared: {what}.', nothing: 'No figure can be compared.' },
   steadinessNote: 'Grip: force of at least 1 N for at least 1 s. It varies by its standard deviation, as a share of its mean; the first and last 0.25 s of each grip do not count.',
@@ -19,7 +28,7 @@ export const en = {
   bodies: { title: 'What was held', body: 'Object', first: 'First at', touches: 'Touches', longest: 'Longest, s', held: 'Held, s', force: 'Force, N', way: 'Moved, cm', nothing: 'No figure can be compared.', noBodies: 'There was nothing to touch.', more: 'and {n} more', note: 'Held: fingers on one side, thumb or palm on the other, or a grip that the exercise counts.' },
   charts: {
     grip: 'Grip force', goal: 'asked for', contact: 'Contact force', limits: 'Effort limits in force', effortHand: 'Effort, hand', effortArm: 'Effort, arm', phi: 'Adaptive damping φ', alpha: 'Wall of the exercise α',
-    handPosition: 'Position, hand', armPosition: 'Position, arm', palm: 'Palm to the nearest object', count: 'Contact points', times: 'Time per tick', timesCpu: 'CPU time per tick', ticks: 'ticks', click: 'Click a chart: look at that moment.', touches: 'Shaded: the hand touches something.',
+    handPosition: 'Position, hand', armPosition: 'Position, arm', palm: 'Palm to the nearest object', count: 'Contact points', times: 'Time per tick', timesCpu: 'CPU time per tick', ticks: 'ticks', click: 'Click a chart: look at that moment.', missing: 'Pale red: missing.', touchesLeftOut: 'Not shaded: {n} more touches; they are in the figures.', limitsThinned: 'Changes of a limit within {s} s are drawn as one.', touches: 'Shaded: the hand touches something.',
   },
   stages: {
     title: 'CPU time of a tick, µs', stage: 'Stage', max: 'max', whole: 'whole tick',

@@ -6,8 +6,17 @@ export const fr: ReportTexts = {
   reading: 'Lecture du rapport …', none: 'aucun', time: 'Temps', seconds: 's',
   facts: { patient: 'Patient', hand: 'Main', device: 'Appareil', exercise: 'Exercice', date: 'Date', length: 'Durée', file: 'Fichier', simulated: 'simulé', noExercise: 'Sans exercice', unknown: 'non précisé' },
   tiles: {
-    of: 'sur {n}', reach: 'pour saisir, en moyenne', reaches: '{n} saisies', grip: 'force de prise, en moyenne', steadiness: 'variation de la prise',
+    levels: 'niveaux terminés', of: 'sur {n}', reach: 'pour saisir, en moyenne', grip: 'force de prise, en moyenne', steadiness: 'variation de la prise',
     touched: 'objets touchés', held: 'tenu en tout', force: 'plus grande force de contact', effort: 'plus grand effort, {axis}',
+  },
+  whose: {
+    who: ['personne', 'le patient', 'le patient virtuel', 'un mouvement rejoué'], moved: '{who} : {n} % du temps à bouger la main ({time})',
+    helps: ['', 'avec toute l’aide', 'avec un peu d’aide', 'sans aide'], helped: 'Du patient : {helps}.',
+    person: 'du patient', shared: 'partagé, {n} % du patient', shown: ['personne ne bougeait', 'du patient', 'montré par le patient virtuel', 'montré par un mouvement rejoué'],
+    unknown: 'Cet enregistrement ne dit pas qui bougeait la main : il est plus ancien, et sa main était simulée.',
+    things: { band_held: 'zones', level_done: 'niveaux', reach: 'approches', grip: 'prises' } as Record<string, string>,
+    apart: '{what} : {n}', sharedCount: '{n} en partage', othersCount: '{n} pas du patient', touches: 'contacts : {n}', notCounted: 'Non comptés : {what}.',
+    rule: 'Une partie de l’exercice, un niveau, une approche, une prise ou un contact compte si le patient a bougé la main à chaque pas, du premier au dernier ; ce qu’un autre a bougé en partie est partagé et n’entre dans aucune somme.',
   },
   before: { was: 'avant : {x}', better: 'mieux', compared: 'Avant : {name}, {date}.', other: 'Ce qui diffère : {what}.', not: 'Non comparés : {what}.', nothing: 'Aucun chiffre n’est comparable.' },
   steadinessNote: 'Prise : au moins 1 N pendant au moins 1 s. Sa variation est son écart type rapporté à sa moyenne ; les premières et dernières 0,25 s de chaque prise ne comptent pas.',
@@ -20,7 +29,7 @@ export const fr: ReportTexts = {
   bodies: { title: 'Ce qui a été tenu', body: 'Objet', first: 'D’abord à', touches: 'Contacts', longest: 'Le plus long, s', held: 'Tenu, s', force: 'Force, N', way: 'Déplacé, cm', nothing: 'Aucun chiffre n’est comparable.', noBodies: 'Il n’y avait rien à toucher.', more: 'et {n} autres', note: 'Tenu : doigts d’un côté, pouce ou paume de l’autre, ou une prise que l’exercice compte.' },
   charts: {
     grip: 'Force de prise', goal: 'demandé', contact: 'Force de contact', limits: 'Limites d’effort en vigueur', effortHand: 'Effort, main', effortArm: 'Effort, bras', phi: 'Amortissement adaptatif φ', alpha: 'Paroi de l’exercice α',
-    handPosition: 'Position, main', armPosition: 'Position, bras', palm: 'Paume à l’objet le plus proche', count: 'Points de contact', times: 'Temps par cycle', timesCpu: 'Temps de calcul par cycle', ticks: 'cycles', click: 'Cliquer un graphique : revoir cet instant.', touches: 'Ombré : la main touche quelque chose.',
+    handPosition: 'Position, main', armPosition: 'Position, bras', palm: 'Paume à l’objet le plus proche', count: 'Points de contact', times: 'Temps par cycle', timesCpu: 'Temps de calcul par cycle', ticks: 'cycles', click: 'Cliquer un graphique : revoir cet instant.', missing: 'Rouge pâle : manque.', touchesLeftOut: 'Non grisés : {n} autres contacts ; les chiffres les comptent.', limitsThinned: 'Les changements d’une limite en moins de {s} s sont tracés comme un seul.', touches: 'Ombré : la main touche quelque chose.',
   },
   stages: {
     title: 'Temps de calcul d’un cycle, µs', stage: 'Étape', max: 'max.', whole: 'cycle entier',

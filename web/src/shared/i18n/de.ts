@@ -31,6 +31,8 @@ export const de: Texts = {
   'game.stop': 'Stopp',
   'game.rest': 'Ausruhen',
   'game.back': 'Weiter',
+  'game.recorded': '● Aufnahme läuft',
+  'game.unrecorded': 'Nicht aufgezeichnet',
 
   'welcome.how': 'Womit spielen Sie?',
   'welcome.robot': 'Roboterhand',

@@ -31,6 +31,8 @@ export const en = {
   'game.stop': 'Stop',
   'game.rest': 'Rest',
   'game.back': 'Go on',
+  'game.recorded': '● Recording',
+  'game.unrecorded': 'Not recorded',
 
   // ---- game: welcome
   'welcome.how': 'How will you play?',

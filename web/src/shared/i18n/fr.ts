@@ -31,6 +31,8 @@ export const fr: Texts = {
   'game.stop': 'Stop',
   'game.rest': 'Repos',
   'game.back': 'Continuer',
+  'game.recorded': '● Enregistrement',
+  'game.unrecorded': 'Non enregistré',
 
   'welcome.how': 'Avec quoi jouez-vous ?',
   'welcome.robot': 'Main robotisée',

@@ -77,6 +77,7 @@ export const de: BarTexts = {
   'report.off': 'Daneben, ml',
   'report.score': 'Punkte',
   'report.doneAt': 'Fertig bei',
+  'report.whose': 'Wessen',
   'report.none': 'Kein Getränk wurde fertig.',
   'event.pour_began': 'Giessen beginnt',
   'event.pour_ended': 'Giessen endet',

@@ -76,6 +76,7 @@ export const en = {
   'report.off': 'Off, ml',
   'report.score': 'Score',
   'report.doneAt': 'Done at',
+  'report.whose': 'Whose',
   'report.none': 'No drink was finished.',
   'event.pour_began': 'Pouring begins',
   'event.pour_ended': 'Pouring ends',

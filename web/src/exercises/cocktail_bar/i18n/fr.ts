@@ -77,6 +77,7 @@ export const fr: BarTexts = {
   'report.off': 'Écart, ml',
   'report.score': 'Points',
   'report.doneAt': 'Terminée à',
+  'report.whose': 'De qui',
   'report.none': 'Aucune boisson n’a été terminée.',
   'event.pour_began': 'Début du versement',
   'event.pour_ended': 'Fin du versement',

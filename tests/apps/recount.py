@@ -1,0 +1,239 @@
+"""Whose the parts of a session are, recounted from the raw columns of its recording.
+
+Another implementation than the program's (src/replay/moved_time.hpp states the rule): it works on whole columns, and
+takes nothing from a report but what it compares."""
+import random
+
+import h5py
+import numpy
+
+from app import DONE, NOT_WHOLE, SEED, AppTest, lose_ticks, read_recording, report_data
+
+NOBODY, PERSON, VIRTUAL_PATIENT, MOTION = range(4)  # ticks/moved_by
+UNSAID, FULL_HELP, SOME_HELP, NO_HELP = range(4)    # ticks/help
+ENDS = ("drink_done", "band_held", "level_done")
+BEGINS = ("engaged", "pour_began", "band_entered")
+FREES = ("disengaged", "step_done", "band_held", "resumed", "restarted", "drink_done")
+REACHED = ("engaged", "band_entered")
+BRIDGE_S, GRIP_N, GRIP_S = 0.2, 1.0, 1.0
+
+
+def texts(attribute):
+    return [text.decode() if isinstance(text, bytes) else str(text) for text in attribute]
+
+
+class Recount:
+    """What a recording says of its person, by its columns alone."""
+
+    def __init__(self, path):
+        with read_recording(path) as f:
+            tick = f["ticks/tick"][:]
+            rows = numpy.flatnonzero(tick < 2**63)  # docs/recording.md: the others were lost
+            self.lost = len(rows) < len(tick)
+            new = numpy.full(len(tick), -1)
+            new[rows] = numpy.arange(len(rows))
+            self.time_s = f["ticks/time_s"][:][rows]
+            self.by, self.help = (f[f"ticks/{name}"][:][rows] for name in ("moved_by", "help"))
+            self.periods = numpy.maximum(f["ticks/elapsed_periods"][:][rows], 1).astype(numpy.int64)
+            self.period_s = float(f["meta"].attrs["period_s"])
+            self.tick = tick[rows]
+            meta = f["meta"].attrs
+            self.event_names, self.value_names = (texts(meta[name]) for name in ("event_names", "value_names"))
+            self.values = f["ticks/exercise_values"][:][rows].astype(float) if self.value_names else numpy.zeros((len(rows), 0))
+            self.events = [(int(new[row]), self.event_names[kind], int(index), float(value)) for row, kind, index, value in
+                           zip(*(f[f"events/{name}"][:] for name in ("row", "type", "index", "value")))
+                           if row < len(tick) and new[int(row)] >= 0]
+            self.bodies = texts(f["ticks/bodies"].attrs["labels"]) if "bodies" in f["ticks"] else []
+            # Of each row as many as it says; those that were never written name row 2^64 - 1.
+            written = numpy.flatnonzero(f["contacts/row"][:] < len(tick))
+            of_row = f["contacts/row"][:][written].astype(numpy.int64)
+            by_row = numpy.argsort(of_row, kind="stable")
+            first = numpy.searchsorted(of_row[by_row], of_row[by_row])
+            kept = numpy.zeros(len(of_row), bool)
+            kept[by_row] = numpy.arange(len(of_row)) - first < f["ticks/contact_count"][:][of_row[by_row]]
+            kept &= new[of_row] >= 0
+            self.contact_row = new[of_row[kept]]
+            self.contact_body = f["contacts/body"][:][written][kept]
+            self.contact_n = numpy.linalg.norm(f["contacts/force_n"][:][written][kept].astype(float), axis=1)
+        self.persons = numpy.where(self.by == PERSON, self.periods, 0)
+
+    def share(self, first, last):
+        """The person's, of the rows first to last."""
+        return self.persons[first:last + 1].sum() / self.periods[first:last + 1].sum()
+
+    def most_help(self, first, last):
+        given = set(self.help[first:last + 1][self.by[first:last + 1] == PERSON])
+        return next((help for help in (FULL_HELP, SOME_HELP, NO_HELP) if help in given), UNSAID)
+
+    def part_of(self, place):
+        """(first row, last row) of the part that the event at this place of self.events finishes."""
+        last, name = self.events[place][:2]
+        start, after = 0, 0  # the first row in which it could begin, and the first event
+        for i in range(place - 1, -1, -1):
+            row, what = self.events[i][:2]
+            if what in (name, "restarted"):
+                start, after = (row if what == "restarted" else row + 1), i + 1
+                break
+        begun = [row for row, what, *_ in self.events[after:place + 1] if what in BEGINS]
+        return (begun[0] if begun else start), last
+
+    def parts(self):
+        """Of each event that finishes one: (name, index, value, share, help, last row, litres of its steps)."""
+        for place, (row, name, index, value) in enumerate(self.events):
+            if name not in ENDS:
+                continue
+            first, last = self.part_of(place)
+            litres = 0.0
+            for i in range(place - 1, -1, -1):
+                if self.events[i][1] in ("drink_done", "restarted"):
+                    break
+                litres += self.events[i][3] if self.events[i][1] == "step_done" else 0.0
+            yield name, index, value, self.share(first, last), self.most_help(first, last), last, litres
+
+    def reaches(self):
+        """(time, share) of each."""
+        free = 0
+        for row, name, *_ in self.events:
+            if name in REACHED and free is not None:
+                yield self.time_s[row] - self.time_s[free], self.share(free, row)
+                free = None
+            if name in FREES:
+                free = row
+
+    def touches(self, body):
+        """(share, largest force) of each."""
+        here = self.contact_body == body
+        rows, force_n = numpy.unique(self.contact_row[here], return_inverse=True)
+        sums_n = numpy.bincount(force_n, weights=self.contact_n[here], minlength=len(rows))
+        ends_s = self.time_s[rows] + self.periods[rows] * self.period_s
+        cut = numpy.flatnonzero(self.time_s[rows][1:] - ends_s[:-1] > BRIDGE_S) + 1
+        for part in numpy.split(numpy.arange(len(rows)), cut):
+            if len(part):
+                yield self.share(rows[part[0]], rows[part[-1]]), sums_n[part].max()
+
+    def grips(self):
+        """(share, time, mean) of each."""
+        if "squeeze_n" not in self.value_names:
+            return
+        force_n = self.values[:, self.value_names.index("squeeze_n")]
+        # A grip ends where ticks are missing before the next.
+        breaks = numpy.concatenate([[True], numpy.diff(self.tick).astype(numpy.int64) != self.periods[1:]])
+        grips = force_n >= GRIP_N
+        begins = numpy.flatnonzero(grips & (breaks | ~numpy.concatenate([[False], grips[:-1]])))
+        for begin in begins:
+            end = begin
+            while end + 1 < len(grips) and grips[end + 1] and not breaks[end + 1]:
+                end += 1
+            t = self.time_s[begin:end + 1]
+            if t[-1] - t[0] < GRIP_S:
+                continue
+            inner = (t - t[0] >= 0.25) & (t[-1] - t >= 0.25)
+            yield self.share(begin, end), t[-1] - t[0], force_n[begin:end + 1][inner].mean()
+
+
+def hand_over(path, draw):
+    """Has a recording moved by others from drawn ticks on: some of them where a part begins or ends, or one beside it.
+    Loses some ticks."""
+    own = Recount(path)
+    moments = [row for row, name, *_ in own.events if name in ENDS + BEGINS + ("restarted",)]
+    rows = len(own.by)
+    cuts = {0, rows}
+    for _ in range(draw.choice((0, 1, 2, 3, 8, 40))):
+        at_event = moments and draw.random() < 0.7
+        cuts.add(min(rows, max(0, draw.choice(moments) + draw.choice((-1, 0, 1))) if at_event else draw.randrange(rows)))
+        if draw.random() < 0.2:
+            cuts.add(min(rows, max(cuts - {rows}) + 1))  # for one tick
+    cuts = sorted(cuts)
+    mostly = draw.choice((PERSON, PERSON, VIRTUAL_PATIENT))
+    with h5py.File(path, "r+", libver="latest") as f:
+        by, help = f["ticks/moved_by"], f["ticks/help"]
+        for begin, end in zip(cuts, cuts[1:]):
+            who = mostly if draw.random() < 0.6 else draw.choice((NOBODY, PERSON, VIRTUAL_PATIENT, MOTION))
+            by[begin:end] = who
+            help[begin:end] = draw.choice((UNSAID, FULL_HELP, SOME_HELP, NO_HELP)) if who == PERSON else UNSAID
+    if draw.random() < 0.3:
+        begin = draw.randrange(1, rows - 2)
+        lose_ticks(path, begin, min(rows - 1, begin + draw.choice((1, 7, 400))))
+
+
+class Compared(AppTest):
+    def compare(self, path):
+        """A report's figures with the recount. Returns the recount."""
+        own = Recount(path)
+        self.expect(self.run_app("replay", path, "--report", "page.html"), NOT_WHOLE if own.lost else DONE)
+        said = report_data(self.folder / "page.html")["therapy"]
+        self.assertEqual(said["moved"]["by"], [int(own.periods[own.by == by].sum()) for by in range(4)])
+        self.assertEqual(said["moved"]["helped"],
+                         [int(own.periods[(own.by == PERSON) & (own.help == help)].sum()) for help in range(4)])
+        self.assertEqual(said["moved"]["share"], own.share(0, len(own.by) - 1))  # right to the tick
+        parts = list(own.parts())
+        self.compare_parts(said, own, parts)
+        self.compare_results(said, own, parts)
+        self.compare_hand(said, own)
+        return own
+
+    def compare_drawn(self, bases, cases):
+        """Copies of these recordings in which others moved, as drawn: the kinds of parts that there were."""
+        kinds = set()
+        for case in range(cases):
+            seed = 1000 * SEED + case
+            with self.subTest(seed=seed):
+                path = self.folder / "drawn.h5"
+                path.write_bytes(bases[case % len(bases)].read_bytes())
+                hand_over(path, random.Random(seed))
+                kinds |= {(name, "all" if share == 1 else "none" if share == 0 else "part")
+                          for name, _, _, share, *_ in self.compare(path).parts()}
+        return kinds
+
+    def compare_parts(self, said, own, parts):
+        self.assertEqual([(p["event"], p["index"], p["value"], p["share"], p["help"]) for p in said["parts"]],
+                         [(name, index, value, share, help) for name, index, value, share, help, *_ in parts])
+        for p, (_, _, _, share, *_) in zip(said["parts"], parts):
+            self.assertEqual(p["persons"], share == 1)
+        for name in set(ENDS) & set(own.event_names):
+            shares = [share for what, _, _, share, *_ in parts if what == name]
+            self.assertEqual([said["sums"][name][key] for key in ("count", "shared", "others")],
+                             [sum(s == 1 for s in shares), sum(0 < s < 1 for s in shares), sum(s == 0 for s in shares)])
+        reaches = list(own.reaches())
+        mine = [took for took, share in reaches if share == 1]
+        self.assertEqual(said["reaches"]["count"], len(mine))
+        self.assertEqual(said["reaches"]["others"], sum(share == 0 for _, share in reaches))
+        self.assertAlmostEqual(said["reaches"]["sum_s"], sum(mine), delta=1e-9)
+
+    def compare_results(self, said, own, parts):
+        results = {line["name"]: line["value"] for line in said["results"]}
+        if "drink_done" in own.event_names:
+            drinks = [part for part in parts if part[0] == "drink_done" and part[3] == 1]
+            self.assertAlmostEqual(results["poured_total_l"], 1000 * sum(part[6] for part in drinks), delta=1e-4)  # ml
+            stars = own.values[:, own.value_names.index("stars")]
+            self.assertEqual(said["sums"]["drink_done"]["stars"], sum(stars[part[5]] for part in drinks))
+            scores = [part[2] for part in drinks]
+        else:
+            self.assertEqual(results["bands_done"], sum(part[0] == "band_held" and part[3] == 1 for part in parts))
+            scores = [part[2] for part in parts if part[0] == "level_done" and part[3] == 1]
+        if scores:
+            self.assertAlmostEqual(results["score"], numpy.mean(scores), delta=1e-9)
+        else:
+            self.assertIsNone(results["score"])
+
+    def compare_hand(self, said, own):
+        bodies = {body["name"]: body for body in said["bodies"]}
+        for index, name in enumerate(own.bodies):
+            mine = [most_n for share, most_n in own.touches(index) if share == 1]
+            self.assertEqual(name in bodies, bool(mine), name)
+            if mine:
+                self.assertEqual(bodies[name]["touches"], len(mine), name)
+                self.assertAlmostEqual(bodies[name]["largest_force_n"], max(mine), delta=1e-9)
+        grips = list(own.grips())
+        mine = [(took, mean) for share, took, mean in grips if share == 1]
+        self.assertEqual([said["grips"][key] for key in ("count", "shared", "others")],
+                         [len(mine), sum(0 < share < 1 for share, *_ in grips), sum(share == 0 for share, *_ in grips)])
+        if mine:
+            self.assertAlmostEqual(said["grips"]["mean_n"], numpy.average([m for _, m in mine], weights=[t for t, _ in mine]),
+                                   delta=2e-3)
+        total_n = numpy.bincount(own.contact_row, weights=own.contact_n, minlength=len(own.by))
+        strongest_n = total_n[own.by == PERSON].max(initial=0.0)
+        self.assertAlmostEqual(said["largest_force_n"], strongest_n, delta=1e-9)
+        if strongest_n > 0:
+            row = int(numpy.flatnonzero((own.by == PERSON) & (total_n >= strongest_n - 1e-9))[0])
+            self.assertEqual(said["strongest"]["time_s"], own.time_s[row])

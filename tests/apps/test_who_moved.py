@@ -1,0 +1,32 @@
+"""Figures of sessions in which others than the person moved the hand, against a recount: recount.py."""
+from app import FULL, SEED, main, read_recording, report_data
+from recount import MOTION, VIRTUAL_PATIENT, Compared
+
+CASES = 200 if FULL else 10
+
+
+class Figures(Compared):
+    def test_of_drawn_hand_overs_are_those_of_the_recount(self):
+        # Played by the virtual patient: two drinks of two steps, and three bands of force.
+        bases = [self.record("bar.h5", "--exercise", "cocktail-bar", "--level", 2, "--seed", str(SEED), duration=60),
+                 self.record("squeeze.h5", "--exercise", "squeeze-to-level", "--seed", str(SEED), duration=40)]
+        kinds = self.compare_drawn(bases, CASES)
+        print(f"figure: {CASES} sessions recounted, parts of {len(kinds)} of 9 kinds")
+        self.assertGreaterEqual(len(kinds), 6)  # that the draws reach what is to be told apart
+
+    def test_of_the_virtual_patient_alone_and_of_a_motion_are_nobodys(self):
+        bar = self.record("bar.h5", "--exercise", "cocktail-bar", duration=30)
+        own = self.compare(bar)
+        self.assertEqual(set(own.by), {VIRTUAL_PATIENT})
+        drinks = [part for part in own.parts() if part[0] == "drink_done"]
+        self.assertGreaterEqual(len(drinks), 1)
+        self.expect(self.run_app("replay", bar, "--report", "page.html"), 0)
+        said = report_data(self.folder / "page.html")["therapy"]
+        self.assertEqual(said["sums"]["drink_done"]["others"], len(drinks))
+        self.assertEqual(said["sums"]["drink_done"]["count"], 0)
+        with read_recording(self.record("motion.h5")) as f:
+            self.assertEqual(set(f["ticks/moved_by"][:]), {MOTION})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,400 @@
+// Laws of mechanics that bodies keep on the default engine, for every shape, in any turn of the
+// whole scene, at 1 to 8 kHz, from 1 g to 50 kg. Expected values are closed forms.
+#include "physics/body_yard.hpp"
+#include "support/tolerance.hpp"
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGravity = 9.81;
+const char* const kEngine = "bullet";
+
+/// Draws of a law. A tenth in ./check.
+int draws() {
+  return fullCounts() ? 200 : 20;
+}
+
+double anyRate(std::mt19937_64& random) {
+  const std::array rates{1000.0, 2000.0, 4000.0, 8000.0};
+  return rates[random() % rates.size()];
+}
+/// Evenly over the decades.
+double anyBetween(std::mt19937_64& random, double low, double high) {
+  return std::exp(uniform(random, std::log(low), std::log(high)));
+}
+double anyMass(std::mt19937_64& random) {
+  return anyBetween(random, 1e-3, 50.0);
+}
+/// Straight down, leant by a slope along x.
+Vector3d leant(double slope_rad) {
+  return kGravity * Vector3d(std::sin(slope_rad), 0.0, -std::cos(slope_rad));
+}
+Eigen::Matrix3d about(const Vector3d& axis, double angle_rad) {
+  return Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
+}
+
+/// A round body that rolls along x on z = 0.
+struct Round {
+  std::string name;
+  SceneBody body;
+  double radius_m = 0.0;
+  double k = 0.0;  ///< moment about the axis it rolls on, over m r²
+};
+
+Round anyRound(std::mt19937_64& random, double start_m) {
+  const double r = anyBetween(random, 3e-3, 0.05), m = anyMass(random);
+  const double length = uniform(random, 2.5, 5.0) * r;
+  const Vector3d at(start_m, 0.0, r);
+  const Eigen::Matrix3d lying = about(Vector3d::UnitX(), kPi / 2.0);
+  switch (random() % 3) {
+    case 0:
+      return {"sphere", bodyOf(roundShape(ShapeType::kSphere, r, 0.0), at, m, 0.8, anyTurn(random)),
+              r, 2.0 / 5.0};
+    case 1:
+      return {"cylinder", bodyOf(roundShape(ShapeType::kCylinder, r, length), at, m, 0.8, lying), r,
+              1.0 / 2.0};
+    default: {
+      // Moments of a cylinder and two half balls about their common axis.
+      const double ends = 4.0 / 3.0 * r, both = length + ends;
+      return {"capsule", bodyOf(roundShape(ShapeType::kCapsule, r, length), at, m, 0.8, lying), r,
+              (length * 0.5 + ends * 0.4) / both};
+    }
+  }
+}
+
+/// A body that lies on a face of z = 0. @param half_m of its height
+SceneBody anyFlat(std::mt19937_64& random, double half_m, double friction, double mass_kg,
+                  std::string& name) {
+  const double width = uniform(random, 1.5, 3.0) * half_m;
+  const Vector3d at(-3.0, 0.0, half_m), size(2.0 * width, 1.7 * width, 2.0 * half_m);
+  const Eigen::Matrix3d turn = about(Vector3d::UnitZ(), uniform(random, -kPi, kPi));
+  switch (random() % 3) {
+    case 0:
+      name = "box";
+      return bodyOf(boxShape(size), at, mass_kg, friction, turn);
+    case 1:
+      name = "cylinder";
+      return bodyOf(roundShape(ShapeType::kCylinder, width, 2.0 * half_m), at, mass_kg, friction,
+                    turn);
+    default:
+      name = "mesh";
+      return bodyOf(meshShape(size), at, mass_kg, friction, turn);
+  }
+}
+
+TEST(BodyLaws, WhatRollsOnALevel_KeepsItsSpeedAndGainsNoEnergy) {
+  auto random = seededRandom(3601);
+  double worst = 0.0, gained = 0.0;
+  for (int i = 0; i < draws(); ++i) {
+    const Round round = anyRound(random, -3.0);
+    const double rate = anyRate(random), v = anyBetween(random, 1e-3, 0.5);
+    SCOPED_TRACE(round.name + " r " + std::to_string(round.radius_m) + " m, " +
+                 std::to_string(rate) + " Hz, thrown at " + std::to_string(v) + " m/s");
+    Yard yard(kEngine, {ground(0.8), round.body}, leant(0.0), rate, anyTurn(random));
+    yard.throwBody(1, Vector3d(v, 0.0, 0.0));
+    yard.run(0.5);
+    const double energy = yard.energy(1);
+    yard.run(i % 5 == 0 ? 10.0 : 2.0);
+    // Sliding ends when the ground has turned it: the moment about the contact is kept.
+    const double expected = v / (1.0 + round.k);
+    worst = std::max(worst, std::abs(yard.velocity(1).x() / expected - 1.0));
+    gained = std::max(gained, (yard.energy(1) - energy) / (0.5 * round.body.mass_kg * v * v));
+    EXPECT_NEAR(yard.velocity(1).x(), expected, 0.01 * expected);
+    EXPECT_LE(std::abs(yard.velocity(1).y()), 0.01 * expected);
+    EXPECT_LE(yard.energy(1) - energy, 1e-3 * 0.5 * round.body.mass_kg * v * v);
+  }
+  figure("rolling on a level, worst speed against the law", worst, "");
+  figure("rolling on a level, most energy gained over what it had", gained, "");
+}
+
+TEST(BodyLaws, WhatRollsDown_AcceleratesByItsMoment) {
+  auto random = seededRandom(3602);
+  double worst = 0.0;
+  for (int i = 0; i < draws(); ++i) {
+    const Round round = anyRound(random, -3.0);
+    const double rate = anyRate(random), slope = uniform(random, 0.02, 0.3);
+    SCOPED_TRACE(round.name + ", " + std::to_string(rate) + " Hz, slope " + std::to_string(slope));
+    Yard yard(kEngine, {ground(0.8), round.body}, leant(slope), rate, anyTurn(random));
+    yard.run(0.1);
+    const double before = yard.velocity(1).x();
+    yard.run(1.0);
+    const double expected = kGravity * std::sin(slope) / (1.0 + round.k);
+    worst = std::max(worst, std::abs((yard.velocity(1).x() - before) / expected - 1.0));
+    EXPECT_NEAR(yard.velocity(1).x() - before, expected, 0.01 * expected);
+    EXPECT_LE(std::abs(yard.at(1).y()), 5e-4);
+  }
+  figure("rolling down, worst acceleration against the law", worst, "");
+}
+
+TEST(BodyLaws, WhatSlidesDown_AcceleratesByCoulombsLawAndStraight) {
+  auto random = seededRandom(3603);
+  double worst = 0.0, aside_m = 0.0;
+  for (int i = 0; i < draws(); ++i) {
+    std::string name;
+    const double friction = uniform(random, 0.1, 0.6), rate = anyRate(random);
+    const double slope = std::atan(friction * uniform(random, 1.2, 2.0));
+    const SceneBody body =
+        anyFlat(random, uniform(random, 0.005, 0.03), friction, anyMass(random), name);
+    SCOPED_TRACE(name + ", " + std::to_string(rate) + " Hz, friction " + std::to_string(friction));
+    Yard yard(kEngine, {ground(friction), body}, leant(slope), rate, anyTurn(random));
+    yard.throwBody(1, Vector3d::Zero());
+    yard.run(0.1);
+    const double before = yard.velocity(1).x();
+    yard.run(1.0);
+    const double expected = kGravity * (std::sin(slope) - friction * std::cos(slope));
+    worst = std::max(worst, std::abs((yard.velocity(1).x() - before) / expected - 1.0));
+    aside_m = std::max(aside_m, std::abs(yard.at(1).y()));
+    EXPECT_NEAR(yard.velocity(1).x() - before, expected, 0.01 * expected);
+    EXPECT_LE(std::abs(yard.at(1).y()), 5e-4);
+  }
+  figure("sliding down, worst acceleration against the law", worst, "");
+  figure("sliding down, farthest aside", 1e3 * aside_m, "mm");
+}
+
+TEST(BodyLaws, WhatStandsOnASlopeBelowItsFriction_Stays) {
+  auto random = seededRandom(3604);
+  double farthest_m = 0.0;
+  for (int i = 0; i < draws(); ++i) {
+    std::string name;
+    const double friction = uniform(random, 0.2, 0.6), half_m = uniform(random, 0.005, 0.03);
+    const SceneBody body = anyFlat(random, half_m, friction, anyMass(random), name);
+    SCOPED_TRACE(name);
+    Yard yard(kEngine, {ground(friction), body}, leant(std::atan(0.95 * friction)), anyRate(random),
+              anyTurn(random));
+    yard.throwBody(1, Vector3d::Zero());
+    const Vector3d before = yard.at(1);
+    yard.run(1.5);
+    farthest_m = std::max(farthest_m, (yard.at(1) - before).norm());
+    EXPECT_LE((yard.at(1) - before).norm(), 2e-4);
+  }
+  figure("standing on a slope, farthest moved in 1.5 s", 1e3 * farthest_m, "mm");
+}
+
+TEST(BodyLaws, WhatLeans_FallsWhereItsWeightLeavesItsFoot) {
+  auto random = seededRandom(3605);
+  for (int i = 0; i < draws(); ++i) {
+    const bool round = random() % 2 == 0, mesh = random() % 2 == 0, falls = random() % 2 == 0;
+    const double r = uniform(random, 0.01, 0.04), half_m = r * uniform(random, 1.5, 3.0);
+    const Shape shape = round  ? roundShape(ShapeType::kCylinder, r, 2.0 * half_m)
+                        : mesh ? meshShape({2.0 * r, 2.0 * r, 2.0 * half_m})
+                               : boxShape({2.0 * r, 2.0 * r, 2.0 * half_m});
+    const double yaw = round ? uniform(random, -kPi, kPi) : 0.0;
+    const SceneBody body =
+        bodyOf(shape, {0.0, 0.0, half_m}, anyMass(random), 2.0, about(Vector3d::UnitZ(), yaw));
+    SCOPED_TRACE(std::string(round  ? "cylinder"
+                             : mesh ? "mesh"
+                                    : "box") +
+                 " r " + std::to_string(r) + ", half height " + std::to_string(half_m));
+    const double share = falls ? 1.02 : 0.98;
+    Yard yard(kEngine, {ground(2.0), body}, leant(std::atan(share * r / half_m)), 1000.0,
+              anyTurn(random));
+    yard.throwBody(1, Vector3d::Zero());
+    yard.run(4.0);
+    const bool fell = yard.axes(1)(2, 2) < 0.9;
+    EXPECT_EQ(fell, falls) << "leans by " << share << " of what its foot bears";
+  }
+}
+
+TEST(BodyLaws, WhatSpinsFreely_KeepsItsAngularMomentumAndEnergy) {
+  auto random = seededRandom(3606);
+  double momentum = 0.0, energy = 0.0;
+  for (int i = 0; i < draws() / 4; ++i) {
+    const Vector3d size(uniform(random, 0.05, 0.2), uniform(random, 0.05, 0.2),
+                        uniform(random, 0.01, 0.2));
+    // A ball strikes it off its centre.
+    Yard yard(kEngine,
+              {bodyOf(boxShape(size), Vector3d::Zero(), 0.1, 0.5, anyTurn(random)),
+               bodyOf(roundShape(ShapeType::kSphere, 0.02, 0.0),
+                      {0.3 * size.x(), 0.3 * size.y(), 0.3}, 0.5, 0.5)},
+              Vector3d::Zero(), anyRate(random), anyTurn(random));
+    yard.throwBody(1, {0.0, 0.0, -uniform(random, 1.0, 4.0)});
+    yard.run(0.4);
+    const Vector3d before = yard.angularMomentum(0);
+    const double had = yard.energy(0);
+    if (yard.spin(0).norm() < 1.0) continue;  // passed by
+    yard.run(i == 0 ? 60.0 : 5.0);
+    momentum = std::max(momentum, (yard.angularMomentum(0) - before).norm() / before.norm());
+    energy = std::max(energy, std::abs(yard.energy(0) / had - 1.0));
+  }
+  figure("free spin, angular momentum lost", momentum, "");
+  figure("free spin, energy changed", energy, "");
+  EXPECT_GT(momentum, 0.0);
+  EXPECT_LE(momentum, 1e-6);
+  EXPECT_LE(energy, 1e-3);
+}
+
+TEST(BodyLaws, WhatSlidesOverFlushPlanks_FeelsNoSeams) {
+  auto random = seededRandom(3607);
+  for (int i = 0; i < draws() / 4; ++i) {
+    std::string name;
+    const double friction = 0.3, slope = std::atan(0.45), half_m = uniform(random, 0.015, 0.03);
+    SceneBody body = anyFlat(random, half_m, friction, 0.1, name);
+    const double start_m = 0.2;
+    body.pose.translation_m = {start_m, 0.0, half_m};
+    std::vector<SceneBody> bodies;
+    for (int k = 0; k < 40; ++k) {
+      bodies.push_back(bodyOf(boxShape({0.05, 1.2, 0.04}), {0.05 * k, 0.0, -0.02}, 0.0, friction));
+    }
+    bodies.push_back(body);
+    SCOPED_TRACE(name);
+    Yard yard(kEngine, bodies, leant(slope), 1000.0, anyTurn(random));
+    yard.throwBody(40, Vector3d::Zero());
+    const double seconds = 0.95;
+    yard.run(seconds);
+    const double way_m =
+        0.5 * kGravity * (std::sin(slope) - friction * std::cos(slope)) * seconds * seconds;
+    EXPECT_NEAR(yard.at(40).x() - start_m, way_m, 0.02 * way_m);
+  }
+}
+
+TEST(BodyLaws, WhatFliesAtAThinPlate_StopsOnIt) {
+  auto random = seededRandom(3608);
+  for (int i = 0; i < draws(); ++i) {
+    const std::size_t which = random() % 3;
+    // A corner that strikes turns what has one: only a ball is stopped at any speed.
+    const double r = anyBetween(random, 2e-3, 0.02),
+                 v = uniform(random, 1.0, which == 0 ? 15.0 : 2.0);
+    const std::array<Shape, 3> shapes{roundShape(ShapeType::kSphere, r, 0.0),
+                                      boxShape(Vector3d(r, r, r)), meshShape(Vector3d(r, r, r))};
+    SCOPED_TRACE("shape " + std::to_string(which) + " of " + std::to_string(r) + " m at " +
+                 std::to_string(v) + " m/s");
+    Yard yard(
+        kEngine,
+        {bodyOf(boxShape({0.4, 0.4, 0.001}), Vector3d::Zero(), 0.0, 0.5),
+         bodyOf(shapes[which], {0.0, 0.0, uniform(random, 0.1, 0.2)}, 0.01, 0.5, anyTurn(random))},
+        Vector3d::Zero(), 1000.0, anyTurn(random));
+    yard.throwBody(1, {uniform(random, -0.3, 0.3) * v, 0.0, -v});
+    yard.run(0.2);
+    EXPECT_GT(yard.at(1).z(), 0.0);
+  }
+}
+
+TEST(BodyLaws, AHeavyBodyOnALightOne_RestsAtItsSurface) {
+  auto random = seededRandom(3609);
+  double deepest_m = 0.0;
+  for (int i = 0; i < draws() / 2; ++i) {
+    const double light = anyBetween(random, 1e-3, 0.1), ratio = anyBetween(random, 1.0, 100.0);
+    SCOPED_TRACE(std::to_string(light) + " kg below " + std::to_string(light * ratio) + " kg");
+    Yard yard(kEngine,
+              {ground(0.8), bodyOf(boxShape({0.05, 0.05, 0.05}), {0.0, 0.0, 0.025}, light, 0.8),
+               bodyOf(boxShape({0.08, 0.08, 0.06}), {0.0, 0.0, 0.08}, light * ratio, 0.8)},
+              leant(0.0), 1000.0, anyTurn(random));
+    yard.throwBody(2, Vector3d::Zero());
+    yard.run(3.0);
+    const double sunk_m = 0.08 - yard.at(2).z();
+    deepest_m = std::max(deepest_m, sunk_m);
+    EXPECT_LE(sunk_m, 2e-4);  // two contacts
+  }
+  figure("heavy on light to a ratio of 100, deepest", 1e3 * deepest_m, "mm");
+}
+
+// ---- the hand ----
+
+TEST(HandFriction, SteadySlip_IsOpposedAlongIt) {
+  auto random = seededRandom(3610);
+  double worst_rad = 0.0;
+  int judged = 0;
+  for (int i = 0; i < draws(); ++i) {
+    // A wall of any direction that the fingers slide along, in any direction of its face.
+    const Eigen::Matrix3d turn = about(Vector3d::UnitX(), uniform(random, -0.4, 0.4)) *
+                                 about(Vector3d::UnitY(), uniform(random, -0.4, 0.4));
+    const Vector3d normal = -turn.col(2);  // from the hand into the wall
+    AxisPosition posture(6);
+    posture[3] = uniform(random, 0.3, 1.2), posture[4] = 0.6, posture[5] = 0.3;
+    const HandModel hand = load(shippedFiles()).hand;
+    const double face_m = reach(hand, posture, normal);
+    SceneBody slab = fixedBox(Vector3d::Zero(), {1.0, 1.0, 0.04});
+    slab.pose = {turn, (face_m + 0.02) * normal};
+    Bench bench(kEngine, weightless({slab}));
+    ASSERT_TRUE(bench.world->placeHand(posture));
+    const double angle = uniform(random, -kPi, kPi), speed = anyBetween(random, 5e-3, 0.2);
+    const Vector3d slip = turn * Vector3d(std::cos(angle), std::sin(angle), 0.0);
+    AxisVelocity rate(6);
+    for (int k = 0; k < 300; ++k) {
+      const double pressed_m = 2e-3 * std::min(1.0, k / 100.0);
+      AxisPosition q = posture;
+      for (int a = 0; a < 3; ++a) {
+        q[a] += pressed_m * normal[a] + speed * k * kPeriod_s * slip[a];
+        rate[a] = speed * slip[a];
+      }
+      ASSERT_NO_FATAL_FAILURE(bench.step(q, rate));
+    }
+    for (int c = 0; c < bench.touching.count; ++c) {
+      const Contact& contact = bench.touching.points[c];
+      const Vector3d n = contact.normal.eigen();
+      Vector3d slip_m_s;
+      for (int k = 0; k < 3; ++k) {
+        std::array<double, kMaxAxes> row{};
+        bench.body.reducedPointRow(contact.link, contact.point_m.eigen(), Vector3d::Unit(k),
+                                   row.data());
+        slip_m_s[k] = 0.0;
+        for (int a = 0; a < 6; ++a) slip_m_s[k] += row[a] * bench.after.qd_s[a];
+      }
+      slip_m_s -= slip_m_s.dot(n) * n;
+      const Vector3d force = contact.force_n.eigen();
+      const Vector3d rub = force - force.dot(n) * n;
+      if (slip_m_s.norm() < 1e-3 || force.dot(n) < 0.01) continue;
+      ++judged;
+      const double off = std::atan2(rub.cross(slip_m_s).norm(), -rub.dot(slip_m_s));
+      worst_rad = std::max(worst_rad, off);
+      EXPECT_LE(off, 1.0 * kDeg) << "posture " << posture[3] << ", angle " << angle;
+    }
+  }
+  EXPECT_GT(judged, draws() / 2);
+  figure("friction of a sliding hand off the slip, worst", worst_rad / kDeg, "deg");
+}
+
+TEST(HandOnRollers, HeldByAPerson_ComesToRest) {
+  auto random = seededRandom(3611);
+  double worst_m = 0.0;
+  for (int i = 0; i < draws() / 4; ++i) {
+    const double r = uniform(random, 0.003, 0.02);
+    Models models = load(shippedFiles());
+    AxisPosition flat(6);
+    const double low_m = -reach(models.hand, flat, -Vector3d::UnitZ());
+    const double top_m = low_m - 1e-3, plate_m = 0.02;
+    SceneModel& scene = models.scene;
+    scene.bodies.clear();
+    const double ground_m = top_m - plate_m - 2.0 * r;
+    scene.bodies.push_back(
+        bodyOf(boxShape({2.0, 2.0, 0.04}), {0.0, 0.0, ground_m - 0.02}, 0.0, 0.8));
+    const Eigen::Matrix3d lying = about(Vector3d::UnitX(), kPi / 2.0);
+    for (const double x : {0.0, 0.12}) {
+      scene.bodies.push_back(bodyOf(roundShape(ShapeType::kCylinder, r, 0.2),
+                                    {x, 0.0, ground_m + r}, 0.1, 0.8, lying));
+    }
+    scene.bodies.push_back(
+        bodyOf(boxShape({0.3, 0.2, plate_m}), {0.06, 0.0, top_m - 0.5 * plate_m}, 2.0, 0.8));
+    AxisPosition above = flat, pressed = flat, aside = flat;
+    pressed[2] = aside[2] = -uniform(random, 5e-3, 0.02);
+    aside[0] = uniform(random, 5e-3, 0.02);
+    const auto rig = orThrow(buildRig(
+        std::move(models),
+        Intention::throughWaypoints({{0.0, above}, {0.5, pressed}, {1.0, pressed}, {1.2, aside}}),
+        {}));
+    ASSERT_TRUE(rig->renderer->arm());
+    double low = 1e9, high = -1e9, rolled_m = 0.0;
+    int touching = 0;
+    runTicks(*rig->renderer, 10'000, [&](const TickRecord& record) {
+      ASSERT_EQ(record.faults & kStopping, Fault::kNone);
+      rolled_m = std::max(rolled_m, std::abs(record.bodies[3].position_m.x - 0.06));
+      if (record.tick < 8'000) return;
+      touching += record.contact_count > 0 ? 1 : 0;
+      low = std::min(low, record.q_m[0]);
+      high = std::max(high, record.q_m[0]);
+    });
+    SCOPED_TRACE("rollers of " + std::to_string(r) + " m");
+    EXPECT_GT(touching, 1'900);
+    EXPECT_GT(rolled_m, 2e-3);
+    EXPECT_LE(high - low, 1e-4);
+    worst_m = std::max(worst_m, high - low);
+  }
+  figure("a hand on a plate on rollers, swing of the device after 8 s", 1e3 * worst_m, "mm");
+}
+
+}  // namespace
+}  // namespace wholehand::test

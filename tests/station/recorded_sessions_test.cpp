@@ -1,0 +1,315 @@
+// Every session that a person was in has a recording from its first tick; the others leave none.
+#include "station/session_files.hpp"
+#include "station/station_bench.hpp"
+#include "support/seed.hpp"
+#include "telemetry/recording.hpp"
+
+#include <set>
+#include <vector>
+
+namespace wholehand::test {
+namespace {
+
+/// A session as its ticks show it.
+struct Seen {
+  std::uint64_t ticks = 0, by_person = 0;
+};
+
+class Demonstration : public Bar {
+ protected:
+  void begin() {
+    StationConfig config = barConfig();
+    config.rehearse = false;
+    config.now = [this] { return Clock::now() + std::chrono::seconds(ahead_s_); };
+    change(config);
+    load(config);
+    station_->addSink([this](const TickRecord& record) {
+      const std::lock_guard lock(seen_mutex_);
+      if (record.tick == 0 || seen_.empty()) seen_.emplace_back();
+      ++seen_.back().ticks;
+      if (record.moved_by == Mover::kPerson) ++seen_.back().by_person;
+    });
+    run(true);
+    ASSERT_TRUE(rendersOn());
+  }
+  virtual void change(StationConfig& /*config*/) {}
+
+  OrderReply steer(Steering by) {
+    Order order = of(OrderType::kSteer);
+    order.steering = by;
+    return ask(order);
+  }
+  /// A page takes the steering as soon as it may.
+  bool joins() {
+    return becomes([this] { return steer(Steering::kPerson).accepted; });
+  }
+  /// The next session of the program's own accord.
+  bool isRenewed(std::uint32_t since) {
+    return becomes([&] {
+      const LoopStatus status = station_->status();
+      return status.session > since && status.run_state == RunState::kRendering;
+    });
+  }
+  [[nodiscard]] std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    std::error_code none;
+    for (fs::directory_iterator it(folder_ + "/recordings", none), end; !none && it != end; ++it) {
+      if (it->path().extension() == ".h5") names.push_back(it->path().string());
+    }
+    return names;
+  }
+  std::vector<Seen> seen() {
+    const std::lock_guard lock(seen_mutex_);
+    return seen_;
+  }
+  /// After the end: how many sessions with a person have no recording of all their ticks.
+  int unrecorded() {
+    std::multiset<std::uint64_t> recorded;
+    for (const std::string& file : files()) {
+      auto recording = RecordingReader::open(file);
+      EXPECT_TRUE(recording) << file << format(recording.errors());
+      if (!recording) continue;
+      TickRecord first;
+      EXPECT_TRUE((*recording)->read(0, first));
+      EXPECT_EQ(first.tick, 0U) << "from its first tick: " << file;
+      recorded.insert((*recording)->size());
+    }
+    int missing = 0;
+    for (const Seen& session : seen()) {
+      if (session.by_person == 0) continue;
+      const auto found = recorded.find(session.ticks);
+      if (found == recorded.end()) {
+        ++missing;
+      } else {
+        recorded.erase(found);
+      }
+    }
+    return missing;
+  }
+
+  std::atomic<int> ahead_s_{0};
+  std::mutex seen_mutex_;
+  std::vector<Seen> seen_;
+};
+
+TEST_F(Demonstration, ThatSomebodyJoins_IsRecordedFromItsFirstTick) {
+  begin();
+  EXPECT_NE(station_->scene()->recording, "") << "the screen says that it is recorded";
+  ASSERT_TRUE(joins());
+  ASSERT_TRUE(rendersOn());
+  quit();
+  EXPECT_EQ(files().size(), 1U);
+  EXPECT_EQ(unrecorded(), 0);
+}
+
+TEST_F(Demonstration, ThatNobodyJoins_LeavesNothing) {
+  begin();
+  ASSERT_EQ(files().size(), 1U) << "it is recorded all the same";
+  const StationOutcome& outcome = quit();
+  EXPECT_TRUE(fs::is_empty(folder_ + "/recordings"));
+  ASSERT_TRUE(outcome.last);
+  EXPECT_EQ(outcome.last->record, "");
+}
+
+TEST_F(Demonstration, ThatNobodyJoins_IsBegunAnewEveryTenMinutes) {
+  begin();
+  const std::uint32_t endings = station_->status().endings;
+  std::string before = station_->scene()->recording;
+  for (int i = 0; i < 3; ++i) {
+    const std::uint32_t session = station_->status().session;
+    ahead_s_ += 590;
+    EXPECT_TRUE(rendersOn());
+    EXPECT_EQ(station_->status().session, session) << kAlways << "not before its time";
+    ahead_s_ += 11;
+    ASSERT_TRUE(isRenewed(session));
+    EXPECT_TRUE(rendersOn());
+    EXPECT_EQ(files().size(), 1U) << "the recording of nobody is removed";
+    EXPECT_NE(station_->scene()->recording, before);
+    before = station_->scene()->recording;
+  }
+  EXPECT_EQ(station_->status().endings, endings) << "no ending that a person must see";
+  EXPECT_EQ(quit().sessions, 1U) << "nobody's sessions are not counted";
+  EXPECT_TRUE(fs::is_empty(folder_ + "/recordings"));
+}
+
+TEST_F(Demonstration, JoinedInTheLastSecond_GoesOn) {
+  begin();
+  ahead_s_ += 599;
+  ASSERT_TRUE(joins());
+  const std::uint32_t session = station_->status().session;
+  ahead_s_ += 3600;
+  std::this_thread::sleep_for(300ms);
+  EXPECT_TRUE(rendersOn());
+  EXPECT_EQ(station_->status().session, session) << kAlways;
+  EXPECT_EQ(station_->status().steering, Steering::kPerson);
+  quit();
+  EXPECT_EQ(seen().size(), 1U);
+  EXPECT_EQ(unrecorded(), 0);
+}
+
+// While the old session fades and the new one is built, both are the person's.
+TEST_F(Demonstration, JoinedWhileItIsBegunAnew_SteersTheNextAndLosesNothing) {
+  begin();
+  const std::uint32_t session = station_->status().session;
+  ahead_s_ += 601;
+  ASSERT_TRUE(becomes([this] { return station_->status().run_state != RunState::kRendering; }));
+  ASSERT_TRUE(joins());
+  ASSERT_TRUE(isRenewed(session));
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(station_->status().steering, Steering::kPerson);
+  quit();
+  EXPECT_GT(seen().back().by_person, 0U);
+  EXPECT_EQ(unrecorded(), 0);
+}
+
+TEST_F(Demonstration, ThatEverybodyLeft_BeginsAnewAndKeepsItsRecording) {
+  begin();
+  ASSERT_TRUE(joins());
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(steer(Steering::kVirtualPatient).accepted);
+  const std::uint32_t session = station_->status().session;
+  ASSERT_TRUE(ask(OrderType::kUnattended).accepted);
+  ASSERT_TRUE(isRenewed(session));
+  EXPECT_EQ(files().size(), 2U);
+  EXPECT_EQ(quit().sessions, 2U);
+  EXPECT_EQ(files().size(), 1U) << "the second one was nobody's";
+  EXPECT_EQ(unrecorded(), 0);
+}
+
+// Without an order of the person yet: the console took the controls.
+TEST_F(Demonstration, ControlsThatWereTaken_KeepItsRecording) {
+  begin();
+  const std::uint32_t session = station_->status().session;
+  ASSERT_TRUE(ask(OrderType::kAttended).accepted);
+  ahead_s_ += 601;
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(station_->status().session, session) << kAlways;
+  quit();
+  EXPECT_EQ(files().size(), 1U);
+}
+
+// Whoever takes the controls while the old session ends, and does nothing, is in the new one.
+TEST_F(Demonstration, ControlsTakenWhileItIsBegunAnew_KeepTheNextRecording) {
+  begin();
+  const std::uint32_t session = station_->status().session;
+  ahead_s_ += 601;
+  ASSERT_TRUE(becomes([this] { return station_->status().run_state != RunState::kRendering; }));
+  ASSERT_TRUE(ask(OrderType::kAttended).accepted);
+  ASSERT_TRUE(isRenewed(session));
+  ahead_s_ += 601;
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(station_->status().session, session + 1) << kAlways << "it is somebody's";
+  quit();
+  EXPECT_GE(files().size(), 1U);
+}
+
+TEST_F(Demonstration, StopWhileItIsBegunAnew_StaysStopped) {
+  begin();
+  ahead_s_ += 601;
+  ASSERT_TRUE(becomes([this] { return station_->status().run_state != RunState::kRendering; }));
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  std::this_thread::sleep_for(1500ms);
+  const RunState now = station_->status().run_state;
+  if (now == RunState::kRampingDown) EXPECT_TRUE(becomes(RunState::kStopped));
+  EXPECT_NE(station_->status().run_state, RunState::kRendering) << kAlways;
+  EXPECT_EQ(files().size(), 1U) << "somebody was there";
+}
+
+// The program goes on without a disk, and clients are told.
+class WithoutAFolder : public Demonstration {
+  void change(StationConfig& config) override {
+    std::ofstream(folder_ + "/recordings") << "a file where the folder should be";
+    config.recordings_folder = folder_ + "/recordings";
+  }
+};
+TEST_F(WithoutAFolder, Demonstration_RunsAndSaysThatNothingIsRecorded) {
+  begin();
+  EXPECT_TRUE(says("what follows is not recorded: " + folder_ + "/recordings: "));
+  EXPECT_EQ(station_->scene()->recording, "");
+  EXPECT_EQ(station_->status().recording_bytes, 0U);
+  EXPECT_TRUE(joins());
+}
+
+// The report of the recording that had the name before is another session's.
+TEST_F(Demonstration, RecordingThatTakesTheNameOfAnother_GetsItsOwnReport) {
+  StationConfig config = barConfig();
+  int made = 0;
+  config.make_report = [&made](const std::string& recording, const std::string& folder) {
+    ++made;
+    fs::create_directories(folder);
+    fs::copy_file(recording, folder + "/index.html", fs::copy_options::overwrite_existing);
+    return Expected<Done>(Done{});
+  };
+  load(config);
+  fs::create_directories(folder_ + "/recordings");
+  const std::string path = folder_ + "/recordings/a.h5";
+  std::string why;
+  const auto report = [&] {
+    std::ifstream in(station_->reportFolder("a.h5", why) + "/index.html");
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  std::ofstream(path) << "first";
+  EXPECT_EQ(report(), "first") << why;
+  EXPECT_EQ(report(), "first");
+  EXPECT_EQ(made, 1) << "made once";
+  const auto time = fs::last_write_time(path);
+  std::ofstream(folder_ + "/recordings/b") << "other";  // of its size, and of its time
+  fs::last_write_time(folder_ + "/recordings/b", time);
+  fs::rename(folder_ + "/recordings/b", path);
+  EXPECT_EQ(report(), "other") << why;
+  EXPECT_EQ(made, 2);
+}
+
+// Who joins when, what is loaded, stopped and armed, and how time passes: drawn. Half of the
+// scripts begin with time alone, in which the program begins anew.
+TEST_F(Demonstration, DrawnScripts_LeaveNoSessionOfAPersonUnrecorded) {
+  auto random = seededRandom(3501);
+  const int scripts = kFew ? 4 : 20;
+  for (int script = 0; script < scripts; ++script) {
+    ahead_s_ = 0;
+    begin();
+    const int alone = script % 2 == 0 ? 0 : 3 + static_cast<int>(random() % 3);
+    for (int step = 0; step < 8; ++step) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 600));
+      if (step < alone) {
+        ahead_s_ += 350;
+        continue;
+      }
+      switch (random() % 8) {
+        case 0:
+        case 1:
+          (void)steer(Steering::kPerson);  // refused where nothing is armed
+          break;
+        case 2:
+          (void)steer(Steering::kVirtualPatient);
+          break;
+        case 3:
+          (void)ask(OrderType::kUnattended);
+          break;
+        case 4: {
+          Order load = of(OrderType::kLoadExercise);
+          load.level = 1 + static_cast<int>(random() % 2);
+          (void)ask(load);
+          break;
+        }
+        case 5:
+          (void)ask(random() % 2 == 0 ? OrderType::kStop : OrderType::kEmergencyStop);
+          break;
+        default:
+          ahead_s_ += 350;
+      }
+      if (random() % 3 == 0) (void)ask(OrderType::kArm);
+    }
+    quit();
+  }
+  int persons = 0;
+  for (const Seen& session : seen()) persons += session.by_person > 0 ? 1 : 0;
+  const int missing = unrecorded();
+  std::printf("figure: of %zu sessions a person was in %d; without recording: %d\n", seen().size(),
+              persons, missing);
+  EXPECT_GT(persons, 0);
+  EXPECT_EQ(missing, 0);
+}
+
+}  // namespace
+}  // namespace wholehand::test
