@@ -41,7 +41,7 @@ class TimingObserver {
       holding_ = false;
       ++result_.releases;
     }
-    if (holding_) ++result_.held_ticks;
+    if (holding_) held_.add(r.cpu_ns);
     if (r.exercise.alpha > 0.0) ++result_.wall_ticks;
     for (int j = 0; j < r.theta.size(); ++j) {
       lowest_[j] = std::min(lowest_[j], r.theta[j]);
@@ -50,6 +50,8 @@ class TimingObserver {
   }
 
   void finish() {
+    result_.held_ticks = held_.count();
+    result_.held_cpu = held_.percentiles();
     for (std::size_t j = 0; j < lowest_.size(); ++j) {
       result_.joint_travel.push_back(highest_[j] - lowest_[j]);
     }
@@ -65,6 +67,7 @@ class TimingObserver {
   int body_;
   std::vector<double> lowest_, highest_;
   bool holding_ = false;
+  DurationHistogram held_;
 };
 
 }  // namespace

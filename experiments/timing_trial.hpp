@@ -33,6 +33,7 @@ struct TimingResult {
   int grasps = 0;                          ///< times the grip force rose above 5 N
   int releases = 0;                        ///< times it then fell below 1 N
   std::uint64_t held_ticks = 0;            ///< ticks of these grips
+  Percentiles held_cpu;                    ///< CPU time of these ticks
   std::uint64_t wall_ticks = 0;            ///< ticks with felt exercise walls
   std::vector<double> joint_travel;        ///< range of motion of every joint [m or rad]
 };

@@ -95,6 +95,7 @@ AdvisedCertificate judgeWorst(const Models& models, const std::vector<DeviceMode
   for (std::size_t i = 0; i < devices.size(); ++i) {
     CertificateInput input = certificateInput(models, 1.0 / o.rate_hz);
     input.device = devices[i];
+    if (!o.passport.empty()) input.persons = Persons::kAny;
     AdvisedCertificate judged = judge(std::move(input));
     if (!o.passport.empty()) {
       judged.corner = fmt::format("the worst corner of the passport {}: masses at their {} ends",

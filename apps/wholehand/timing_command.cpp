@@ -57,7 +57,8 @@ ChartPage timePage(const TimingResult& r) {
   ChartTable table{
       sentence("timing.table"),
       {sentence("timing.what"), "p50", "p99", "p99.9", sentence("timing.most")},
-      {timesRow(sentence("timing.cpu"), s.cpu), timesRow(sentence("timing.wall"), s.wall)}};
+      {timesRow(sentence("timing.cpu"), s.cpu), timesRow(sentence("timing.held"), r.held_cpu),
+       timesRow(sentence("timing.wall"), s.wall)}};
   for (int i = 0; i < kStages; ++i) {
     const char* name = stageName(static_cast<Stage>(i));
     table.rows.push_back(timesRow(sentence("stage", {{"stage", name}}), s.stage_cpu[i]));
@@ -83,6 +84,7 @@ nlohmann::ordered_json timingJson(const TimingResult& r) {
   json["allocations"] = r.outcome.counters.allocations;
   json["allocations_counted"] = allocationCountingAvailable();
   json["cpu_us"] = microseconds(s.cpu);
+  json["held_cpu_us"] = microseconds(r.held_cpu);
   json["wall_us"] = microseconds(s.wall);
   for (int i = 0; i < kStages; ++i) {
     json["stages_cpu_us"][stageName(static_cast<Stage>(i))] = microseconds(s.stage_cpu[i]);
@@ -115,6 +117,7 @@ void print(const TimingResult& r) {
                 p.p999_ns / 1e3, p.max_ns / 1e3);
   };
   row("tick, CPU", s.cpu);
+  row("while gripped", r.held_cpu);
   row("tick, wall", s.wall);
   for (int i = 0; i < kStages; ++i) {
     row(stageName(static_cast<Stage>(i)), s.stage_cpu[i]);

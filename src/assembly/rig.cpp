@@ -120,7 +120,7 @@ Diagnostics refuseUnlessPassed(const CertificateInput& input) {
   constexpr std::size_t kMost = 1000;
   static std::mutex mutex;
   static std::set<std::string> passed;
-  std::string key = fmt::format("{:.17g}", input.period_s);
+  std::string key = fmt::format("{:.17g} {}", input.period_s, static_cast<int>(input.persons));
   for (const FingerprintPart& part : fingerprintOf(input).parts) key += " " + part.hash;
   {
     const std::lock_guard lock(mutex);
@@ -152,6 +152,7 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s,
   for (const DeviceModel& corner : measured) {
     CertificateInput at_corner = input;
     at_corner.device = corner;
+    at_corner.persons = Persons::kAny;  // what was measured moves a person
     for (Diagnostic& refused : refuseUnlessPassed(at_corner)) {
       refused.problem = "at the worst corner of the passport: " + refused.problem;
       out.refused.push_back(std::move(refused));

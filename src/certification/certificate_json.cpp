@@ -93,6 +93,10 @@ Json certificateJson(const AdvisedCertificate& judged) {
                      {"frequency_hz", c.coupled.frequency_hz},
                      {"worst_posture", c.coupled.posture},
                      {"passes", c.coupled.margin >= 1.0}};
+  json["any_person"] = {{"margin", c.any_person.margin},
+                        {"frequency_hz", c.any_person.frequency_hz},
+                        {"worst_posture", c.any_person.posture},
+                        {"passes", c.any_person.margin >= 1.0}};
   seal(json, fingerprintOf(judged.input));
   return json;
 }

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -23,13 +24,15 @@ constexpr double kEven_rad = 0.06;  // spacing: logarithmic below, even above
 /// Frequencies of the coarse sweep in every posture, and of the fine one in the worst posture.
 constexpr int kCoarse = 32, kFine = 400;
 constexpr int kPeakSteps = 20;  // leave 3e-4 of two spacings
+/// p of the header for Persons::kAny: the one that needs least at the reference. 0: kLinear.
+constexpr std::array<double, 6> kWeights = {1.0, 1.2, 1.4, 1.6, 1.8, 2.0};
 constexpr double kGolden = 0.6180339887498949;
 
 /// One axis at one frequency.
 struct Port {
   Complex felt;       ///< Q_m
   Complex driven;     ///< Q_s
-  double free = 0.0;  ///< least Re A₀ over every Φ and α
+  double free = 0.0;  ///< least Re A₀ over every Φ and α, with kAny what a changing Φ adds
   double b = 0.0;     ///< device damping
 };
 
@@ -41,10 +44,14 @@ struct Point {
 };
 
 /// Least Re A₀. It is affine in Φ and in the α of each wall, so the minimum lies at a corner.
-double leastFree(const AxisCase& c, Complex hold, Complex derivative, double felt_damping) {
-  const double spring = hold.real(), damper = (hold * derivative).real();
-  double least =
-      c.gains.k_pm * spring + felt_damping * damper + std::min(0.0, c.gains.k_dm * damper);
+/// @param held T/(z − 1) @param late z⁻ⁿ
+double leastFree(const AxisCase& c, double weight, Complex held, Complex late, Complex derivative,
+                 double felt_damping) {
+  const double spring = (held * late).real(), damper = (held * late * derivative).real();
+  const double adaptive =
+      weight == 0.0 ? std::min(0.0, damper)
+                    : -std::norm(std::conj(late) - weight * held * derivative) / (4.0 * weight);
+  double least = c.gains.k_pm * spring + felt_damping * damper + c.gains.k_dm * adaptive;
   double wall = 0.0;
   for (const WallCase& w : c.walls) {
     wall = std::min(wall, w.stiffness * spring + w.damping * damper);
@@ -52,7 +59,7 @@ double leastFree(const AxisCase& c, Complex hold, Complex derivative, double fel
   return least + wall;
 }
 
-Point look(const CoupledCase& c, const AxisMatrix& inertia, double angle_rad) {
+Point look(const CoupledCase& c, double weight, const AxisMatrix& inertia, double angle_rad) {
   const double t = c.period_s;
   const auto n = static_cast<Eigen::Index>(c.axes.size());
   const Complex z = std::polar(1.0, angle_rad), late = std::polar(1.0, -c.delay_ticks * angle_rad);
@@ -71,7 +78,7 @@ Point look(const CoupledCase& c, const AxisMatrix& inertia, double angle_rad) {
     Port port;
     port.felt = late * (k_pm[a] * held + felt_damping / z);
     port.driven = held * (k_pm[a] + damping[a] * derivative);
-    port.free = leastFree(axis, held * late, derivative, felt_damping);
+    port.free = leastFree(axis, weight, held, late, derivative, felt_damping);
     port.b = axis.axis.damping;
     out.ports.push_back(port);
     real(i, i) += damping[a] * std::cos(angle_rad) - 0.5 * t * k_pm[a];
@@ -163,10 +170,12 @@ double angleAt(int i, int count) {
 }
 
 /// @param worst share so far; points that need less are not refined
-RequiredShare needAt(const CoupledCase& c, std::size_t posture, double angle_rad, double worst) {
+RequiredShare needAt(const CoupledCase& c, double weight, std::size_t posture, double angle_rad,
+                     double worst) {
   const double frequency_hz = angle_rad / (2.0 * std::numbers::pi * c.period_s);
-  const Point at = look(c, c.inertias[posture], angle_rad);
+  const Point at = look(c, weight, c.inertias[posture], angle_rad);
   if (!at.drives) return {kInfinite, frequency_hz, 1.0, posture};
+  if (weight > 0.0) return {shareAt(at, 1.0), frequency_hz, 1.0, posture};
   double lambda = bestLambda(at, shareOfAxes, 20);
   double share = shareAt(at, lambda);
   if (share > worst) {
@@ -176,27 +185,11 @@ RequiredShare needAt(const CoupledCase& c, std::size_t posture, double angle_rad
   return {share, frequency_hz, lambda, posture};
 }
 
-}  // namespace
-
-CoupledCase coupledCase(const CertificateInput& input) {
-  CoupledCase c;
-  c.delay_ticks = input.device.output_delay_ticks;
-  c.period_s = input.period_s;
-  AxisInertia armature(input.device.axisCount());
-  for (int i = 0; i < input.device.axisCount(); ++i) {
-    c.axes.push_back(axisCase(input, i));
-    armature[i] = c.axes.back().armature();
-  }
-  c.inertias.push_back(withArmature(input.inertia_at_reference, armature));
-  for (const AxisMatrix& m : input.inertias) c.inertias.push_back(withArmature(m, armature));
-  return c;
-}
-
-RequiredShare requiredShare(const CoupledCase& c) {
+RequiredShare largestNeed(const CoupledCase& c, double weight) {
   RequiredShare worst{-kInfinite, 0.0, 1.0, 0};
   double low_rad = 0.0, high_rad = 0.0;  // around the worst point
   const auto look_at = [&](std::size_t posture, double angle_rad) {
-    const RequiredShare found = needAt(c, posture, angle_rad, worst.share);
+    const RequiredShare found = needAt(c, weight, posture, angle_rad, worst.share);
     const bool worse = found.share > worst.share;
     if (worse) worst = found;
     return worse;
@@ -215,7 +208,7 @@ RequiredShare requiredShare(const CoupledCase& c) {
   // The maximum may lie between the sweep points.
   const std::size_t posture = worst.posture;
   const auto share = [&](double angle_rad) {
-    return needAt(c, posture, angle_rad, -kInfinite).share;
+    return needAt(c, weight, posture, angle_rad, -kInfinite).share;
   };
   for (int i = 0; i < kPeakSteps; ++i) {
     const double third_rad = (high_rad - low_rad) / 3.0;
@@ -224,6 +217,33 @@ RequiredShare requiredShare(const CoupledCase& c) {
   }
   look_at(posture, 0.5 * (low_rad + high_rad));
   return worst;
+}
+
+}  // namespace
+
+CoupledCase coupledCase(const CertificateInput& input) {
+  CoupledCase c;
+  c.delay_ticks = input.device.output_delay_ticks;
+  c.period_s = input.period_s;
+  c.persons = input.persons;
+  AxisInertia armature(input.device.axisCount());
+  for (int i = 0; i < input.device.axisCount(); ++i) {
+    c.axes.push_back(axisCase(input, i));
+    armature[i] = c.axes.back().armature();
+  }
+  c.inertias.push_back(withArmature(input.inertia_at_reference, armature));
+  for (const AxisMatrix& m : input.inertias) c.inertias.push_back(withArmature(m, armature));
+  return c;
+}
+
+RequiredShare requiredShare(const CoupledCase& c) {
+  if (c.persons == Persons::kLinear) return largestNeed(c, 0.0);
+  CoupledCase at_reference = c;
+  at_reference.inertias = {c.inertias.front()};
+  const auto needs_less = [&](double one, double other) {
+    return largestNeed(at_reference, one).share < largestNeed(at_reference, other).share;
+  };
+  return largestNeed(c, *std::min_element(kWeights.begin(), kWeights.end(), needs_less));
 }
 
 }  // namespace wholehand

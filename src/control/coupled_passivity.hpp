@@ -22,6 +22,15 @@ namespace wholehand {
 /// (S-procedure for two Hermitian forms, lossless; docs/certificate.md). For one axis the best λ
 /// gives b_min of requiredDamping(). As φ → 0, Q_m/Q_sᴴ is the ratio of the felt to the acting
 /// spring. If the axes differed in it, no damping would suffice.
+///
+/// That λ may differ from one frequency to the next, so the condition is of linear, time-invariant
+/// persons and objects, and of a constant Φ. With λ = 1 at every frequency it is an inequality of
+/// energies over time (Parseval), which any passive person and object obey, nonlinear and
+/// time-varying ones, too. A Φ that changes with every tick is w = Φ u, u = g ẋ the filtered
+/// velocity; w (u − w) >= 0, weighed by p K_dm, joins the inequality:
+///   b + Re A₀(Φ = 0) − E (4 Re R)⁻¹ Eᴴ − K_dm |zⁿ − p g|²/4p  is positive definite for one p > 0,
+///   g = T/((τ + T) z − τ).
+/// This is sufficient, not necessary (docs/certificate.md).
 struct RequiredShare {
   double share = 0.0;         ///< of the device's damping; < 1 passes; +inf: no damping suffices
   double frequency_hz = 0.0;  ///< frequency of the largest share
@@ -35,10 +44,12 @@ struct CoupledCase {
   std::vector<AxisMatrix> inertias;  ///< of the sampled postures, armature included
   int delay_ticks = 0;
   double period_s = 1e-3;
+  Persons persons = Persons::kLinear;
 };
 [[nodiscard]] CoupledCase coupledCase(const CertificateInput& input);
 
-/// The largest share over postures, frequencies, every Φ, and every α of the exercise's walls.
+/// The largest share over postures, frequencies, every Φ, and every constant α of the exercise's
+/// walls.
 [[nodiscard]] RequiredShare requiredShare(const CoupledCase& c);
 
 }  // namespace wholehand

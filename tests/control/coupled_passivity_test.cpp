@@ -106,6 +106,23 @@ TEST(CoupledPassivity, AxesThatNothingCouples_NeedAtLeastTheMostOfEach) {
   }
 }
 
+/// Sufficient for more persons: never less than what linear ones need.
+TEST(CoupledPassivity, AnyPerson_NeedsAtLeastWhatLinearOnesDo) {
+  CoupledDraw draw{seededRandom(305)};
+  std::vector<double> ratios;
+  for (int trial = 0; trial < cases(60); ++trial) {
+    CoupledCase c = drawCase(draw, 1 + static_cast<int>(draw.random() % 4));
+    const double linear = requiredShare(c).share;
+    c.persons = Persons::kAny;
+    ratios.push_back(requiredShare(c).share / linear);
+    EXPECT_GE(ratios.back(), 1.0 - 1e-4) << "case " << trial;
+  }
+  std::sort(ratios.begin(), ratios.end());
+  figure("damping that any person needs, of that for linear ones, median",
+         ratios[ratios.size() / 2], "");
+  figure("the same, most", ratios.back(), "");
+}
+
 /// The terms of coupled_passivity.hpp, spelt again.
 struct Terms {
   Eigen::VectorXcd free, felt, driven;

@@ -199,14 +199,16 @@ TEST(BodyLaws, WhatLeans_FallsWhereItsWeightLeavesItsFoot) {
   }
 }
 
-TEST(BodyLaws, WhatSpinsFreely_KeepsItsAngularMomentumAndEnergy) {
+class FreeSpin : public testing::TestWithParam<std::string> {};
+
+TEST_P(FreeSpin, KeepsItsAngularMomentumAndEnergy) {
   auto random = seededRandom(3606);
   double momentum = 0.0, energy = 0.0;
   for (int i = 0; i < draws() / 4; ++i) {
     const Vector3d size(uniform(random, 0.05, 0.2), uniform(random, 0.05, 0.2),
                         uniform(random, 0.01, 0.2));
     // A ball strikes it off its centre.
-    Yard yard(kEngine,
+    Yard yard(GetParam(),
               {bodyOf(boxShape(size), Vector3d::Zero(), 0.1, 0.5, anyTurn(random)),
                bodyOf(roundShape(ShapeType::kSphere, 0.02, 0.0),
                       {0.3 * size.x(), 0.3 * size.y(), 0.3}, 0.5, 0.5)},
@@ -220,12 +222,14 @@ TEST(BodyLaws, WhatSpinsFreely_KeepsItsAngularMomentumAndEnergy) {
     momentum = std::max(momentum, (yard.angularMomentum(0) - before).norm() / before.norm());
     energy = std::max(energy, std::abs(yard.energy(0) / had - 1.0));
   }
-  figure("free spin, angular momentum lost", momentum, "");
-  figure("free spin, energy changed", energy, "");
+  figure(GetParam() + ": free spin, angular momentum lost", momentum, "");
+  figure(GetParam() + ": free spin, energy changed", energy, "");
   EXPECT_GT(momentum, 0.0);
   EXPECT_LE(momentum, 1e-6);
   EXPECT_LE(energy, 1e-3);
 }
+INSTANTIATE_TEST_SUITE_P(Engines, FreeSpin, testing::Values("bullet", "mujoco"),
+                         [](const auto& tested) { return tested.param; });
 
 TEST(BodyLaws, WhatSlidesOverFlushPlanks_FeelsNoSeams) {
   auto random = seededRandom(3607);

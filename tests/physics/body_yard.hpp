@@ -80,6 +80,7 @@ class Yard {
     EXPECT_TRUE(body.update(state.theta, state.theta_dot, scene_.gravity_m_s2));
     inverse_ = body.reducedInertiaInverse();
     drive_.effort = AxisEffort(models_.hand.axis_count);
+    body.distribute(drive_.effort, drive_.torque);
     drive_.reduced_inertia_inverse = &inverse_;
   }
   Yard(const Yard&) = delete;

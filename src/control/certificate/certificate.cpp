@@ -98,6 +98,16 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
   }
 }
 
+CoupledCertificate judgeCoupled(const CoupledCase& c) {
+  const RequiredShare need = requiredShare(c);
+  return {need.share > 0.0 ? 1.0 / need.share : kInfinite, need.frequency_hz, need.posture};
+}
+
+CoupledCase forAnyPerson(CoupledCase c) {
+  c.persons = Persons::kAny;
+  return c;
+}
+
 }  // namespace
 
 const char* criterionKey(Criterion criterion) {
@@ -250,8 +260,8 @@ Certificate certify(const CertificateInput& input) {
   const WorstPosture worst = worstPosture(sampled, k_pm, input.period_s);
   out.avatar = {worst.radius, -input.period_s / std::log(worst.radius), worst.posture,
                 sampled.size(), largestStableFactor(sampled, k_pm, input.period_s, kLargestFactor)};
-  const RequiredShare need = requiredShare(coupled);
-  out.coupled = {need.share > 0.0 ? 1.0 / need.share : kInfinite, need.frequency_hz, need.posture};
+  out.coupled = judgeCoupled(coupled);
+  out.any_person = judgeCoupled(forAnyPerson(coupled));
   out.certified = out.avatar.passes() && out.coupled.margin >= 1.0;
   double least = out.avatar.margin;
   for (int i = 0; i < n; ++i) {

@@ -26,6 +26,11 @@ enum class Criterion {
   kAvatar,
   kCoupled
 };
+/// Passive persons and objects that a certificate must hold for.
+enum class Persons {
+  kLinear,  ///< linear and time-invariant, Φ constant: exact, what may shake is refused
+  kAny,     ///< nonlinear and time-varying ones, and a Φ that changes with every tick, too
+};
 inline constexpr int kCertificatePhiSteps = 8;  ///< Φ = 0, ⅛ .. 1
 inline constexpr int kContactCriteria = 4;      ///< kFree .. kSpring, judged by eigenvalues
 /// "free", "rigid_contact", "mass", "spring", "damping", "quantisation", "wall", "slew", "avatar",
@@ -123,7 +128,8 @@ struct Certificate {
   double period_s = 1e-3;
   std::vector<AxisCertificate> axes;
   AvatarCertificate avatar;
-  CoupledCertificate coupled;
+  CoupledCertificate coupled;     ///< against the persons of the input
+  CoupledCertificate any_person;  ///< the same against Persons::kAny
   /// Criterion with the smallest margin; kAvatar and kCoupled concern all axes together. The
   /// coupled criterion includes the damping of every axis, so it binds only where it is stricter.
   Criterion binding_criterion = Criterion::kAvatar;
@@ -148,7 +154,8 @@ struct CertificateInput {
   RenderingConfig rendering;
   AxisMatrix inertia_at_reference;
   std::vector<AxisMatrix> inertias;
-  double period_s = 1e-3;        ///< of a tick
+  double period_s = 1e-3;  ///< of a tick
+  Persons persons = Persons::kLinear;
   std::vector<Wall> walls = {};  ///< stiffest walls of the exercise; empty without one
   std::string hand = {};         ///< its name
   std::string exercise = {};     ///< its name; empty without one

@@ -116,13 +116,14 @@ Diagnostic avatarRefusal(const Certificate& c, const std::string& path) {
   return d;
 }
 
-Diagnostic coupledRefusal(const Certificate& c, const std::string& path) {
+Diagnostic coupledRefusal(const Certificate& c, Persons persons, const std::string& path) {
   Diagnostic d;
   d.file = path;
   d.key = "k_pm";
   d.problem = fmt::format(
-      "not certified (coupled): a passive person and object that link the axes need {:.3g} times "
+      "not certified (coupled): a passive person and object that link the axes{} need {:.3g} times "
       "the device's damping (at {:.3g} Hz, posture {} of {})",
+      persons == Persons::kAny ? ", nonlinear and time-varying ones, too," : "",
       1.0 / c.coupled.margin, c.coupled.frequency_hz, c.coupled.posture, c.avatar.postures);
   d.remedy = "`wholehand certify` prints the nearest gains that pass";
   return d;
@@ -238,7 +239,7 @@ Diagnostics refuseUncertified(const CertificateInput& input) {
   }
   if (!judged.avatar.passes()) out.push_back(avatarRefusal(judged, input.rendering.path));
   if (out.empty() && !(judged.coupled.margin >= 1.0)) {
-    out.push_back(coupledRefusal(judged, input.rendering.path));
+    out.push_back(coupledRefusal(judged, input.persons, input.rendering.path));
   }
   return out;
 }

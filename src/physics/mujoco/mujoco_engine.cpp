@@ -1,6 +1,7 @@
 #include "physics/mujoco/mujoco_engine.hpp"
 
 #include "physics/body_checks.hpp"
+#include "physics/free_rotation.hpp"
 #include "physics/hand_overlaps.hpp"
 #include "physics/mujoco/engine_errors.hpp"
 #include "physics/mujoco/model_text.hpp"
@@ -14,6 +15,7 @@
 namespace wholehand::mujoco {
 namespace {
 
+using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Vector3dMap = Eigen::Map<Vector3d>;
 using ConstVector3dMap = Eigen::Map<const Vector3d>;
@@ -271,14 +273,51 @@ bool MujocoEngine::advance(double period_s) noexcept {
   findContacts();
   if (!constraints_.project(*model_, *data_)) return false;
   mj_fwdVelocity(model_.get(), data_.get());
+  kickByGravityOnly();
   constraints_.aim(*data_, surface_velocity_.data(), period_s);
   mj_fwdActuation(model_.get(), data_.get());
   mj_fwdAcceleration(model_.get(), data_.get());
   mj_fwdConstraint(model_.get(), data_.get());
-  return integrate();
+  return integrate(period_s);
 }
 
-bool MujocoEngine::integrate() noexcept {
+// A step of a free body: forces kick it where it is, then it moves without them (moveFreely). What
+// MuJoCo's own step adds for its turning makes energy: its integrator is explicit there.
+void MujocoEngine::kickByGravityOnly() noexcept {
+  for (Body& body : bodies_) {
+    if (body.dof < 0) continue;
+    const double* q = data_->qpos + body.position;
+    body.before_m = ConstVector3dMap(q);
+    body.turned = Quaterniond(q[3], q[4], q[5], q[6]).normalized();
+    const Vector3d weight_n = model_->body_mass[body.id] * ConstVector3dMap(model_->opt.gravity);
+    const ConstVector3dMap com_m(model_->body_ipos + 3 * body.id);
+    Vector3dMap{data_->qfrc_bias + body.dof} = -weight_n;
+    Vector3dMap{data_->qfrc_bias + body.dof + 3} = -com_m.cross(body.turned.conjugate() * weight_n);
+  }
+}
+
+// In place of the motion that mj_Euler() made of the new velocity.
+void MujocoEngine::moveFreely(const Body& body, double period_s) noexcept {
+  Vector3dMap velocity(data_->qvel + body.dof), spin(data_->qvel + body.dof + 3);
+  const Vector3d com_m = ConstVector3dMap(model_->body_ipos + 3 * body.id);
+  const double* principal = model_->body_iquat + 4 * body.id;
+  const Quaterniond to_axes(principal[0], principal[1], principal[2], principal[3]);
+  const Vector3d world_spin = body.turned * Vector3d(spin);
+  const Vector3d arm_m = body.turned * com_m;
+  const Vector3d com_velocity = velocity + world_spin.cross(arm_m);
+  const FreeRotation moved =
+      turnFree({body.turned * to_axes, world_spin},
+               ConstVector3dMap(model_->body_inertia + 3 * body.id), period_s);
+  const Quaterniond turned = (moved.axes * to_axes.conjugate()).normalized();
+  const Vector3d arm_after_m = turned * com_m;
+  double* q = data_->qpos + body.position;
+  Vector3dMap{q} = body.before_m + arm_m + period_s * com_velocity - arm_after_m;
+  q[3] = turned.w(), q[4] = turned.x(), q[5] = turned.y(), q[6] = turned.z();
+  velocity = com_velocity - moved.spin_rad_s.cross(arm_after_m);
+  spin = turned.conjugate() * moved.spin_rad_s;
+}
+
+bool MujocoEngine::integrate(double period_s) noexcept {
   // The solver ends near M q̈ = f; from the forces that are told the motion follows exactly.
   mj_solveM(model_.get(), data_.get(), data_->qacc, data_->qfrc_constraint, 1);
   for (int i = 0; i < model_->nv; ++i) {
@@ -286,6 +325,9 @@ bool MujocoEngine::integrate() noexcept {
     if (!std::isfinite(data_->qacc[i])) return false;
   }
   mj_Euler(model_.get(), data_.get());
+  for (const Body& body : bodies_) {
+    if (body.dof >= 0) moveFreely(body, period_s);
+  }
   coupling_error_rad = map_.take(*data_, q_s, qd_s);
   map_.put(*data_, q_s, qd_s);
   return true;

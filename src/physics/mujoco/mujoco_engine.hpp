@@ -60,7 +60,9 @@ class MujocoEngine {
     int id = -1;
     double mass_kg = 0.0;
     double damping_per_s = 0.0;
-    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< of a fixed body, in one step
+    Eigen::Vector3d before_m = Eigen::Vector3d::Zero();          ///< of its frame, before the step
+    Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();  ///< the same
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();      ///< of a fixed body, in one step
   };
 
   void listGeoms(const SceneModel& scene);
@@ -70,7 +72,9 @@ class MujocoEngine {
   WHOLEHAND_RT void judge(int index) noexcept;
   WHOLEHAND_RT void dampBodies(double period_s) noexcept;
   [[nodiscard]] WHOLEHAND_RT bool advance(double period_s) noexcept;
-  [[nodiscard]] WHOLEHAND_RT bool integrate() noexcept;
+  [[nodiscard]] WHOLEHAND_RT bool integrate(double period_s) noexcept;
+  WHOLEHAND_RT void kickByGravityOnly() noexcept;
+  WHOLEHAND_RT void moveFreely(const Body& body, double period_s) noexcept;
   [[nodiscard]] const Owner& owner(int geom) const noexcept { return owners_[geom]; }
 
   std::unique_ptr<mjModel, Deleter> model_;

@@ -23,7 +23,7 @@ export const de: ChartTexts = {
     'grasping.title': 'Greifen, 20 cm tragen, 10 s halten', 'grasping.chart': 'Rutschen beim Halten: Anteil der Versuche, die nicht weiter rutschen',
     'grasping.asked': 'verlangt: 0,1 mm', 'grasping.tuned': 'abgestimmt', 'grasping.jittered': 'gestört',
     'timing.title': 'Zeit je Takt, {ticks} Takte', 'timing.chart': 'Takte nach ihrer Zeit auf der Wanduhr', 'timing.mark': '{name}: {us} µs', 'timing.deadline': 'Frist: 1 ms',
-    'timing.table': 'Zeiten, µs', 'timing.what': 'Was', 'timing.most': 'grösste', 'timing.cpu': 'Takt, Prozessor', 'timing.wall': 'Takt, Wanduhr',
+    'timing.table': 'Zeiten, µs', 'timing.what': 'Was', 'timing.most': 'grösste', 'timing.cpu': 'Takt, Prozessor', 'timing.held': 'beim Greifen, Prozessor', 'timing.wall': 'Takt, Wanduhr',
     'engines.title': 'Physik-Engines in denselben Szenen',
     'engines.note': 'Prozessorzeit ganzer Takte, reihum ein Takt je Engine: der Anteil der Takte, die nicht länger dauern. bullet-paper ist Bullet ab Werk mit zurückgesetzten Gelenken, der Weg der Veröffentlichung; niemand wird damit verbunden.',
     'engines.chart.free': 'Nichts berührt', 'engines.chart.fixed': 'Ein fester Zylinder, gedrückt', 'engines.chart.held': 'Ein freier Zylinder, gegriffen und getragen', 'engines.chart.resting': 'Dinge auf einem Tisch, sich selbst überlassen',

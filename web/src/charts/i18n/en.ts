@@ -23,7 +23,7 @@ export const en = {
     'grasping.title': 'Grasp, carry 20 cm, hold for 10 s', 'grasping.chart': 'Slip during the hold: share of the trials that slip no further',
     'grasping.asked': 'asked: 0.1 mm', 'grasping.tuned': 'tuned', 'grasping.jittered': 'jittered',
     'timing.title': 'Time per tick, {ticks} ticks', 'timing.chart': 'Ticks by their time on the wall clock', 'timing.mark': '{name}: {us} µs', 'timing.deadline': 'deadline: 1 ms',
-    'timing.table': 'Times, µs', 'timing.what': 'What', 'timing.most': 'largest', 'timing.cpu': 'tick, processor', 'timing.wall': 'tick, wall clock',
+    'timing.table': 'Times, µs', 'timing.what': 'What', 'timing.most': 'largest', 'timing.cpu': 'tick, processor', 'timing.held': 'gripped, processor', 'timing.wall': 'tick, wall clock',
     'engines.title': 'Physics engines in the same scenes',
     'engines.note': 'Processor time of whole ticks, one tick of each engine in turn: the share of the ticks that take no longer. bullet-paper is stock Bullet with pose resets, the way of the paper; nobody is attached to it.',
     'engines.chart.free': 'Nothing touched', 'engines.chart.fixed': 'A fixed cylinder, squeezed', 'engines.chart.held': 'A free cylinder, grasped and carried', 'engines.chart.resting': 'Things on a table, left alone',

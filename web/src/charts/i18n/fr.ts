@@ -23,7 +23,7 @@ export const fr: ChartTexts = {
     'grasping.title': 'Saisir, porter sur 20 cm, tenir 10 s', 'grasping.chart': 'Glissement pendant la tenue : part des essais qui ne glissent pas davantage',
     'grasping.asked': 'demandé : 0,1 mm', 'grasping.tuned': 'réglés', 'grasping.jittered': 'perturbés',
     'timing.title': 'Durée par cycle, {ticks} cycles', 'timing.chart': 'Cycles selon leur durée à l’horloge', 'timing.mark': '{name} : {us} µs', 'timing.deadline': 'délai : 1 ms',
-    'timing.table': 'Durées, µs', 'timing.what': 'Quoi', 'timing.most': 'la plus longue', 'timing.cpu': 'cycle, processeur', 'timing.wall': 'cycle, horloge',
+    'timing.table': 'Durées, µs', 'timing.what': 'Quoi', 'timing.most': 'la plus longue', 'timing.cpu': 'cycle, processeur', 'timing.held': 'en saisie, processeur', 'timing.wall': 'cycle, horloge',
     'engines.title': 'Moteurs physiques dans les mêmes scènes',
     'engines.note': 'Temps processeur de cycles entiers, un cycle de chaque moteur à tour de rôle : la part des cycles qui ne durent pas plus longtemps. bullet-paper est Bullet tel quel, articulations remises en place, à la manière de l’article ; personne n’y est attaché.',
     'engines.chart.free': 'Rien n’est touché', 'engines.chart.fixed': 'Un cylindre fixe, serré', 'engines.chart.held': 'Un cylindre libre, saisi et porté', 'engines.chart.resting': 'Des objets sur une table, laissés au repos',
