@@ -130,6 +130,7 @@ TEST(ConeNewton, RandomGrasps_MeetTheConditionsOfContact) {
     const int contacts = 1 + k % 6;
     fillGrasp(*solver, contacts, random);
     if (!solver->solve()) continue;  // sweeps take its place
+    if (k % 2 == 1 && !solver->solveAgain(1e-3)) continue;
     ++solved;
     double pressed = 0.0;
     for (int c = 0; c < contacts; ++c) pressed += solver->row(4 * c).impulse;

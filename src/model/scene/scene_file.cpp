@@ -345,7 +345,8 @@ void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) 
   }
 }
 
-/// The contact solver's rest is not found within a tick where a body lies on a much lighter one.
+/// Where the hand touches them, sweeps do not find within a tick how a body rests on a much lighter
+/// one.
 void noteHeavyOnLight(SceneModel& scene) {
   const SceneBody *light = nullptr, *heavy = nullptr;
   for (const SceneBody& body : scene.bodies) {
@@ -357,7 +358,7 @@ void noteHeavyOnLight(SceneModel& scene) {
   scene.notices.push_back(
       {scene.path, 0, "bodies", "",
        fmt::format("\"{}\" ({:.3g} kg) is {:.0f} times as heavy as \"{}\" ({:.3g} kg): where it "
-                   "rests on it, it may sink in",
+                   "rests on it while the hand touches one of them, it may sink in",
                    printable(heavy->name), heavy->mass_kg, heavy->mass_kg / light->mass_kg,
                    printable(light->name), light->mass_kg),
        fmt::format("keep bodies that rest on each other within a ratio of {:.0f}",

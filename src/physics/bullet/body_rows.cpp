@@ -157,7 +157,10 @@ BodyRows::BodyRows(int contacts, int bodies)
       motions_(bodies + 1),
       depth_(bodies),
       open_(2 * contacts),
-      first_(2 * contacts + 1) {
+      first_(2 * contacts + 1),
+      island_(bodies),
+      solved_at_once_(bodies),
+      slot_(bodies) {
   all_.reserve(contacts);
   near_.reserve(contacts);
   touched_.reserve(bodies);
@@ -171,6 +174,7 @@ void BodyRows::clear() noexcept {
   free_.clear();
   if (any()) std::fill(depth_.begin(), depth_.end(), 0);
   contacts_ = group_count_ = runs_ = 0;
+  uneven_ = false;
 }
 
 BodyRows::Group& BodyRows::groupFor(int run) noexcept {
@@ -250,6 +254,7 @@ void BodyRows::add(const btConstraintArray& normals, const btConstraintArray& fr
     group.mass_11[place] = group.yield_22[place] / det;
     group.mass_12[place] = -group.yield_12[place] / det;
     group.mass_22[place] = group.yield_11[place] / det;
+    uneven_ = uneven_ || isUneven(group, place);
     ++contacts_;
   }
 }

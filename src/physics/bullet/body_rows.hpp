@@ -1,5 +1,7 @@
 #pragma once
 
+#include "physics/bullet/cone_newton.hpp"
+#include "physics/bullet/inertia_root.hpp"
 #include "physics/bullet/row_arithmetic.hpp"
 
 #include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
@@ -44,6 +46,10 @@ class BodyRows {
   [[nodiscard]] double sweepAll(Bodies& bodies) noexcept;
   /// The same over near contacts only.
   [[nodiscard]] double sweepNear(Bodies& bodies) noexcept;
+  /// Solves at once the islands of at most eight bodies in which one lies on another ten times
+  /// lighter, which sweeps do not get to the bottom of. Where the hand touches one of them, or no
+  /// solution is found, what the sweeps made stays. Call after the last sweep.
+  void solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept;
   /// Writes impulses to their contact points, and velocities of bodies that are not touched.
   void write(Bodies& bodies) const noexcept;
 
@@ -75,6 +81,23 @@ class BodyRows {
     int used = 0;  ///< the first places have a contact; the others are of no body, and zero
   };
   struct Velocities;
+  static constexpr int kMostUneven = 8;  ///< bodies of an island
+  struct IslandBody {
+    double linear = 0.0;     ///< 1 / √m
+    InertiaRoot<3> angular;  ///< of I⁻¹
+  };
+  struct Place {
+    Group* group = nullptr;
+    int place = 0;
+  };
+
+  [[nodiscard]] static bool isUneven(const Group& group, int place) noexcept;
+  [[nodiscard]] int islandOf(int body) noexcept;
+  void findIslands(const Bodies& bodies) noexcept;
+  [[nodiscard]] bool listIsland(int island, const Bodies& bodies) noexcept;
+  void writeRow(const Row& row, const Place& at, ConeNewton::Row& out) const noexcept;
+  void solveIsland(ConeNewton& newton) noexcept;
+  void takeImpulses(const ConeNewton& newton) noexcept;
 
   [[nodiscard]] Group& groupFor(int run) noexcept;
   void leaveEmpty(Group& group, int place) noexcept;
@@ -95,7 +118,16 @@ class BodyRows {
   /// are equally deep, which is one deeper than the last contact before with either body. Each
   /// depth has a run of near contacts and one of the others.
   std::vector<Group*> open_;
-  std::vector<int> first_;  ///< per run: its first place in all_
+  std::vector<int> first_;            ///< per run: its first place in all_
+  bool uneven_ = false;               ///< a contact in this step is
+  std::vector<int> island_;           ///< per body: one of its island; itself for one of each
+  std::vector<bool> solved_at_once_;  ///< per island, at that body
+  std::vector<int> slot_;             ///< per body: its index in the island, or −1
+  std::array<int, kMostUneven> members_{};
+  std::array<IslandBody, kMostUneven> roots_;
+  int member_count_ = 0;
+  std::array<Place, ConeNewton::kMostRows / 3> places_{};
+  int place_count_ = 0;
   int contacts_ = 0, group_count_ = 0, runs_ = 0;
   double pressed_ = 0.0;
   bool backwards_ = false;  ///< of the next sweep: loads pass up and down a stack

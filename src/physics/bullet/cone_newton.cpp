@@ -18,8 +18,9 @@ constexpr double kLeastLeft = 1e-3;  // share of a row's mobility that ends may 
 
 }  // namespace
 
-void ConeNewton::begin(int unknowns) noexcept {
+void ConeNewton::begin(int unknowns, double softness) noexcept {
   unknowns_ = unknowns;
+  softness_ = softness;
   row_count_ = cone_count_ = 0;
 }
 
@@ -68,7 +69,7 @@ WHOLEHAND_INLINE void ConeNewton::soften(const Cone& cone) noexcept {
       left -= hindered * hindered;
     }
     left = std::max(left, kLeastLeft * rows[i].mobility);
-    const double softness = cone.rows > 1 ? settings_.softness : settings_.end_softness;
+    const double softness = cone.rows > 1 ? softness_ : settings_.end_softness;
     rows[i].inverse_softness = left > 0.0 ? 1.0 / (softness * left) : 0.0;
   }
   if (cone.rows < 3) return;
@@ -203,9 +204,14 @@ WHOLEHAND_INLINE void ConeNewton::project() noexcept {
 
 template <int V>
 WHOLEHAND_INLINE bool ConeNewton::solveWith() noexcept {
-  startRows<V>();
-  sumChange<V>();
-  sweep<V>();
+  if (again_) {
+    for (int c = 0; c < cone_count_; ++c) soften<V>(cones_[c]);
+    project<V>();
+  } else {
+    startRows<V>();
+    sumChange<V>();
+    sweep<V>();
+  }
   bool fresh = true;  // the matrix does not stand for the pieces
   double before = 0.0;
   for (int chord = 0; chord < settings_.most_chords; ++chord) {
@@ -230,10 +236,25 @@ WHOLEHAND_VECTOR_CLONES bool ConeNewton::solveNarrow() noexcept {
 WHOLEHAND_VECTOR_CLONES bool ConeNewton::solveWide() noexcept {
   return unknowns_ <= 16 ? solveWith<4>() : solveWith<6>();
 }
+WHOLEHAND_VECTOR_CLONES bool ConeNewton::solveWidest() noexcept {
+  return solveWith<12>();
+}
+
+bool ConeNewton::solveOnce() noexcept {
+  steps_ = 0;
+  if (unknowns_ <= 12) return solveNarrow();
+  return unknowns_ <= 24 ? solveWide() : solveWidest();
+}
 
 bool ConeNewton::solve() noexcept {
-  steps_ = 0;
-  return unknowns_ <= 12 ? solveNarrow() : solveWide();
+  again_ = false;
+  return solveOnce();
+}
+
+bool ConeNewton::solveAgain(double softness) noexcept {
+  again_ = true;
+  softness_ = softness;
+  return solveOnce();
 }
 
 }  // namespace wholehand::bullet

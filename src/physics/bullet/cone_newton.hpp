@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 
 namespace wholehand::bullet {
 
@@ -28,8 +29,8 @@ struct NewtonSettings {
 /// left to it. Real-time safe.
 class ConeNewton {
  public:
-  static constexpr int kMostUnknowns = 24;
-  static constexpr int kMostRows = 96;
+  static constexpr int kMostUnknowns = 48;
+  static constexpr int kMostRows = 128;
   using Numbers = std::array<double, kMostUnknowns>;
 
   struct Row {
@@ -44,12 +45,15 @@ class ConeNewton {
 
   explicit ConeNewton(const NewtonSettings& settings) noexcept : settings_(settings) {}
 
-  /// Removes all cones. @pre unknowns <= kMostUnknowns
-  void begin(int unknowns) noexcept;
+  /// Removes all cones. @pre unknowns <= kMostUnknowns @param softness R of a row per its mobility
+  void begin(int unknowns, double softness) noexcept;
+  void begin(int unknowns) noexcept { begin(unknowns, settings_.softness); }
   /// Adds a cone of 1, 3 or 4 rows, `along` of them zero. @return its first row; null: no room
   [[nodiscard]] Row* add(int rows, double friction, double spin_m) noexcept;
   /// Finds the impulses from the goals and starts of the rows. @return false: none were found
   [[nodiscard]] bool solve() noexcept;
+  /// The same with another softness, from the pieces of P that the last solution fell upon.
+  [[nodiscard]] bool solveAgain(double softness) noexcept;
 
   [[nodiscard]] int rowCount() const noexcept { return row_count_; }
   [[nodiscard]] const Row& row(int i) const noexcept { return rows_[i]; }
@@ -78,8 +82,10 @@ class ConeNewton {
     alignas(32) Numbers weighted{};
   };
 
+  bool solveOnce() noexcept;
   bool solveNarrow() noexcept;
   bool solveWide() noexcept;
+  bool solveWidest() noexcept;
   // V vectors of four numbers hold the unknowns.
   template <int V>
   bool solveWith() noexcept;
@@ -107,6 +113,8 @@ class ConeNewton {
   void addTerm(const double* along, double weight, double offset) noexcept;
   template <int V, int Block>
   void sumBlock() noexcept;
+  template <int V, int... Blocks>
+  void sumBlocks(std::integer_sequence<int, Blocks...> blocks) noexcept;
   template <int V>
   bool factorize() noexcept;
   template <int V>
@@ -118,6 +126,8 @@ class ConeNewton {
   void sumChange() noexcept;
 
   const NewtonSettings settings_;
+  double softness_ = 0.0;
+  bool again_ = false;
   int unknowns_ = 0, row_count_ = 0, cone_count_ = 0, term_count_ = 0;
   int steps_ = 0;
   double misfit_ = 0.0;    ///< largest difference of an impulse and what its piece made of it

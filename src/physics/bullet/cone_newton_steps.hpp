@@ -133,6 +133,12 @@ WHOLEHAND_INLINE void ConeNewton::sumBlock() noexcept {
   }
 }
 
+template <int V, int... Blocks>
+WHOLEHAND_INLINE void ConeNewton::sumBlocks(
+    std::integer_sequence<int, Blocks...> /*blocks*/) noexcept {
+  (sumBlock<V, Blocks>(), ...);
+}
+
 /// The matrix, and Uᵀ D⁻¹ U of it, D the diagonal of U, in place.
 template <int V>
 WHOLEHAND_INLINE bool ConeNewton::factorize() noexcept {
@@ -145,11 +151,7 @@ WHOLEHAND_INLINE bool ConeNewton::factorize() noexcept {
       store(numbers, term.weighted.data() + 4 * v);
     }
   }
-  sumBlock<V, 0>();
-  if constexpr (V > 1) sumBlock<V, 1>();
-  if constexpr (V > 2) sumBlock<V, 2>();
-  if constexpr (V > 3) sumBlock<V, 3>();
-  if constexpr (V > 4) sumBlock<V, 4>(), sumBlock<V, 5>();
+  sumBlocks<V>(std::make_integer_sequence<int, V>());
   for (int k = 0; k < unknowns_; ++k) {
     const double* pivot = &matrix_[k * 4 * V];
     if (!(pivot[k] > 0.0)) return false;  // not a number
