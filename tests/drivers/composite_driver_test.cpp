@@ -114,7 +114,8 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
   int fault = -1, neutral = -1;
   std::array<double, 3> before{};
   double pushed = 0.0;
-  for (int tick = 0; tick < 600 && neutral < 0; ++tick) {
+  // Ticks follow each other at once, and a frozen part is found by the time its sample is behind.
+  for (int tick = 0; tick < 20'000 && neutral < 0; ++tick) {
     record.tick = static_cast<std::uint64_t>(tick);
     record.time_s = tick * 1e-3;
     record.command_count = 0;
@@ -131,6 +132,7 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
     if (rig->renderer->finished()) neutral = tick;
   }
   ASSERT_GE(fault, 0);
+  ASSERT_GE(neutral, 0);
   EXPECT_GT(pushed, 0.5) << "nothing was pushed: the test proves nothing";
   EXPECT_FALSE(any(record.faults & Fault::kDeviceWrite));
   EXPECT_LE(neutral - fault, 100);

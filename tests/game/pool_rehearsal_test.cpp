@@ -160,7 +160,7 @@ TickSummary fillAndTick(const Models& models, const std::vector<Shape>& pieces) 
 
 /// The rehearsal stands for every body that a game may order. Others, of any form that
 /// prepareShapes() admits, cost less; a quarter is left for the noise of the machine.
-TEST(PoolFilling, CostsMoreThanOtherBodiesOfTheBudget) {
+TEST(PoolFilling, CostsMoreThanOtherBodiesOfTheBudget_slow) {
   const Models models = smallGame(32, 8);
   const int p = models.scene.game.pieces, v = models.scene.game.vertices;
   const Eigen::Vector3d line(0.75, 0.0, 0.0), stack(0.0, 0.0, 0.8), bundle(0.75, 0.75, 0.0);

@@ -17,6 +17,9 @@ constexpr double kUneven = 10.0;  // ratio of two masses
 // after the other: which contacts hold and stick is found where they are soft.
 constexpr std::array kSoftness{1e-2, 1e-3, 1e-4, 1e-5};
 
+// Of factorisations in a step of the world, each of the cube of the island's bodies: 16 of eight.
+constexpr int kMostWork = 16 * 8 * 8 * 8;
+
 }  // namespace
 
 bool BodyRows::isUneven(const Group& group, int place) noexcept {
@@ -94,8 +97,8 @@ void BodyRows::writeRow(const Row& row, const Place& at, ConeNewton::Row& out) c
   out.goal = row.effective_mass[k] > 0.0 ? row.target[k] / row.effective_mass[k] : 0.0;
 }
 
-void BodyRows::solveIsland(ConeNewton& newton) noexcept {
-  newton.begin(6 * member_count_, kSoftness.front());
+void BodyRows::solveIsland(ConeNewton& newton, int most_steps) noexcept {
+  newton.begin(6 * member_count_, kSoftness.front(), most_steps);
   for (int i = 0; i < place_count_; ++i) {
     const Place& at = places_[i];
     const btManifoldPoint& point = *at.group->point[at.place];
@@ -136,10 +139,12 @@ void BodyRows::takeImpulses(const ConeNewton& newton) noexcept {
 void BodyRows::solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept {
   if (!uneven_) return;
   findIslands(bodies);
+  int work = kMostWork;
   for (const int body : free_) {
-    if (islandOf(body) == body && solved_at_once_[body] && listIsland(body, bodies)) {
-      solveIsland(newton);
-    }
+    if (islandOf(body) != body || !solved_at_once_[body] || !listIsland(body, bodies)) continue;
+    const int of_a_step = member_count_ * member_count_ * member_count_;
+    solveIsland(newton, work / of_a_step);
+    work = newton.stepsLeft() * of_a_step;
   }
 }
 

@@ -18,9 +18,10 @@ constexpr double kLeastLeft = 1e-3;  // share of a row's mobility that ends may 
 
 }  // namespace
 
-void ConeNewton::begin(int unknowns, double softness) noexcept {
+void ConeNewton::begin(int unknowns, double softness, int most_steps) noexcept {
   unknowns_ = unknowns;
   softness_ = softness;
+  steps_left_ = most_steps;
   row_count_ = cone_count_ = 0;
 }
 
@@ -214,10 +215,13 @@ WHOLEHAND_INLINE bool ConeNewton::solveWith() noexcept {
   }
   bool fresh = true;  // the matrix does not stand for the pieces
   double before = 0.0;
+  int steps = 0;
   for (int chord = 0; chord < settings_.most_chords; ++chord) {
     adopt<V>(fresh);
     listTerms<V>();
-    if (fresh && (steps_++ == settings_.most_steps || !factorize<V>())) return false;
+    if (fresh && (steps == settings_.most_steps || steps_left_ == 0 || !factorize<V>()))
+      return false;
+    if (fresh) ++steps, --steps_left_;
     solveUnknowns<V>();
     project<V>();
     if (misfit_ <= settings_.tolerance * pressed_ + kNothing_ns) {
@@ -241,7 +245,6 @@ WHOLEHAND_VECTOR_CLONES bool ConeNewton::solveWidest() noexcept {
 }
 
 bool ConeNewton::solveOnce() noexcept {
-  steps_ = 0;
   if (unknowns_ <= 12) return solveNarrow();
   return unknowns_ <= 24 ? solveWide() : solveWidest();
 }

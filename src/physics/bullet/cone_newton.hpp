@@ -46,8 +46,9 @@ class ConeNewton {
   explicit ConeNewton(const NewtonSettings& settings) noexcept : settings_(settings) {}
 
   /// Removes all cones. @pre unknowns <= kMostUnknowns @param softness R of a row per its mobility
-  void begin(int unknowns, double softness) noexcept;
-  void begin(int unknowns) noexcept { begin(unknowns, settings_.softness); }
+  /// @param most_steps factorisations until the next begin()
+  void begin(int unknowns, double softness, int most_steps) noexcept;
+  void begin(int unknowns) noexcept { begin(unknowns, settings_.softness, settings_.most_steps); }
   /// Adds a cone of 1, 3 or 4 rows, `along` of them zero. @return its first row; null: no room
   [[nodiscard]] Row* add(int rows, double friction, double spin_m) noexcept;
   /// Finds the impulses from the goals and starts of the rows. @return false: none were found
@@ -59,8 +60,8 @@ class ConeNewton {
   [[nodiscard]] const Row& row(int i) const noexcept { return rows_[i]; }
   /// w = Σ j x
   [[nodiscard]] const Numbers& change() const noexcept { return change_; }
-  /// Factorisations of the last solve.
-  [[nodiscard]] int steps() const noexcept { return steps_; }
+  /// Factorisations that are left.
+  [[nodiscard]] int stepsLeft() const noexcept { return steps_left_; }
 
  private:
   enum class Grip : std::uint8_t { kOpen, kSticks, kSlides };
@@ -129,7 +130,7 @@ class ConeNewton {
   double softness_ = 0.0;
   bool again_ = false;
   int unknowns_ = 0, row_count_ = 0, cone_count_ = 0, term_count_ = 0;
-  int steps_ = 0;
+  int steps_left_ = 0;
   double misfit_ = 0.0;    ///< largest difference of an impulse and what its piece made of it
   double pressed_ = 0.0;   ///< sum of the normal impulses
   bool moved_on_ = false;  ///< the solution fell upon another piece
