@@ -84,7 +84,8 @@ TEST(PeriodicThread, Periods_FollowTheClockWithoutDrift) {
     const std::int64_t now_ns = monotonicNow_ns();
     negative_lateness = negative_lateness || lateness_ns < 0;
     if (first_ns == 0) {
-      // The first slot, to the resolution of the clock reading; the first tick may be of a later one.
+      // The first slot, to the resolution of the clock reading; the first tick may be of a later
+      // one.
       first_ns = now_ns - lateness_ns;
       periods = elapsed - 1;
     } else {
