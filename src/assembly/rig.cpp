@@ -20,30 +20,6 @@
 namespace wholehand {
 namespace {
 
-// Energy that avatar and bodies can store: their motion at the device's speed limits, and the
-// weight of the bodies over the arm's travel [J].
-double storableEnergy(const Models& models, const CouplingGains& gains) {
-  double held_j = 0.0, speed_sq = 0.0, way_sq = 0.0;
-  for (int a = 0; a < models.device.axisCount(); ++a) {
-    const DeviceAxis& axis = models.device.axes[a];
-    held_j += 0.5 * gains.inertia[a] * axis.speed_limit * axis.speed_limit;
-    if (axis.kind != AxisKind::kTranslation) continue;
-    speed_sq += axis.speed_limit * axis.speed_limit;
-    way_sq += (axis.upper - axis.lower) * (axis.upper - axis.lower);
-  }
-  for (const SceneBody& body : models.scene.bodies) {
-    if (body.fixed) continue;
-    held_j +=
-        body.mass_kg * (0.5 * speed_sq + models.scene.gravity_m_s2.norm() * std::sqrt(way_sq));
-  }
-  const GameBudget& game = models.scene.game;
-  if (game.slots > 0) {
-    held_j += game.awake * game.most_kg *
-              (0.5 * speed_sq + models.scene.gravity_m_s2.norm() * std::sqrt(way_sq));
-  }
-  return held_j;
-}
-
 // The device at the worst of its file and every measured corner: what every part goes by.
 DeviceModel provenDevice(DeviceModel device, const std::vector<DeviceModel>& measured) {
   for (const DeviceModel& corner : measured) {
@@ -75,7 +51,7 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
   }
   config.gravity_m_s2 = models.scene.gravity_m_s2;
   if (models.exercise) config.safety.ramp.fade_out_s = models.exercise->description().fade_out_s;
-  config.safety.tank = makeEnergyTank(device, period_s, storableEnergy(models, gains));
+  config.safety.tank = makeEnergyTank(device, period_s);
   config.safety.supervisor = makeSupervisor(device, period_s, simulated);
   config.live = LiveSettings(device, config.damping);
   return config;

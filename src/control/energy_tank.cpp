@@ -53,9 +53,8 @@ void dampHand(const EnergyTankState& state, const EnergyTankConfig& config, doub
 
 }  // namespace
 
-EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s, double held_j) {
+EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s) {
   EnergyTankConfig config;
-  config.hand_capacity = held_j;
   config.axes = device.axisCount();
   config.delay_ticks = std::clamp(device.output_delay_ticks, 0, kMostDelayTicks);
   config.capacity = AxisEnergy(config.axes);
@@ -86,9 +85,9 @@ EnergyTankState fullTank(const EnergyTankConfig& config) noexcept {
 
 EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m,
                            const AxisPosition& q_s, const AxisEnergy& wall_stored,
-                           const CouplingGains& gains, const EnergyTankConfig& config,
-                           const AxisEffort& effort_limit, int elapsed_periods,
-                           double period_s) noexcept {
+                           const WorldEnergy& world, const CouplingGains& gains,
+                           const EnergyTankConfig& config, const AxisEffort& effort_limit,
+                           int elapsed_periods, double period_s) noexcept {
   EnergyTankStep out{state, AxisEffort(config.axes)};
   const double elapsed_s = elapsed_periods * period_s;
   const auto sent = [&state](int ticks_ago) -> const AxisEffort& {
@@ -118,8 +117,10 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
     }
     out.state.stored[i] = stored;
   }
-  out.state.hand =
-      std::clamp(state.hand - given_by_hand, -config.hand_capacity, config.hand_capacity);
+  const double most_j = config.hand_capacity + world.held_j;
+  const double hand_j =
+      state.fresh ? state.hand + world.held_j : state.hand - given_by_hand + world.received_j;
+  out.state.hand = std::clamp(hand_j, -config.hand_capacity, most_j);
   dampHand(out.state, config, elapsed_s, out.effort);
   out.state.q_m = q_m;
   out.state.q_s = q_s;

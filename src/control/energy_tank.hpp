@@ -17,9 +17,13 @@ namespace wholehand {
 /// person and avatar:
 ///   E ← E − f Δq_m − a Δq_s − (S − S⁻) − h + b v² kT,   within ±Ê
 /// One for the hand. It balances the energy that the person receives over all axes against the
-/// energy put in over all axes. It assumes neither avatar nor world passive; its capacity allows
-/// for the energy that a passive avatar and world can store:
-///   H ← H − Σ (f Δq_m + (S − S⁻) + h − b v² kT),        within ±Ĥ
+/// energy put in by the person over all axes and by other sources into the world. It assumes
+/// neither avatar nor world passive; it never exceeds what they hold by more than its capacity:
+///   H ← H − Σ (f Δq_m + (S − S⁻) + h − b v² kT) + W,    within −Ĥ .. Ĥ + K
+///
+/// K: energy that avatar and world hold. W: energy that gravity, an exercise or a game put into
+/// the world since the last tick. What the world loses by friction only lowers the upper end; what
+/// it makes by itself never raises H.
 ///
 /// f: effort that acted on the device since the last tick, output delay included, the device's
 /// weight excluded.
@@ -32,10 +36,17 @@ namespace wholehand {
 /// b v² kT: energy dissipated by the device's own damping, v the velocity after a low-pass of
 /// 2 ms. A low-pass of unit gain never adds energy, so this never exceeds the true dissipation.
 ///
-/// A tank below 0 damps: f_t = −min(debt/(v² kT), α̂) v. The dissipated energy refills it.
+/// A tank below 0 damps: f_t = −min(debt/(v² kT), α̂) v. The dissipated energy refills it. Where
+/// damping is not enough and H falls to −Ĥ, the safety chain stops (kWorldGivesEnergy).
 
 /// Longest output delay, in whole samples.
 inline constexpr int kMostDelayTicks = 8;
+
+/// Energy of avatar and world.
+struct WorldEnergy {
+  double held_j = 0.0;      ///< K
+  double received_j = 0.0;  ///< W
+};
 
 struct EnergyTankConfig {
   int axes = 0;
@@ -50,9 +61,8 @@ struct EnergyTankConfig {
 /// Ê = f̂ d/2 with d = 5 mm at the tip where the axis has one, or 0.05 rad: the energy of a spring
 /// pushed up to the limit over d. A wall that fades in under a finger draws on it.
 /// α̂ = 0.4 m/((1 + n) T + 2 ms), and at most such that one encoder count causes 2 % of f̂.
-/// @param held_j energy that avatar and world can store; Ĥ is this plus the sum of Ê
-[[nodiscard]] EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s,
-                                              double held_j);
+/// Ĥ is the sum of Ê.
+[[nodiscard]] EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s);
 
 struct EnergyTankState {
   AxisEnergy energy;  ///< E
@@ -78,10 +88,11 @@ struct EnergyTankStep {
 /// @param effort_limit f̂, in force now
 /// @param wall_stored energy stored in the walls of an exercise, α k p²/2 per axis [J]; size 0:
 /// none
-[[nodiscard]] WHOLEHAND_RT EnergyTankStep advanceTank(
-    const EnergyTankState& state, const AxisPosition& q_m, const AxisPosition& q_s,
-    const AxisEnergy& wall_stored, const CouplingGains& gains, const EnergyTankConfig& config,
-    const AxisEffort& effort_limit, int elapsed_periods, double period_s) noexcept;
+[[nodiscard]] WHOLEHAND_RT EnergyTankStep
+advanceTank(const EnergyTankState& state, const AxisPosition& q_m, const AxisPosition& q_s,
+            const AxisEnergy& wall_stored, const WorldEnergy& world, const CouplingGains& gains,
+            const EnergyTankConfig& config, const AxisEffort& effort_limit, int elapsed_periods,
+            double period_s) noexcept;
 
 /// Records the effort that was sent and the effort on the avatar. Once a tick, after advanceTank().
 /// @param sent without the device's own weight

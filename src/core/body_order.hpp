@@ -73,6 +73,9 @@ struct PoolReport {
   std::int32_t refused_count = 0;
   std::int32_t moving = 0;        ///< bodies that are simulated and do not rest
   std::int32_t quarantined = -1;  ///< slot whose body was taken out in the last step; -1: none
+  double held_j = 0.0;            ///< kinetic energy of the bodies
+  double received_j =
+      0.0;  ///< put into them since the last report by gravity, the game, its orders
   std::array<SlotReport, kMaxSlots> slots{};
   std::array<RefusedOrder, kMaxCommands> refused{};
 };

@@ -31,17 +31,18 @@ enum class Fault : std::uint32_t {
   kLateInARow = 1U << 18,        ///< more late ticks in a row than the device allows
   kLongGap = 1U << 19,           ///< a gap between ticks longer than the device allows
   kOwnerSilent = 1U << 20,       ///< information: the owner is silent; the exercise fades out
-  kBodiesExploded =
-      1U << 21,           ///< the velocity of a body or of the hand changed implausibly in one step
-  kTankEmpty = 1U << 22,  ///< information: an empty energy tank added damping
-  kDriveFault = 1U << 23,  ///< a drive of the device reports a fault
-  kEnableLost = 1U << 24,  ///< efforts no longer reach the motors: emergency stop or watchdog
+  kBodiesExploded = 1U << 21,  ///< the bodies gained energy in one step that nobody put in, or the
+                               ///< simulated hand is implausibly fast
+  kTankEmpty = 1U << 22,       ///< information: an empty energy tank added damping
+  kDriveFault = 1U << 23,      ///< a drive of the device reports a fault
+  kEnableLost = 1U << 24,      ///< efforts no longer reach the motors: emergency stop or watchdog
   kStaleSample =
       1U << 25,            ///< a sample of the device is too old, stands still or goes back in time
   kDriveHot = 1U << 26,    ///< information: a drive is near its temperature limit
   kGentleStop = 1U << 27,  ///< information: the stop that was asked for is a gentle one
-  kSampleDelay = 1U << 28,   ///< the device's samples come later than the certificate assumes
-  kEffortAstray = 1U << 29,  ///< a drive measures another effort than the one that was sent
+  kSampleDelay = 1U << 28,       ///< the device's samples come later than the certificate assumes
+  kEffortAstray = 1U << 29,      ///< a drive measures another effort than the one that was sent
+  kWorldGivesEnergy = 1U << 30,  ///< the world gave energy that nobody put in, in spite of the tank
 };
 
 [[nodiscard]] constexpr Fault operator|(Fault a, Fault b) noexcept {
@@ -58,7 +59,7 @@ constexpr Fault& operator|=(Fault& a, Fault b) noexcept {
 }
 
 /// Number of the bits above.
-inline constexpr int kFaultBits = 30;
+inline constexpr int kFaultBits = 31;
 
 /// Effect of a fault on the run.
 enum class FaultReaction {
@@ -106,6 +107,7 @@ inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
     {Fault::kGentleStop, "gentle stop", FaultReaction::kRecorded},
     {Fault::kSampleDelay, "samples delayed", FaultReaction::kStops},
     {Fault::kEffortAstray, "effort astray", FaultReaction::kStops},
+    {Fault::kWorldGivesEnergy, "world gives energy", FaultReaction::kStops},
 }};
 
 /// All bits with one reaction.

@@ -32,7 +32,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       pool_(scene.game.slots > 0 ? dynamic_cast<BodyPool*>(&world) : nullptr),
       exercise_(exercise),
       config_(config),
-      safety_(config.safety, config.gains, config.period_s),
+      safety_(config.safety, config.gains, scene, config.period_s),
       parameters_(allLiveParameters(config, exercise)),
       effort_limit_(config.safety.effort_limit),
       damping_config_(config.damping),
@@ -81,7 +81,7 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
   exercise(record);
   damp(record);
   lap(Stage::kExercise);
-  safety_.watchEnergy(record);
+  safety_.watchEnergy(avatarEnergy(record), record);
   record.rendered =
       sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
   safety_.limitEffort(record);
@@ -133,8 +133,12 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
   record.coupling_error_rad = state_.coupling_error_rad;
   record.body_count = state_.body_count;
   std::copy_n(state_.bodies.begin(), state_.body_count, record.bodies.begin());
-  if (pool_ != nullptr) pool_->report(pool_report_);
-  safety_.judgeWorld(record);
+  PoolEnergy pool;
+  if (pool_ != nullptr) {
+    pool_->report(pool_report_);
+    pool = {pool_report_.held_j, pool_report_.received_j};
+  }
+  safety_.judgeWorld(contacts_.points.data(), contacts_.count, pool, record);
 }
 
 void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
@@ -209,6 +213,18 @@ void HapticRenderer::damp(TickRecord& record) noexcept {
   }
 }
 
+/// ½ q̇ᵀ M_r q̇
+double HapticRenderer::avatarEnergy(const TickRecord& record) const noexcept {
+  const AxisMatrix& inertia = dynamics_.reducedInertia();
+  double energy_j = 0.0;
+  for (int a = 0; a < record.qd_s.size(); ++a) {
+    for (int b = 0; b < record.qd_s.size(); ++b) {
+      energy_j += 0.5 * record.qd_s[a] * inertia(a, b) * record.qd_s[b];
+    }
+  }
+  return energy_j;
+}
+
 void HapticRenderer::writeDevice(TickRecord& record) noexcept {
   safety_.judgeWrite(device_.write(record.sent), record);
 }
@@ -224,7 +240,7 @@ void HapticRenderer::stepWorld(TickRecord& record) noexcept {
   orderBodies(record);
   if (record.placements.count > 0) {
     world_.placeBodies(record.placements);
-    safety_.notePlaced(record.placements);
+    safety_.notePlaced(record);
   }
   HandDrive drive;
   drive.effort = record.f_s;

@@ -129,6 +129,7 @@ class HapticRenderer {
   void couple(TickRecord& record) noexcept;
   void exercise(TickRecord& record) noexcept;
   void damp(TickRecord& record) noexcept;
+  [[nodiscard]] double avatarEnergy(const TickRecord& record) const noexcept;
   void writeDevice(TickRecord& record) noexcept;
   void stepWorld(TickRecord& record) noexcept;
   void orderBodies(const TickRecord& record) noexcept;

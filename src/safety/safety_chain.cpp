@@ -58,8 +58,13 @@ int elapsedOf(const TickRecord& record) noexcept {
 
 }  // namespace
 
-SafetyChain::SafetyChain(const SafetyConfig& config, const CouplingGains& gains, double period_s)
-    : config_(config), gains_(gains), period_s_(period_s), slew_(config.supervisor.slew_ticks) {
+SafetyChain::SafetyChain(const SafetyConfig& config, const CouplingGains& gains,
+                         const SceneModel& scene, double period_s)
+    : config_(config),
+      gains_(gains),
+      period_s_(period_s),
+      bodies_(scene, period_s),
+      slew_(config.supervisor.slew_ticks) {
   ramp_.sent = acknowledged_ = config.neutral;  // effort that an unarmed device holds
 }
 
@@ -74,7 +79,8 @@ void SafetyChain::arm(const AxisPosition& q_m) noexcept {
   slew_.clear();
   device_watch_ = DeviceWatchState{};
   device_watch_.q = q_m;
-  world_watch_ = WorldWatchState{};
+  avatar_watch_ = AvatarWatchState{};
+  bodies_.clear();
   state_ = SafetyState::kArmed;
   latched_ = Fault::kNone;
   acknowledged_ = config_.neutral;  // set by open()
@@ -123,16 +129,24 @@ double SafetyChain::blendTime_s(const TickRecord& record) const noexcept {
   return std::min(time_s, kLongestBlend_s);
 }
 
-void SafetyChain::judgeWorld(TickRecord& record) noexcept {
-  if (rendering()) record.faults |= watchWorld(world_watch_, record, config_.supervisor);
+void SafetyChain::judgeWorld(const Contact* contacts, int contact_count, const PoolEnergy& pool,
+                             TickRecord& record) noexcept {
+  if (!rendering()) return;
+  record.faults |= watchAvatar(avatar_watch_, record, config_.supervisor);
+  bodies_.advance(record, contacts, contact_count, pool);
+  if (config_.supervisor.axes > 0 && !(bodies_.gained_j() <= kMostGain_j)) {
+    record.faults |= Fault::kBodiesExploded;
+  }
 }
 
-void SafetyChain::watchEnergy(TickRecord& record) noexcept {
+void SafetyChain::watchEnergy(double avatar_j, TickRecord& record) noexcept {
   record.tank_effort = AxisEffort(gains_.axes);
   record.tank = tank_.energy;
   if (config_.tank.axes == 0 || any(record.faults & kStopping)) return;
+  WorldEnergy world = bodies_.energy();
+  world.held_j += avatar_j;
   const EnergyTankStep step =
-      advanceTank(tank_, record.q_m, record.q_s, wallStored(record), gains_, config_.tank,
+      advanceTank(tank_, record.q_m, record.q_s, wallStored(record), world, gains_, config_.tank,
                   record.effort_limit, elapsedOf(record), period_s_);
   tank_ = step.state;
   record.tank = tank_.energy;
@@ -142,6 +156,7 @@ void SafetyChain::watchEnergy(TickRecord& record) noexcept {
   for (int i = 0; i < step.effort.size(); ++i) {
     if (step.effort[i] != 0.0) noteFault(Fault::kTankEmpty, i, record);
   }
+  if (tank_.hand <= -config_.tank.hand_capacity) record.faults |= Fault::kWorldGivesEnergy;
 }
 
 void SafetyChain::limitEffort(TickRecord& record) noexcept {
@@ -178,7 +193,7 @@ void SafetyChain::noteSentInTank(const TickRecord& record) noexcept {
       recordSent(tank_, difference(record.sent, config_.neutral), record.f_s, record.effort_limit);
   if (ramp_.authority < 1.0) {
     tank_.energy = config_.tank.capacity;
-    tank_.hand = config_.tank.hand_capacity;
+    tank_.hand = config_.tank.hand_capacity + bodies_.energy().held_j;
   }
 }
 

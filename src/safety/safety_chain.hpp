@@ -7,12 +7,17 @@
 #include "core/real_time.hpp"
 #include "core/safety_state.hpp"
 #include "core/tick_record.hpp"
+#include "safety/body_energy.hpp"
 #include "safety/neutral_ramp.hpp"
 #include "safety/slew_limiter.hpp"
 #include "safety/stop_requests.hpp"
 #include "safety/supervisor.hpp"
 
 namespace wholehand {
+
+/// Energy that the bodies of a world may gain in one step without a source: an engine that pushes
+/// overlapping bodies apart gives some [J].
+inline constexpr double kMostGain_j = 1.0;
 
 /// Configuration of the safety chain.
 struct SafetyConfig {
@@ -28,7 +33,8 @@ struct SafetyConfig {
 class SafetyChain {
  public:
   /// @param gains the springs that the energy tank counts @param period_s T
-  SafetyChain(const SafetyConfig& config, const CouplingGains& gains, double period_s);
+  SafetyChain(const SafetyConfig& config, const CouplingGains& gains, const SceneModel& scene,
+              double period_s);
 
   // Outside the tick.
 
@@ -49,10 +55,14 @@ class SafetyChain {
   /// 1. Checks record.q_m as it was read: finite, complete, and watchDevice().
   /// @param read the device's status of the read
   WHOLEHAND_RT void judgeReading(Fault read, TickRecord& record) noexcept;
-  /// 2. Checks the world's state in the record: watchWorld().
-  WHOLEHAND_RT void judgeWorld(TickRecord& record) noexcept;
+  /// 2. Checks the world's state in the record: watchAvatar(), and kBodiesExploded when the bodies
+  /// gained more than kMostGain_j in one step that nobody put in (BodyEnergy).
+  /// @param contacts of the last step @param pool of a game's bodies
+  WHOLEHAND_RT void judgeWorld(const Contact* contacts, int contact_count, const PoolEnergy& pool,
+                               TickRecord& record) noexcept;
   /// 3. The energy tank; record.tank_effort is its damping, to be added to the rendered effort.
-  WHOLEHAND_RT void watchEnergy(TickRecord& record) noexcept;
+  /// @param avatar_j kinetic energy of the avatar
+  WHOLEHAND_RT void watchEnergy(double avatar_j, TickRecord& record) noexcept;
   /// 4. to 7. From record.rendered to record.sent: the therapist's limits (record.effort_limit) and
   /// the device's, authority, power, slew. A requested stop, and every stopping fault of the tick,
   /// lets go here (advanceRamp()).
@@ -60,9 +70,9 @@ class SafetyChain {
   /// 8. Checks the device's answer to record.sent. If it refused, record.sent becomes the effort
   /// that the device holds.
   WHOLEHAND_RT void judgeWrite(Fault written, TickRecord& record) noexcept;
-  /// Notes bodies that are placed before the step: their velocity jump is not a fault.
-  WHOLEHAND_RT void notePlaced(const BodyPlacements& placements) noexcept {
-    wholehand::notePlaced(world_watch_, placements);
+  /// Notes bodies that the exercise places before the step: what they gain is not a fault.
+  WHOLEHAND_RT void notePlaced(const TickRecord& record) noexcept {
+    bodies_.notePlaced(record.placements, record);
   }
   /// Checks the world's status of the step.
   WHOLEHAND_RT void judgeStep(Fault stepped, TickRecord& record) noexcept;
@@ -92,7 +102,8 @@ class SafetyChain {
   const double period_s_;
   StopRequests stops_;
   DeviceWatchState device_watch_;
-  WorldWatchState world_watch_;
+  AvatarWatchState avatar_watch_;
+  BodyEnergy bodies_;
   EnergyTankState tank_;
   NeutralRampState ramp_;
   SlewWindow slew_;  ///< efforts sent in the last millisecond

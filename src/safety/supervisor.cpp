@@ -14,14 +14,11 @@ constexpr double kStillCounts = 1.5;    // encoder counts: a broken encoder may 
 constexpr double kTravel = 5.0;         // ranges of travel of the other axes while an encoder is
                                         // stuck
 constexpr double kEffortOfLimit = 0.2;  // change of the axis's own effort meanwhile
-constexpr double kBodySpeedRise_m_s = 10.0;
-constexpr double kBodySpinRise_rad_s = 500.0;
-constexpr double kSpinOfLostSpeed_rad_m = 3000.0;  // 6 / length: a rod of 2 mm stopped at its end
-constexpr double kAvatarSpeed = 10.0;              // of the device's speed limit
-constexpr int kFastTicks = 2;                      // consecutive ticks beyond the speed limit
-constexpr double kMovedOfRange = 0.05;             // motion between arming and the first tick
-constexpr double kGap_s = 0.005;                   // longer gaps blend the effort in again
-constexpr double kGapsWithin_s = 1.0;              // window for counting gaps
+constexpr double kAvatarSpeed = 10.0;   // of the device's speed limit
+constexpr int kFastTicks = 2;           // consecutive ticks beyond the speed limit
+constexpr double kMovedOfRange = 0.05;  // motion between arming and the first tick
+constexpr double kGap_s = 0.005;        // longer gaps blend the effort in again
+constexpr double kGapsWithin_s = 1.0;   // window for counting gaps
 constexpr std::uint32_t kStall_periods = 5;
 constexpr double kCatchUp_s = 0.2;
 constexpr double kLongestSimulatedGap_s = 0.5;
@@ -29,25 +26,6 @@ constexpr double kLongestSimulatedGap_s = 0.5;
 void add(Finding& finding, Fault fault, int axis) noexcept {
   if (finding.axis < 0) finding.axis = axis;
   finding.faults |= fault;
-}
-
-double squared(const Vec3& v) noexcept {
-  return v.x * v.x + v.y * v.y + v.z * v.z;
-}
-
-// Written so that what is no number explodes, too.
-bool explodes(const BodyState& body, const Vec3& velocity_before_m_s,
-              const Vec3& spin_before_rad_s) noexcept {
-  const double speed2 = squared(body.velocity_m_s), spin2 = squared(body.angular_velocity_rad_s);
-  if (speed2 <= kBodySpeedRise_m_s * kBodySpeedRise_m_s &&
-      spin2 <= kBodySpinRise_rad_s * kBodySpinRise_rad_s) {
-    return false;
-  }
-  const double rise_m_s = std::sqrt(speed2) - std::sqrt(squared(velocity_before_m_s));
-  const double spin_rise_rad_s = std::sqrt(spin2) - std::sqrt(squared(spin_before_rad_s));
-  const double from_impact_rad_s = kSpinOfLostSpeed_rad_m * std::max(0.0, -rise_m_s);
-  return !(rise_m_s <= kBodySpeedRise_m_s) ||
-         !(spin_rise_rad_s <= kBodySpinRise_rad_s + from_impact_rad_s);
 }
 
 void watchTiming(DeviceWatchState& state, int elapsed_periods, const SupervisorConfig& config,
@@ -191,8 +169,8 @@ Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m, const Axis
   return finding;
 }
 
-Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
-                 const SupervisorConfig& config) noexcept {
+Fault watchAvatar(AvatarWatchState& state, const TickRecord& observed,
+                  const SupervisorConfig& config) noexcept {
   if (config.axes == 0) return Fault::kNone;
   const bool stalled = config.watch.late_in_a_row <= 0 && observed.elapsed_periods > kStall_periods;
   state.catch_up_left_s = stalled ? kCatchUp_s : state.catch_up_left_s - config.period_s;
@@ -202,26 +180,7 @@ Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
       fault = Fault::kBodiesExploded;
     }
   }
-  const bool known = state.body_count == observed.body_count;
-  state.body_count = observed.body_count;
-  for (int i = 0; i < observed.body_count; ++i) {
-    const BodyState& body = observed.bodies[i];
-    if (known && explodes(body, state.velocity_m_s[i], state.angular_velocity_rad_s[i])) {
-      fault = Fault::kBodiesExploded;
-    }
-    state.velocity_m_s[i] = body.velocity_m_s;
-    state.angular_velocity_rad_s[i] = body.angular_velocity_rad_s;
-  }
   return state.catch_up_left_s > 0.0 ? Fault::kNone : fault;
-}
-
-void notePlaced(WorldWatchState& state, const BodyPlacements& placements) noexcept {
-  for (int i = 0; i < placements.count; ++i) {
-    const BodyPlacement& placed = placements.items[i];
-    if (placed.body < 0 || placed.body >= kMaxBodies) continue;
-    state.velocity_m_s[placed.body] = placed.velocity_m_s;
-    state.angular_velocity_rad_s[placed.body] = Vec3{};
-  }
 }
 
 SafetyState nextSafetyState(SafetyState state, Fault latched, bool at_neutral,

@@ -77,26 +77,17 @@ struct DeviceWatchState {
                                                const AxisEffort& sent, int elapsed_periods,
                                                const SupervisorConfig& config) noexcept;
 
-/// State of the world watch from tick to tick.
-struct WorldWatchState {
-  int body_count = -1;  ///< bodies at the last tick; -1: no tick came before
-  std::array<Vec3, kMaxBodies> velocity_m_s{}, angular_velocity_rad_s{};
+/// State of the avatar watch from tick to tick.
+struct AvatarWatchState {
   double catch_up_left_s = 0.0;  ///< the hand still catches up after a stall
 };
 
-/// kBodiesExploded when a body's speed rises by more than 10 m/s within one step, when its spin
-/// rises by more than 500 rad/s and what an impact makes of the speed that it lost (3000 rad/s per
-/// m/s: a rod of 2 mm stopped at its end), or when the simulated hand is ten times as fast as the
-/// device may be. That is ten times what contact with a hand within its limits can cause. Neither a
-/// long fall nor its impact is an explosion. When gaps are only counted, the check pauses for 0.2 s
+/// kBodiesExploded when the simulated hand is ten times as fast as the device may be: ten times
+/// what contact within the limits can cause. When gaps are only counted, the check pauses for 0.2 s
 /// after a gap of more than 5 periods, in which the simulated hand catches up with the device.
 /// Real-time safe.
-[[nodiscard]] WHOLEHAND_RT Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
-                                            const SupervisorConfig& config) noexcept;
-
-/// Notes bodies that are placed before the step: their velocity jump is not an explosion. Real-time
-/// safe.
-WHOLEHAND_RT void notePlaced(WorldWatchState& state, const BodyPlacements& placements) noexcept;
+[[nodiscard]] WHOLEHAND_RT Fault watchAvatar(AvatarWatchState& state, const TickRecord& observed,
+                                             const SupervisorConfig& config) noexcept;
 
 /// Computes the state after a tick. Real-time safe.
 /// @param latched stopping faults of this run so far @param at_neutral after a stop or a fault

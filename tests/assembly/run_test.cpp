@@ -400,7 +400,7 @@ TEST(MeasuredDevice, TankAndSupervisor_GoByTheWorstOfFileAndPassport) {
   const SafetyConfig& safety = rig->renderer->config().safety;
   EXPECT_EQ(safety.tank.delay_ticks, 4);
   const EnergyTankConfig worst =
-      makeEnergyTank(worstCorners(models.device, passport, 1e-3)[0], 1e-3, 1.0);
+      makeEnergyTank(worstCorners(models.device, passport, 1e-3)[0], 1e-3);
   for (int i = 0; i < safety.tank.axes; ++i) {
     EXPECT_EQ(safety.supervisor.encoder_step[i], passport.axes[i].resolution);
     EXPECT_DOUBLE_EQ(safety.tank.most_damping[i], worst.most_damping[i]);

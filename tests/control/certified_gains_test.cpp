@@ -103,7 +103,7 @@ Balance balanceOf(AxisSimulation axis, const Push& push, bool with_tank) {
     double effort = 0.0;
     if (with_tank) {
       const EnergyTankStep step =
-          advanceTank(tank, q_m, q_s, wall, gains, config, no_limit, 1, l.period_s);
+          advanceTank(tank, q_m, q_s, wall, {}, gains, config, no_limit, 1, l.period_s);
       tank = step.state;
       effort = step.effort[0];
     }

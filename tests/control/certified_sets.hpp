@@ -104,7 +104,9 @@ inline EnergyTankConfig tankOf(const AxisLoop& l) {
   axis.effort_limit = 20.0;
   device.axes.push_back(axis);
   // Nothing here is as much as 1 kJ: the account of the hand has tests of its own.
-  return makeEnergyTank(device, l.period_s, 1e3);
+  EnergyTankConfig config = makeEnergyTank(device, l.period_s);
+  config.hand_capacity += 1e3;  // the axes' tanks alone
+  return config;
 }
 
 }  // namespace wholehand::test

@@ -14,9 +14,6 @@
 namespace wholehand::test {
 namespace {
 
-// An avatar of 0.4 kg at 3 m/s.
-constexpr double kHeld_j = 1.8;
-
 struct Loop {
   double mass = 0.5, damping = 0.2, person_mass = 0.3, person_damping = 1.0, person_stiffness = 0.0;
   double k_pm = 1000.0, gamma = 0.0, k_ps = 2500.0;
@@ -55,7 +52,7 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
   SimulatedDevice simulated(plant, person, stayAt(start_m), kPeriod_s);
   EXPECT_TRUE(simulated.open());
   const CouplingGains gains = gainsOfAxis(loop);
-  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
+  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
   EnergyTankState tank = fullTank(config);
   VelocityState velocity;
   std::array<double, 9> sent{};
@@ -71,8 +68,9 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
     velocity = estimateVelocity(velocity, reading.q_m, gains, 1, kPeriod_s);
     const double coupling =
         couplingEffort(reading.q_m, velocity.filtered, q_s, qd_s, dampingOf(gains), gains)[0];
-    EnergyTankStep step = advanceTank(tank, reading.q_m, q_s, AxisEnergy(), gains, config,
-                                      AxisEffort(1, kLimit), 1, kPeriod_s);
+    EnergyTankStep step =
+        advanceTank(tank, reading.q_m, q_s, AxisEnergy(), {0.5 * gains.inertia[0] * v_s * v_s, 0.0},
+                    gains, config, AxisEffort(1, kLimit), 1, kPeriod_s);
     const double added = with_tank ? step.effort[0] : 0.0;
     const double f = std::clamp(coupling + added, -kLimit, kLimit);
     const double without = std::clamp(coupling, -kLimit, kLimit);
@@ -143,7 +141,7 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
   DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].damping = 6.0;
   device.axes[0].effort_limit = 20.0;
-  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
+  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
   Loop loop;
   loop.k_pm = 1500.0;
   loop.gamma = 1.0;
@@ -156,7 +154,7 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
     const auto held = [&](double e) { return -std::min(1500.0 * e, 8.0); };
     tank = recordSent(tank, AxisEffort(1, 0.5 * (held(before) + held(x))), AxisEffort(1),
                       AxisEffort(1, 8.0));
-    const EnergyTankStep step = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {},
+    const EnergyTankStep step = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {}, {},
                                             gains, config, AxisEffort(1, 8.0), 1, kPeriod_s);
     EXPECT_EQ(step.effort[0], 0.0) << k;
     tank = step.state;
@@ -178,14 +176,14 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   EnergyTankState tank = fullTank(config);
   // Midpoint forces integrate the spring's work exactly.
   double x = 0.0;
-  tank = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {}, gains, config,
+  tank = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {}, {}, gains, config,
                      AxisEffort(1, 1e9), 1, kPeriod_s)
              .state;
   for (int k = 1; k <= 4000; ++k) {
     const double next = 0.01 * std::sin(2.0 * std::numbers::pi * k / 1000.0);
     tank = recordSent(tank, AxisEffort(1, -loop.k_pm * 0.5 * (x + next)), AxisEffort(1),
                       AxisEffort(1, 1e9));
-    tank = advanceTank(tank, AxisPosition(1, next), AxisPosition(1, 0.0), {}, gains, config,
+    tank = advanceTank(tank, AxisPosition(1, next), AxisPosition(1, 0.0), {}, {}, gains, config,
                        AxisEffort(1, 1e9), 1, kPeriod_s)
                .state;
     x = next;
@@ -197,7 +195,7 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
   // 2 N along a motion of 0.1 m/s give 0.2 W; 50 mJ last 0.25 s, then damping takes 2 N back.
   DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].effort_limit = 20.0;  // Ê = 20 N · 5 mm / 2
-  EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
+  EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
   Loop loop;
   loop.k_pm = 1e-9;
   const CouplingGains gains = gainsOfAxis(loop);
@@ -206,7 +204,7 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
   for (int k = 0; k < 1000; ++k) {
     const AxisPosition q(1, 1e-4 * k);
     const EnergyTankStep step =
-        advanceTank(tank, q, q, {}, gains, config, AxisEffort(1, 20.0), 1, kPeriod_s);
+        advanceTank(tank, q, q, {}, {}, gains, config, AxisEffort(1, 20.0), 1, kPeriod_s);
     effort = step.effort[0];
     if (effort != 0.0 && empty_s == 0.0) empty_s = k * kPeriod_s;
     tank = recordSent(step.state, AxisEffort(1, 2.0 + effort), AxisEffort(1), AxisEffort(1, 20.0));
@@ -221,13 +219,13 @@ TEST(EnergyTank, OneCountOfTheEncoder_MakesAFiftiethOfTheLimitAtMost) {
   device.axes[0].effort_limit = 20.0;
   device.axes[0].encoder_step = 1e-5;
   for (const double rate_hz : {1000.0, 2000.0, 4000.0, 8000.0}) {
-    const EnergyTankConfig config = makeEnergyTank(device, 1.0 / rate_hz, 0.0);
+    const EnergyTankConfig config = makeEnergyTank(device, 1.0 / rate_hz);
     EnergyTankState tank = fullTank(config);
     tank.energy[0] = -config.capacity[0];
     tank.hand = -config.hand_capacity;
     tank.fresh = false;
     const EnergyTankStep step =
-        advanceTank(tank, AxisPosition(1, 1e-5), AxisPosition(1, 1e-5), {}, gainsOfAxis(Loop{}),
+        advanceTank(tank, AxisPosition(1, 1e-5), AxisPosition(1, 1e-5), {}, {}, gainsOfAxis(Loop{}),
                     config, AxisEffort(1, 20.0), 1, 1.0 / rate_hz);
     EXPECT_LT(step.effort[0], 0.0);
     EXPECT_GE(step.effort[0], -0.02 * 20.0 - 1e-12) << rate_hz;
@@ -274,7 +272,8 @@ Circled circle(const HeldPair& pair, int turns) {
     q[1] = -5e-3 * std::sin(2.0 * std::numbers::pi * turn);
     return q;
   };
-  tank = advanceTank(tank, at(0.0), pair.avatar(at(0.0)), {}, gains, config, no_limit, 1, kPeriod_s)
+  tank = advanceTank(tank, at(0.0), pair.avatar(at(0.0)), {}, {}, gains, config, no_limit, 1,
+                     kPeriod_s)
              .state;
   Circled out{0.0, 1.0, 0.0};
   for (int k = 1; k <= 1000 * turns; ++k) {
@@ -289,7 +288,7 @@ Circled circle(const HeldPair& pair, int turns) {
     }
     tank = recordSent(tank, f, drive, no_limit);
     const EnergyTankStep step =
-        advanceTank(tank, b, b_s, {}, gains, config, no_limit, 1, kPeriod_s);
+        advanceTank(tank, b, b_s, {}, {}, gains, config, no_limit, 1, kPeriod_s);
     tank = step.state;
     for (int i = 0; i < 2; ++i) {
       out.least_axis_j = std::min(out.least_axis_j, tank.energy[i]);
@@ -327,12 +326,12 @@ TEST(EnergyTank, CouplingThatMakesEnergyAcrossTwoAxes_IsSeenByTheHandAlone) {
 TEST(EnergyTank, WallThatFadesInUnderTheFinger_IsPaidFor) {
   // α k p²/2 from 0 to 4 mJ with the finger held still: E falls by as much.
   DeviceModel device = oneAxisDevice(0.8);
-  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
+  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
   const CouplingGains gains = gainsOfAxis(Loop{});
   EnergyTankState tank = fullTank(config);
   const AxisPosition q(1, 0.0);
   for (double wall_j : {0.0, 0.002, 0.004}) {
-    tank = advanceTank(tank, q, q, AxisEnergy(1, wall_j), gains, config, AxisEffort(1, 20.0), 1,
+    tank = advanceTank(tank, q, q, AxisEnergy(1, wall_j), {}, gains, config, AxisEffort(1, 20.0), 1,
                        kPeriod_s)
                .state;
   }

@@ -27,6 +27,7 @@ struct Workbench {
                      double of_period_s = kPeriod_s)
       : period_s(of_period_s) {
     Models m = withWeight(load(shippedFiles(device, "empty", hand, "stiff-adult")));
+    m.scene.bodies = {ball({1.0, 1.0, 1.0}, 0.03, 0.1)};  // falls, out of reach
     auto simulated = std::make_unique<SimulatedDevice>(
         m.device, m.patient, Intention::throughWaypoints({{0.0, clear(m.device)}}), period_s);
     // Not said to be simulated: everything is watched.

@@ -44,4 +44,17 @@ void moveFree(btRigidBody& body, double step_s) noexcept {
   body.setAngularVelocity(toBt(moved.spin_rad_s));
 }
 
+double kineticEnergy(const btRigidBody& body) noexcept {
+  if (body.getInvMass() == 0.0) return 0.0;
+  double twice_j = body.getLinearVelocity().length2() / body.getInvMass();
+  if (!body.getAngularVelocity().isZero()) {
+    const btVector3 spin = body.getAngularVelocity() * body.getWorldTransform().getBasis();
+    const btVector3& inverse = body.getInvInertiaDiagLocal();
+    for (int k = 0; k < 3; ++k) {
+      if (inverse[k] > 0.0) twice_j += spin[k] * spin[k] / inverse[k];
+    }
+  }
+  return 0.5 * twice_j;
+}
+
 }  // namespace wholehand::bullet

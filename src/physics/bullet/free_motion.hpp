@@ -11,4 +11,7 @@ namespace wholehand::bullet {
 /// Real-time safe.
 WHOLEHAND_RT void moveFree(btRigidBody& body, double step_s) noexcept;
 
+/// ½ m v² + ½ ω·I ω; 0 for a body that does not move. Real-time safe.
+[[nodiscard]] WHOLEHAND_RT double kineticEnergy(const btRigidBody& body) noexcept;
+
 }  // namespace wholehand::bullet

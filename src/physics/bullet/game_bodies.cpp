@@ -181,6 +181,9 @@ void GameBodies::report(PoolReport& report) noexcept {
     report.slots[i] = {slots_[i].generation, slots_[i].state, slots_[i].owner,
                        slots_[i].solid_count};
   }
+  report.held_j = held_j_;
+  report.received_j = received_j_;
+  received_j_ = 0.0;
   refused_count_ = 0;
   quarantined_ = -1;
 }

@@ -13,6 +13,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace wholehand::bullet {
@@ -35,6 +36,7 @@ class GameBodies final : public BodyPool {
   /// become solid.
   WHOLEHAND_RT void settle(double step_s) noexcept;
   /// Call before a step is solved: pulls driven bodies to their targets, and moves driven ghosts.
+  /// Then gravity is applied.
   WHOLEHAND_RT void drive(double step_s) noexcept;
   /// Call after a step: lets go, parks what left the world, and counts the time of silence.
   WHOLEHAND_RT void finish(double step_s) noexcept;
@@ -80,6 +82,7 @@ class GameBodies final : public BodyPool {
   struct Pull {
     btVector3 force_n{0.0, 0.0, 0.0}, torque_nm{0.0, 0.0, 0.0};
     double size_n = 0.0;  ///< of the force, with the turn at the body's outermost point
+    double share = 0.0;   ///< of it that acts
   };
 
   void spawn(const SpawnOrder& order) noexcept;
@@ -97,6 +100,8 @@ class GameBodies final : public BodyPool {
   [[nodiscard]] bool isDriven(int slot) const noexcept;
   /// The force on a driven body by itself; moves a ghost.
   [[nodiscard]] Pull pullOf(int index, double step_s) noexcept;
+  /// Power of gravity and pull, and the kinetic energy of the solid bodies.
+  [[nodiscard]] std::pair<double, double> powerAndEnergy() noexcept;
   void holdWithin(int index) noexcept;
   void fade(int index, double step_s) noexcept;
   void firm(int index, double step_s) noexcept;
@@ -114,7 +119,7 @@ class GameBodies final : public BodyPool {
   ShapeSets sets_;
   std::vector<Slot> slots_;
   std::array<bool, kMaxSlots> overlaps_{};
-  std::array<Pull, kMaxSlots> pulls_{};  ///< valid while drive() runs
+  std::array<Pull, kMaxSlots> pulls_{};  ///< of driven bodies, until the step ends
   int ghosts_ = 0, used_ = 0;
   bool alive_ = true;
   bool hand_touches_ = false;  ///< anything, in the last step
@@ -125,6 +130,8 @@ class GameBodies final : public BodyPool {
   std::array<RefusedOrder, kMaxCommands> refused_{};
   int refused_count_ = 0;
   int quarantined_ = -1;
+  double held_j_ = 0.0, received_j_ = 0.0;  ///< as PoolReport says
+  double power_w_ = 0.0;                    ///< of gravity and pull, before the step is solved
 };
 
 }  // namespace wholehand::bullet

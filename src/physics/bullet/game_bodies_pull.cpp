@@ -1,5 +1,6 @@
 // Driven bodies are pulled to the game's targets.
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/free_motion.hpp"
 #include "physics/bullet/game_bodies.hpp"
 
 #include <Eigen/Geometry>
@@ -43,9 +44,33 @@ void GameBodies::drive(double step_s) noexcept {
   const double share = shared ? most_n / together_n : 1.0;
   for (int slot = 0; slot < count(); ++slot) {
     if (!isDriven(slot) || slots_[slot].state == SlotState::kGhost) continue;
+    pulls_[slot].share = share;
     bodyOf(slot).rigid().applyCentralForce(share * pulls_[slot].force_n);
     bodyOf(slot).rigid().applyTorque(share * pulls_[slot].torque_nm);
   }
+  const auto [power_w, energy_j] = powerAndEnergy();
+  power_w_ = power_w;
+  received_j_ += std::max(0.0, energy_j - held_j_);  // what was spawned or thrown since
+}
+
+std::pair<double, double> GameBodies::powerAndEnergy() noexcept {
+  double power_w = 0.0, energy_j = 0.0;
+  for (int slot = 0; slot < count(); ++slot) {
+    const SlotState state = slots_[slot].state;
+    if (state == SlotState::kParked || state == SlotState::kGhost ||
+        !resting_.awake(first_ + slot)) {
+      continue;
+    }
+    const btRigidBody& rigid = bodyOf(slot).rigid();
+    const btVector3& velocity = rigid.getLinearVelocity();
+    const btVector3& spin = rigid.getAngularVelocity();
+    energy_j += kineticEnergy(rigid);
+    power_w += slots_[slot].mass_kg * rigid.getGravity().dot(velocity);
+    if (!isDriven(slot)) continue;
+    power_w += pulls_[slot].share *
+               (pulls_[slot].force_n.dot(velocity) + pulls_[slot].torque_nm.dot(spin));
+  }
+  return {power_w, energy_j};
 }
 
 bool GameBodies::isDriven(int slot) const noexcept {

@@ -62,7 +62,9 @@ void GameBodies::fade(int index, double step_s) noexcept {
 void GameBodies::finish(double step_s) noexcept {
   hand_touches_ = solver_.contactCount() > 0;
   watchSilence(step_s);
+  held_j_ = 0.0;
   if (used_ == 0) return;
+  received_j_ += 0.5 * step_s * (power_w_ + powerAndEnergy().first);
   for (int index = 0; index < count(); ++index) {
     Slot& slot = slots_[index];
     if (slot.state == SlotState::kParked) continue;
@@ -73,6 +75,7 @@ void GameBodies::finish(double step_s) noexcept {
     if (slot.state == SlotState::kLettingGo) fade(index, step_s);
     if (slot.state == SlotState::kSolid && slot.solid_s < kFull_s) firm(index, step_s);
   }
+  held_j_ = powerAndEnergy().second;
 }
 
 // A state that is not finite is left to observe(), and the run stops.

@@ -228,37 +228,45 @@ void ReducedContactSolver::prepareSweeps() {
   for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
     const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-    finishRow(contact.normal_row, body, false, true, softness_);
+    finishRow(contact.normal_row, body, false, Ends::kPressed, softness_);
     contact.yielding = softness_ * contact.normal_row.effective_mass;
-    finishRow(contact.tangent1_row, body, false);
-    finishRow(contact.tangent2_row, body, false);
-    finishRow(contact.spin_row, body, true);
-    const ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
-    FrictionDisc<double>& disc = contact.disc;
-    disc.yield_12 = one.linear.dot(two.linear_response) + one.angular.dot(two.angular_response);
-    for (int a = 0; a < axes_; ++a) disc.yield_12 += one.jacobian[a] * two.response[a];
-    constexpr double kDefinite = 1.0 + 1e-9;  // where one axis alone moves both
-    if (one.effective_mass > 0.0 && two.effective_mass > 0.0) {
-      disc.yield_11 = kDefinite / one.effective_mass;
-      disc.yield_22 = kDefinite / two.effective_mass;
-      const double det = disc.yield_11 * disc.yield_22 - disc.yield_12 * disc.yield_12;
-      disc.mass_11 = disc.yield_22 / det;
-      disc.mass_12 = -disc.yield_12 / det;
-      disc.mass_22 = disc.yield_11 / det;
-    }
+    contact.rests_on_ends = couples_ends_;
+    finishFriction(contact, couples_ends_ ? Ends::kHeld : Ends::kFree);
     start(contact);
   }
   rows_.start(change_.data());
 }
 
+void ReducedContactSolver::finishFriction(HandContact& contact, Ends ends) const {
+  const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  finishRow(contact.tangent1_row, body, false, ends);
+  finishRow(contact.tangent2_row, body, false, ends);
+  finishRow(contact.spin_row, body, true, ends);
+  const ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
+  if (one.effective_mass == 0.0 || two.effective_mass == 0.0) return;
+  FrictionDisc<double>& disc = contact.disc;
+  disc.yield_12 = one.linear.dot(two.linear_response) + one.angular.dot(two.angular_response);
+  for (int a = 0; a < axes_; ++a) disc.yield_12 += one.jacobian[a] * two.response[a];
+  constexpr double kDefinite = 1.0 + 1e-9;  // where one axis alone moves both
+  disc.yield_11 = kDefinite / one.effective_mass;
+  disc.yield_22 = kDefinite / two.effective_mass;
+  const double det = disc.yield_11 * disc.yield_22 - disc.yield_12 * disc.yield_12;
+  disc.mass_11 = disc.yield_22 / det;
+  disc.mass_12 = -disc.yield_12 / det;
+  disc.mass_22 = disc.yield_11 / det;
+}
+
 void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
-                                     bool one_sided, double softness) const {
+                                     Ends ends, double softness) const {
   if (axes_ <= kNarrow) {
     respond<kNarrow>(row);
   } else {
     respond<kMaxAxes>(row);
   }
-  if (couples_ends_) rows_.coupleToEnds(row.jacobian, row.response, row.end_shares, one_sided);
+  row.end_shares.fill(0.0);
+  if (couples_ends_ && ends != Ends::kFree) {
+    rows_.coupleToEnds(row.jacobian, row.response, row.end_shares, ends == Ends::kPressed);
+  }
   double inverse_mass = 0.0;
   for (int a = 0; a < axes_; ++a) {
     inverse_mass += row.response[a] * row.jacobian[a];

@@ -55,6 +55,7 @@ struct HandContact {
   double drift1_m = 0.0, drift2_m = 0.0;
   FrictionDisc<double> disc;  ///< of both tangents; its limit is that of the last sweep
   double yielding = 0.0;  ///< R / (R + inverse mass) of the normal row, R as SolverSettings says
+  bool rests_on_ends = false;  ///< joint ends bear a share of its friction
 };
 
 /// Bullet's rigid-body solver with the contacts of the hand. They are solved in the hand's reduced
@@ -117,8 +118,13 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void aim(ReducedRow& row, const btSolverBody& body, double goal_velocity) const;
   void startFromLast(HandContact& contact) const;
   void prepareSweeps();
-  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, bool one_sided = false,
+  /// Which joint ends bear a row's impulse: those that it presses upon, those that bore one in the
+  /// last step, whatever its sign, or none.
+  enum class Ends { kPressed, kHeld, kFree };
+  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, Ends ends,
                  double softness = 0.0) const;
+  void finishFriction(HandContact& contact, Ends ends) const;
+  [[nodiscard]] bool pullsAtEnd(const HandContact& contact) const;
   void start(HandContact& contact);
   template <int Width>
   [[gnu::always_inline]] inline void press(HandContact& contact, btSolverBody& body, double wanted);

@@ -69,6 +69,19 @@ void ReducedContactSolver::start(HandContact& contact) {
   apply<kMaxAxes>(contact.spin_row, body, first(contact.spin_row));
 }
 
+// True when the friction of a contact pulls at a joint's end, which only presses.
+bool ReducedContactSolver::pullsAtEnd(const HandContact& contact) const {
+  const EndShares& borne = rows_.coupledEndImpulse();
+  for (int k = 0; k < kMaxCoupledEnds; ++k) {
+    if (borne[k] < 0.0 &&
+        (contact.tangent1_row.end_shares[k] != 0.0 || contact.tangent2_row.end_shares[k] != 0.0 ||
+         contact.spin_row.end_shares[k] != 0.0)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 template <int Width>
 void ReducedContactSolver::solveFriction(HandContact& contact) {
   btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
@@ -107,7 +120,15 @@ void ReducedContactSolver::iterate() {
     const double yielded = contact.yielding * contact.normal_row.impulse;
     press<Width>(contact, body, wanted<Width>(contact.normal_row, body) - yielded);
   }
-  for (int i = 0; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    solveFriction<Width>(contact);
+    if (!contact.rests_on_ends || !pullsAtEnd(contact)) continue;
+    // The end lets go, and the digit is light: with the inertia of the hand that an end holds
+    // friction would overshoot from one side of its cone to the other, for ever.
+    contact.rests_on_ends = false;
+    finishFriction(contact, Ends::kFree);
+  }
   residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
 }
 

@@ -116,6 +116,7 @@ export const de: ConsoleTexts = {
     'stale sample': 'Kabel und Strom des Geräts prüfen, dann neu starten.',
     'samples delayed': 'Rechner oder Leitung des Geräts waren zu langsam: andere Programme beenden, dann neu starten.',
     'effort astray': 'Ein Antrieb gab nicht die verlangte Kraft: Gerät prüfen lassen, bevor wieder jemand daran sitzt.',
+    'world gives energy': 'Die Übung neu laden, dann starten. Kommt es wieder, der Person melden, die das Programm betreut.',
     'late ticks in a row': 'Der Rechner war zu langsam: andere Programme beenden, dann neu starten.',
     'gap too long': 'Der Rechner war zu langsam: andere Programme beenden, dann neu starten.',
     other: 'Neu starten, wenn die Ursache weg ist.',

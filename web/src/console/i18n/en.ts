@@ -116,6 +116,7 @@ export const en = {
     'stale sample': 'Check the device’s cable and power, then arm again.',
     'samples delayed': 'This computer or the device’s line was too slow: end other programs, then arm again.',
     'effort astray': 'A drive did not give the effort that it was sent: have the device looked at before anybody is attached again.',
+    'world gives energy': 'Load the exercise again, then arm. If it comes back, tell whoever looks after the program.',
     'late ticks in a row': 'This computer was too slow: end other programs, then arm again.',
     'gap too long': 'This computer was too slow: end other programs, then arm again.',
     other: 'Arm again when the cause is gone.',

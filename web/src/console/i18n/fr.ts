@@ -116,6 +116,7 @@ export const fr: ConsoleTexts = {
     'stale sample': 'Vérifiez le câble et le courant de l’appareil, puis réarmez.',
     'samples delayed': 'L’ordinateur ou la liaison de l’appareil était trop lent : fermez les autres programmes, puis réarmez.',
     'effort astray': 'Un moteur n’a pas donné l’effort demandé : faites examiner l’appareil avant d’y attacher quelqu’un.',
+    'world gives energy': 'Rechargez l’exercice, puis démarrez. Si cela revient, prévenez la personne qui s’occupe du programme.',
     'late ticks in a row': 'L’ordinateur était trop lent : fermez d’autres programmes, puis réarmez.',
     'gap too long': 'L’ordinateur était trop lent : fermez d’autres programmes, puis réarmez.',
     other: 'Réarmez quand la cause a disparu.',

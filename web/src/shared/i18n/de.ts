@@ -194,4 +194,5 @@ export const de: Texts = {
   'fault.gentle stop': 'die Kraft klingt sanft ab',
   'fault.samples delayed': 'die Messwerte kommen zu spät',
   'fault.effort astray': 'ein Antrieb gibt eine andere Kraft als verlangt',
+  'fault.world gives energy': 'die simulierten Dinge gaben Kraft, die niemand hineingab',
 };

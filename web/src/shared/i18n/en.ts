@@ -200,4 +200,5 @@ export const en = {
   'fault.gentle stop': 'the effort fades gently',
   'fault.samples delayed': 'the samples come too late',
   'fault.effort astray': 'a drive gives another effort than asked for',
+  'fault.world gives energy': 'the simulated objects pushed with energy that nobody put in',
 } as const;

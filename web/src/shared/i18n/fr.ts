@@ -194,4 +194,5 @@ export const fr: Texts = {
   'fault.gentle stop': 'la force s’éteint en douceur',
   'fault.samples delayed': 'les mesures arrivent trop tard',
   'fault.effort astray': 'un moteur donne un autre effort que demandé',
+  'fault.world gives energy': 'les objets simulés ont donné une énergie que personne n’a apportée',
 };
