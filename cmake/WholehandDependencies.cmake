@@ -76,7 +76,7 @@ set(tick_modules core dynamics control safety patient exercise physics ${engine_
 set(arithmetic_modules dynamics)
 option(WHOLEHAND_FUZZ "For libFuzzer, under AddressSanitizer: count which branches of what reads strangers' bytes an input takes" OFF)
 # Under a sanitizer the compiler takes half as long without optimisation, and what computes little
-# runs as fast. Only what computes at length is optimised (docs/adr/0066): these modules, and the targets
+# runs as fast. Only what computes at length is optimised (docs/adr/0072): these modules, and the targets
 # of which wholehand_computes() says so.
 set(computing_modules core model dynamics control patient exercise safety physics ${engine_modules}
     physics/analytic device/simulated commissioning commissioning/identification registry renderer

@@ -192,7 +192,7 @@ def page(data):
              f"{TICKS:,} ticks, counted by Callgrind on the build `release`. Times depend on the machine: "
              "`build/release/measure_tick SCENE` and `wholehand experiment timing` print them. The baseline is the code "
              "before [ADR 37](adr/0037-pairs-of-our-own.md); of `pile-100`, that before "
-             "[ADR 67](adr/0067-pairs-along-one-axis.md).", "",
+             "`BodyRows` of [ADR 42](adr/0042-bodies-that-rest.md).", "",
              "| scene | baseline | now | ratio |", "|---|---:|---:|---:|"]
     for scene, text in SCENES.items():
         before, now = total(data["baseline"][scene]), total(data["counts"][scene])

@@ -17,7 +17,7 @@ class ArticulatedBody;
 /// and keep them at the hand: as many awake bodies as the budget says, half of them free under
 /// gravity and half pulled into the hand, and fixed bodies in all other slots. Each has the most
 /// pieces, rods of the most vertices, which overlap as far as prepareShapes() admits
-/// (docs/adr/0053-costliest-bodies.md). Not real-time safe.
+/// (docs/adr/0043-bodies-of-a-game.md). Not real-time safe.
 class PoolFilling {
  public:
   /// @param at pose of the hand when the bodies appear; they appear clear of it

@@ -387,7 +387,7 @@ TEST(MeasuredDevice, TankCountsOnTheLowerEndOfItsDamping) {
   }
 }
 
-// One proven device for every part: ADR 73.
+// One proven device for every part: ADR 26.
 TEST(MeasuredDevice, TankAndSupervisor_GoByTheWorstOfFileAndPassport) {
   const Models models = load(shippedFiles("lambda-pride", "four-shapes"));
   Passport passport = passportOf(models.device);

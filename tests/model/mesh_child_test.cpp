@@ -1,4 +1,4 @@
-// Meshes are read in a process of their own (docs/adr/0027-children-read-strangers-files.md).
+// Meshes are read in a process of their own (docs/adr/0027-untrusted-files-in-children.md).
 #include "model/mesh/convex_mesh.hpp"
 #include "model/mesh/mesh_load_time.hpp"
 #include "model/mesh/mesh_surface.hpp"

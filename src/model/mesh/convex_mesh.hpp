@@ -45,7 +45,7 @@ struct MeshCollider {
 /// Reads a mesh file (STL, OBJ, DAE, GLB) and makes a collider of it. Coordinates times `scale` are
 /// metres; axes are taken as in the file (a DAE's up-axis tag is ignored). A child process
 /// (meshReaderProgram()) reads the file; without that program, this process does
-/// (docs/adr/0027-children-read-strangers-files.md).
+/// (docs/adr/0027-untrusted-files-in-children.md).
 ///
 /// @return as meshCollider(), the path in problem and notice; also a Diagnostic when the file is
 /// missing or unreadable.
