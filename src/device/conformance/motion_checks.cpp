@@ -176,7 +176,7 @@ constexpr Check kChecks[] = {
     {"motion.proportional", "half an effort gives half the acceleration, both ways",
      "pass efforts on unscaled; state the limit that the drive has", kMoves, kEnabled,
      proportional},
-    {"motion.delay", "every axis answers within its stated delay and 2.5 ms",
+    {"motion.delay", "every axis answers within its stated delay and 3 ms",
      "state the delay that it has, or send each command at once and unsmoothed", kMoves, kEnabled,
      delay},
     {"motion.jumps", "positions go on with the motion, at every speed",
