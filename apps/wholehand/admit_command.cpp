@@ -1,7 +1,7 @@
 #include "admit_command.hpp"
 
 #include "assembly/admission.hpp"
-#include "assembly/rehearsal_text.hpp"
+#include "assembly/rehearsal.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "model/toml/toml_file.hpp"

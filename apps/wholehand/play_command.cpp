@@ -1,7 +1,7 @@
 #include "play_command.hpp"
 
+#include "assembly/models.hpp"
 #include "assembly/program_version.hpp"
-#include "assembly/resting_player.hpp"
 #include "assembly/run.hpp"
 #include "exit_code.hpp"
 #include "files/text_file.hpp"

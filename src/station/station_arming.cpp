@@ -1,5 +1,5 @@
 // From an order to arm to a running loop: all on the station's main thread.
-#include "assembly/kept_black_box.hpp"
+#include "assembly/run_files.hpp"
 #include "patient/steered_player.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "station/station_core.hpp"

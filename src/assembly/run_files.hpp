@@ -10,6 +10,13 @@
 
 namespace wholehand {
 
+/// Name of the device passport within a recording.
+inline constexpr const char* kRecordedPassport = "passport/passport.toml";
+
+/// Metadata of a recording of this rig.
+[[nodiscard]] Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
+                                                        std::uint64_t seed, bool simulated_clock);
+
 /// Path of a run's black box: beside its recording ("run.h5" → "run.wbb"); without one
 /// out/blackbox/<time>-<8 random digits>.wbb, or the folder for temporary files if the working
 /// directory is not writable.
