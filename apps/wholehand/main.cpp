@@ -1,34 +1,32 @@
-#include "admit_command.hpp"
+#include "apps/wholehand/certify/certify_command.hpp"
+#include "apps/wholehand/decompose/decompose_command.hpp"
+#include "apps/wholehand/device/device_command.hpp"
+#include "apps/wholehand/device/device_host_command.hpp"
+#include "apps/wholehand/doctor/doctor.hpp"
+#include "apps/wholehand/experiment/experiment_command.hpp"
+#include "apps/wholehand/replay/replay_command.hpp"
+#include "apps/wholehand/report/report_command.hpp"
+#include "apps/wholehand/run/run_command.hpp"
+#include "apps/wholehand/shared/exit_code.hpp"
+#include "apps/wholehand/shared/options.hpp"
+#include "apps/wholehand/shared/pages.hpp"
+#include "apps/wholehand/shared/shipped_files.hpp"
+#include "apps/wholehand/sweep/sweep_command.hpp"
+#include "apps/wholehand/validate/validate_command.hpp"
 #include "assembly/program_version.hpp"
-#include "bar_experiments.hpp"
-#include "certify_command.hpp"
 #include "core/printable.hpp"
-#include "decompose_command.hpp"
-#include "device_command.hpp"
-#include "device_host_command.hpp"
-#include "doctor.hpp"
-#include "engine_option.hpp"
-#include "exit_code.hpp"
-#include "experiment_command.hpp"
-#include "number_option.hpp"
-#include "pages.hpp"
-#include "replay_command.hpp"
-#include "report_command.hpp"
-#include "run_line.hpp"
-#include "shipped_files.hpp"
-#include "sweep_command.hpp"
-#include "usage.hpp"
-#include "validate_command.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
 #include <pthread.h>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -36,6 +34,53 @@
 namespace {
 
 using namespace wholehand;  // NOLINT(google-build-using-namespace): the program's own main
+
+constexpr std::size_t kLongestProblem = 400;  // characters of a line
+
+// The first unknown word of the command line; CLI11 alone would report a missing option.
+std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::RequiredError*>(&error) == nullptr) return {};
+  const std::vector<std::string> rest = app.remaining(true);
+  return rest.empty() ? std::string{} : rest.front();
+}
+
+// The words of the command line within a text, each on one line.
+std::string onOneLine(std::string text, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (word.find('\n') == std::string::npos) continue;
+    const std::string shown = printable(word);
+    for (std::size_t at = text.find(word); at != std::string::npos;
+         at = text.find(word, at + shown.size())) {
+      text.replace(at, word.size(), shown);
+    }
+  }
+  return text;
+}
+
+void print(std::FILE* to, const std::string& text, std::size_t longest_line) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::fprintf(to, "%s\n", printable(line, longest_line).c_str());
+  }
+}
+
+/// Prints what is wrong with a command line, or the help that was asked for, with the words of
+/// others as plain text. `words` are those of the command line. Returns the exit code.
+int tellUsage(const CLI::App& app, const CLI::ParseError& error,
+              const std::vector<std::string>& words) {
+  if (const std::string word = unknownWord(app, error); !word.empty()) {
+    std::fprintf(stderr,
+                 "'%s' is not a subcommand or option here\nRun with --help for more information.\n",
+                 printable(word).c_str());
+    return kExitBadInput;
+  }
+  std::ostringstream out, problem;
+  const int code = app.exit(error, out, problem);
+  print(stdout, out.str(), std::string::npos);  // help, as long as it is
+  print(stderr, onOneLine(problem.str(), words), kLongestProblem);
+  // CLI11 has an exit code for every mistake; the shell gets one.
+  return code == 0 ? kExitDone : kExitBadInput;
+}
 
 void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   CLI::App* certify = app.add_subcommand(
