@@ -110,7 +110,7 @@ AdvisedCertificate judgeWorst(const Models& models, const std::vector<DeviceMode
   return worst;
 }
 
-constexpr int kPoints = 25;
+constexpr int kZWidthPoints = 25;
 
 /// Axes of one kind, represented by the first.
 struct Group {
@@ -157,7 +157,7 @@ std::vector<ChartLine> limitLines(const AxisCertificate& a) {
   const auto allowed = [](double stiffness) {
     return stiffness > 0.0 ? stiffness : ChartScale::kFromData;
   };
-  for (const ZWidthPoint& point : zWidth(a.axis_case, kPoints)) {
+  for (const ZWidthPoint& point : zWidth(a.axis_case, kZWidthPoints)) {
     rigid.points.push_back({point.damping, allowed(point.rigid)});
     passive.points.push_back({point.damping, allowed(point.passive)});
     if (!a.axis_case.walls.empty()) wall.points.push_back({point.damping, allowed(point.walled)});

@@ -26,10 +26,10 @@ namespace {
 
 constexpr std::chrono::milliseconds kLookEvery{5};
 constexpr int kHostPriority = 85;  // the loop's is 80
-constexpr double kAnyDelay_s = 1.0;
+constexpr double kDelayOfAnyLoop_s = 1.0;
 
 // Line for an event; empty: not worth reporting.
-std::string sentence(const HostEvent& event) {
+std::string lineAbout(const HostEvent& event) {
   const double silent_ms = static_cast<double>(event.silent_ns) * 1e-6;
   const double gap_ms = static_cast<double>(event.longest_gap_ns) * 1e-6;
   switch (event.phase) {
@@ -81,7 +81,7 @@ Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
   const auto tell = [&] {
     HostEvent event;
     while (host.nextEvent(event)) {
-      const std::string line = sentence(event);
+      const std::string line = lineAbout(event);
       if (!line.empty())
         std::printf("%s: %s\n", printable(options.name).c_str(), printable(line, 1000).c_str());
     }
@@ -111,7 +111,7 @@ int deviceHostCommand(const DeviceHostOptions& options) {
   auto driver = PluginDriver::load(options.driver, say, CalledBy::kHost);
   if (!driver) return refuse(driver.errors());
   // The delay is judged by the loop, which knows its period.
-  auto fits = PluginDevice::make(*driver, *model, kAnyDelay_s);
+  auto fits = PluginDevice::make(*driver, *model, kDelayOfAnyLoop_s);
   if (!fits) return refuse(fits.errors());
   auto segment = HostSegment::create(**lock);
   if (!segment) return refuse(segment.errors());

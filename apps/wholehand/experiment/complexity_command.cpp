@@ -170,7 +170,7 @@ void print(const ComplexityCurve& curve) {
   }
 }
 
-ComplexityPlan planOf(const ExperimentOptions& options) {
+ComplexityPlan complexityPlan(const ExperimentOptions& options) {
   ComplexityPlan plan;
   plan.engine = options.engine;
   plan.only = options.only;
@@ -194,7 +194,7 @@ int complexityCommand(const ExperimentOptions& options) {
   const InterruptScope interrupts;
   const auto files = prepareResults(options.folder, options.json, "complexity");
   if (!files) return refuse(files.errors());
-  const ComplexityPlan plan = planOf(options);
+  const ComplexityPlan plan = complexityPlan(options);
   auto result = measureComplexity(plan);
   if (!result) return refuse(result.errors());
   if (result->interrupted) return sayInterrupted();

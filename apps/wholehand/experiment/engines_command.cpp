@@ -40,7 +40,7 @@ constexpr std::array kRows{
     Row{"energy_drift_j", "engines.energy", "energy drift at rest, mJ", 1e3,
         &EngineFigures::energy_drift_j}};
 
-constexpr std::array<const char*, 4> kColors{"--ax-x", "--ax-y", "--ax-z", "--ax-f"};
+constexpr std::array<const char*, 4> kEngineColors{"--ax-x", "--ax-y", "--ax-z", "--ax-f"};
 
 EngineScene sceneAt(int index) {
   return static_cast<EngineScene>(index);
@@ -104,7 +104,7 @@ Chart costChart(const EngineComparison& all, int scene) {
   chart.y = {"", 0.0, 1.05, false, {0.0, 0.25, 0.5, 0.75, 1.0}};
   for (std::size_t e = 0; e < all.engines.size(); ++e) {
     const std::vector<double>& times = costOf(all.engines[e], scene).times_us;
-    ChartLine line{all.engines[e].engine, kColors.at(e % kColors.size())};
+    ChartLine line{all.engines[e].engine, kEngineColors.at(e % kEngineColors.size())};
     line.stepped = true;
     double last_us = 1.0;
     line.points = {{last_us, 0.0}};
@@ -188,7 +188,7 @@ void print(const EngineComparison& all) {
   }
 }
 
-EnginePlan planOf(const ExperimentOptions& options) {
+EnginePlan enginePlan(const ExperimentOptions& options) {
   EnginePlan plan;
   plan.folder = options.folder;
   plan.hold_s = options.hold_s;
@@ -212,7 +212,7 @@ int enginesCommand(const ExperimentOptions& options) {
   if (!files) return refuse(files.errors());
   std::vector<EngineComparison> rates;
   for (const double rate_hz : options.rates_hz) {
-    EnginePlan plan = planOf(options);
+    EnginePlan plan = enginePlan(options);
     plan.rate_hz = rate_hz;
     std::printf("%.0f Hz\n", rate_hz);
     auto all = compareEngines(plan);

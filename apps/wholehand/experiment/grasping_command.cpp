@@ -48,7 +48,7 @@ nlohmann::ordered_json trialJson(const GraspResult& r) {
           {"cpu_us", {{"p50", r.cpu_p50_us}, {"p999", r.cpu_p999_us}}}};
 }
 
-void printHeader() {
+void printTrialHeader() {
   std::printf("%-32s %-7s %9s %9s %9s %10s %9s %8s %8s\n", "trial", "held", "shift mm", "slip mm",
               "turn mrad", "noise N", "grip N", "tip N", "tick µs");
 }
@@ -166,7 +166,7 @@ int graspingCommand(const ExperimentOptions& options) {
   const auto files = prepareResults(options.folder, options.json, "grasping");
   if (!files) return refuse(files.errors());
   std::printf("Grasp, carry 20 cm, hold 10 s; postures tuned, without and with gravity\n");
-  printHeader();
+  printTrialHeader();
   const Sweep tuned = runAll(trials, options, true);
   if (!tuned.errors.empty()) return refuse(tuned.errors);
   if (tuned.interrupted) return sayInterrupted();
@@ -174,7 +174,7 @@ int graspingCommand(const ExperimentOptions& options) {
     std::printf("\n%d trial%s with jittered positions and commands, seed %llu\n    ",
                 options.jittered, plural(options.jittered),
                 static_cast<unsigned long long>(options.seed));
-    printHeader();
+    printTrialHeader();
   }
   const Sweep jittered = runAll(chosenJitter(options), options, false);
   if (!jittered.errors.empty()) return refuse(jittered.errors);

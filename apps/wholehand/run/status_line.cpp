@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTerminalPeriod_s = 0.2;
 constexpr double kLogPeriod_s = 5.0;
-constexpr std::size_t kLongestLine = 1000;
+constexpr std::size_t kLongestMessage = 1000;
 constexpr double kFirst_s = 0.5;  // of the run; before it, rate and percentiles are meaningless
 
 constexpr int kPatience_ms = 1000;  // for a reader that is slow
@@ -104,7 +104,7 @@ void Terminal::say(const std::string& text) {
   if (line_) line_->finish();
   if (unread_ > 0) std::printf("  %d lines are left out: nobody read them\n", unread_);
   unread_ = 0;
-  std::printf("  %s\n", printable(text, kLongestLine).c_str());
+  std::printf("  %s\n", printable(text, kLongestMessage).c_str());
 }
 
 void Terminal::update(const TickSummary& now, double rate_hz) {
