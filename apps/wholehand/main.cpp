@@ -158,64 +158,6 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
   r->callback([&o, &code] { code = replayCommand(o); });
 }
 
-void addComplexity(CLI::App& larger, ExperimentOptions& o) {
-  larger.add_option("--only", o.only,
-                    "Only what contains this: pile, stacks, apart, far, vertices, contacts");
-  larger.add_option("--ticks", o.scene_ticks, "Ticks of each scene")
-      ->check(finiteBetween(100, 1e6, "ticks"))
-      ->capture_default_str();
-  larger
-      .add_option("--passes", o.passes, "Runs of each scene; the shortest time of each tick counts")
-      ->check(finiteBetween(1, 100, "runs"))
-      ->capture_default_str();
-}
-
-void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
-                    int& code) {
-  CLI::App* e = app.add_subcommand("experiment", "Repeat the paper's experiments");
-  e->require_subcommand(1);
-  CLI::App* grasping = e->add_subcommand("grasping", "Fig. 5: grasp, carry and hold four shapes");
-  CLI::App* timing =
-      e->add_subcommand("timing", "Fig. 6: time of 100,000 ticks while grasping in the bar");
-  CLI::App* compared =
-      e->add_subcommand("engines", "Compare every engine built in: time, slip, forces, noise");
-  CLI::App* larger =
-      e->add_subcommand("complexity", "Measure the time of a tick in larger and larger scenes");
-  for (CLI::App* sub : {grasping, timing, larger}) addEngine(*sub, experiment.engine);
-  for (CLI::App* sub : {grasping, timing, compared, larger}) {
-    sub->add_option("--json", experiment.json, "Write the results to this file");
-    sub->add_option("--out", experiment.folder, "Folder for plots, pictures and recordings")
-        ->capture_default_str();
-  }
-  grasping->add_option("--jittered", experiment.jittered, "Number of jittered trials")
-      ->check(finiteBetween(0, 10000, ""))
-      ->capture_default_str();
-  grasping->add_option("--seed", experiment.seed, "Seed of the jitter")
-      ->check(wholeNumber())
-      ->capture_default_str();
-  grasping->add_option("--only", experiment.only, "Only trials whose name contains this");
-  timing->add_option("--ticks", experiment.ticks, "Number of ticks")
-      ->check(finiteBetween(1000, 1e8, "ticks"))
-      ->capture_default_str();
-  timing->add_option("--scene", experiment.scene,
-                     "Grasp the first movable body of this scene, without an exercise");
-  timing->add_flag("--simulated-clock", experiment.simulated_clock,
-                   "Run as fast as possible, not in real time");
-  compared->add_option("--hold", experiment.hold_s, "How long the cylinder is held")
-      ->check(finiteBetween(0.1, 60, "seconds"))
-      ->capture_default_str();
-  compared->add_option("--rates-hz", experiment.rates_hz, "Ticks a second, one comparison each")
-      ->check(finiteBetween(250, 8000, "Hz"))
-      ->delimiter(',')
-      ->capture_default_str();
-  addComplexity(*larger, experiment);
-  larger->callback([&] { code = complexityCommand(experiment); });
-  compared->callback([&] { code = enginesCommand(experiment); });
-  grasping->callback([&] { code = graspingCommand(experiment); });
-  timing->callback([&] { code = timingCommand(experiment); });
-  addBarExperiments(*e, bar, code);
-}
-
 void addSweep(CLI::App& app, SweepOptions& o, int& code) {
   CLI::App* s =
       app.add_subcommand("sweep", "Run every combination of a grid: gains, hands, patients");

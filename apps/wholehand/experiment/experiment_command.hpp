@@ -71,8 +71,9 @@ int cocktailCommand(const CocktailOptions& options);
 /// Reproduces the paper's Fig. 7.
 int exerciseCommand(const ExerciseOptions& options);
 
-/// Adds both commands to `wholehand experiment`. @pre options outlive the parsing
-void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int& code);
+/// Adds `wholehand experiment` with all of them. @pre options outlive the parsing
+void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
+                    int& code);
 
 /// Files of a cocktail bar run; unnamed ones are the shipped ones.
 [[nodiscard]] Expected<ModelFiles> barModelFiles(const BarFiles& files);

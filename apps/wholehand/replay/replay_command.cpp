@@ -245,7 +245,7 @@ int replayCommand(const ReplayOptions& options) {
   if (BlackBoxReader::isBox(options.recording)) return replayBox(options);
   if (InputJournalReader::isJournal(options.recording)) return recordInputsAgain(options);
   if (!options.resimulate && options.extract.empty()) {
-    // Whole, so that damage anywhere is told; where a dataset is missing, without what no line
+    // Whole, so that damage anywhere is reported; where a dataset is missing, without what no line
     // shows.
     auto viewed = viewRecording(options.recording);
     if (!viewed) viewed = viewRecording(options.recording, kLeftOutOfLines);
@@ -262,7 +262,7 @@ int replayCommand(const ReplayOptions& options) {
   whole.reader = std::move(*recording);
   const int told =
       tell(resimulate(*whole.reader, options.recording), whole.reader->meta(), options.recording);
-  if (told == kExitBadInput) return told;  // the reason is said
+  if (told == kExitBadInput) return told;  // the reason is printed
   return std::max(told, tellNotShown(notShown(whole, {}, options.recording)));
 }
 
