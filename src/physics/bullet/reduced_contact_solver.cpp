@@ -298,7 +298,7 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
                                                              int body_count,
                                                              const btContactSolverInfo& info) {
   rows_.finish();
-  body_rows_.solveUneven(newton_, m_tmpSolverBodyPool);
+  if (body_rows_.solveUneven(newton_, m_tmpSolverBodyPool)) far_unsettled_ = false;
   body_rows_.write(m_tmpSolverBodyPool);
   for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
