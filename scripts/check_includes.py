@@ -16,6 +16,7 @@ class Rules:
     def __init__(self, file):
         table = tomllib.loads(file.read_text())
         self.generated = table["generated"]
+        self.roots = table["roots"]
         self.folders = table["folders"]
         self.modules = table["modules"]
         self.vendors = table["vendors"]
@@ -30,6 +31,10 @@ class Rules:
             if name in self.modules:
                 return name
         return None
+
+    def from_src(self, root, header):
+        """A header's path relative to src/, where the module's own folder is the one that it is named from."""
+        return next((f"{folder}/{header}" for folder in self.roots if (root / "src" / folder / header).exists()), header)
 
     def allows(self, module, header):
         """Whether a module may include one of our headers, given relative to src/."""
@@ -54,9 +59,11 @@ def faults_of_file(rules, root, file, module):
     for match in INCLUDE.finditer(code):
         line = code.count("\n", 0, match.start(2)) + 1
         where = f"{file.relative_to(root)}:{line}"
-        header = match[2]
+        header = rules.from_src(root, match[2])
         if header in rules.generated:
             fault = None
+        elif header != match[2]:
+            fault = None if rules.allows(module, header) else f"{module} must not include {match[2]}"
         elif match[1] == "<":
             fault = rules.fault_of_vendor(module, header)
         elif (root / "src" / header).exists():

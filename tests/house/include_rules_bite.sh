@@ -5,9 +5,12 @@ set -euo pipefail
 source tests/house/wrong.sh
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree/src/core" "$tree/src/control" "$tree/src/physics" "$tree/src/runtime" "$tree/src/new"
+mkdir -p "$tree/src/core" "$tree/src/control" "$tree/src/physics" "$tree/src/runtime" "$tree/src/new" \
+  "$tree/src/driver_abi/wholehand" "$tree/src/device/plugin"
 echo '#include <vector>' >"$tree/src/core/fine.hpp"
 echo '#include "core/fine.hpp"' >"$tree/src/runtime/session.hpp"
+echo '#include <stdint.h>' >"$tree/src/driver_abi/wholehand/device.h"
+echo '#include "wholehand/device.h"' >"$tree/src/device/plugin/driver.hpp"
 
 expect() { # <message> <file> <content>
   local said
@@ -20,6 +23,8 @@ expect() { # <message> <file> <content>
 python3 scripts/check_includes.py "$tree" >/dev/null
 expect 'control must not include runtime/session.hpp' control/a.cpp '#include "runtime/session.hpp"'
 expect 'core must not include runtime/session.hpp' core/a.cpp '  #  include "runtime/session.hpp"'
+expect 'core must not include wholehand/device.h' core/a.cpp '#include <wholehand/device.h>'
+expect 'driver_abi must not include core/fine.hpp' driver_abi/wholehand/a.h '#include "core/fine.hpp"'
 expect 'only physics/bullet, physics/bullet_paper may include <btBulletDynamicsCommon.h>' physics/a.hpp \
   '#include <btBulletDynamicsCommon.h>'
 expect 'control knows no clock, thread or I/O' control/a.cpp '#include <thread>'
