@@ -33,7 +33,7 @@ struct PluginFacts {
 /// of a device.
 [[nodiscard]] Expected<PluginFacts> pluginFacts(const std::string& path);
 
-/// A driver loaded from a shared object (include/wholehand/device.h), with its device open but not
+/// A driver loaded from a shared object (wholehand/device.h), with its device open but not
 /// enabled. The device stays open between armings: it is found and homed once.
 class PluginDriver final : public DeviceDriver {
  public:
