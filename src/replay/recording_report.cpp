@@ -9,7 +9,7 @@
 #include "replay/therapy_facts.hpp"
 #include "server/wire.hpp"
 #include "telemetry/black_box_reader.hpp"
-#include "telemetry/recording_view.hpp"
+#include "telemetry/recording.hpp"
 
 #include <nlohmann/json.hpp>
 
