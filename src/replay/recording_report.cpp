@@ -1,6 +1,6 @@
 #include "replay/recording_report.hpp"
 
-#include "page/packed_bytes.hpp"
+#include "page/page_file.hpp"
 #include "replay/engineering_facts.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/replay_about.hpp"

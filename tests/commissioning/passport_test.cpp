@@ -1,5 +1,6 @@
 // The passport's file: what is written is read, and whatever is wrong with it is refused by name.
-#include "commissioning/passport_chart.hpp"
+#include "commissioning/passport.hpp"
+
 #include "model/toml/toml_file.hpp"
 #include "passport_file.hpp"
 #include "support/says.hpp"
