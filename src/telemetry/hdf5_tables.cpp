@@ -65,7 +65,7 @@ Handle creationProperties(const ColumnShape& column, std::uint64_t chunk_rows) {
   H5Pset_shuffle(properties.get());
   H5Pset_deflate(properties.get(), kDeflateLevel);
   if (column.name == "tick" || column.name == "row") {
-    // A row whose numbers never reached the disk can be told from tick 0, and from rows of tick 0.
+    // A row whose numbers never reached the disk differs from tick 0, and from rows of tick 0.
     const std::uint64_t never = UINT64_MAX;
     H5Pset_fill_value(properties.get(), H5T_NATIVE_UINT64, &never);
   }

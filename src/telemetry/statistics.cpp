@@ -12,7 +12,7 @@ namespace wholehand {
 namespace {
 
 constexpr double kSmallestNs = 10.0, kLargestNs = 1e12;
-/// Bins 1 % wide; a bin is told by its geometric middle, hence at most 0.5 % off.
+/// Bins 1 % wide; a bin is reported as its geometric middle, hence at most 0.5 % off.
 constexpr double kRatio = 1.01;
 
 const double kLogRatio = std::log(kRatio);

@@ -35,7 +35,7 @@ class TablesSource {
 
   /// A table by its name; null when there is none.
   virtual std::unique_ptr<TableSource> table(const std::string& name) = 0;
-  /// Size of the whole file [bytes]; 0 when it cannot be told.
+  /// Size of the whole file [bytes]; 0 when it is unknown.
   virtual std::uint64_t bytes() = 0;
 };
 
