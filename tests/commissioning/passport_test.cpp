@@ -2,6 +2,7 @@
 #include "commissioning/passport.hpp"
 
 #include "model/toml/toml_file.hpp"
+#include "page/chart_page.hpp"
 #include "passport_file.hpp"
 #include "support/says.hpp"
 #include "support/seed.hpp"
