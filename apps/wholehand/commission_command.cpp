@@ -4,7 +4,6 @@
 #include "chart_file.hpp"
 #include "commissioning/commissioning.hpp"
 #include "commissioning/console/console_operator.hpp"
-#include "commissioning/lead.hpp"
 #include "commissioning/sealed_file.hpp"
 #include "core/printable.hpp"
 #include "device/host/hosted_driver.hpp"

@@ -2,8 +2,8 @@
 
 #include "core/printable.hpp"
 #include "device/host/device_host.hpp"
-#include "device/host/host_list.hpp"
-#include "device/plugin/driver_lookup.hpp"
+#include "device/host/host_segment.hpp"
+#include "device/plugin/plugin_driver.hpp"
 #include "exit_code.hpp"
 #include "files/text_file.hpp"
 #include "json_text.hpp"

@@ -8,7 +8,6 @@
 #include "report_command.hpp"
 #include "resimulation/resimulation.hpp"
 #include "telemetry/recording.hpp"
-#include "telemetry/recording_view.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

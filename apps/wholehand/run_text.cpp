@@ -3,8 +3,8 @@
 #include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "status_line.hpp"
-#include "telemetry/fault_text.hpp"
 #include "telemetry/recording.hpp"
+#include "telemetry/statistics.hpp"
 
 #include <fmt/format.h>
 
