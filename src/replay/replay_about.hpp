@@ -1,7 +1,7 @@
 #pragma once
 
 #include "server/backend.hpp"
-#include "telemetry/recording_view.hpp"
+#include "telemetry/recording.hpp"
 
 #include <string>
 

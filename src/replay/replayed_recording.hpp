@@ -5,7 +5,7 @@
 #include "server/backend.hpp"
 #include "server/replay_service.hpp"
 #include "server/wire.hpp"
-#include "telemetry/recording_view.hpp"
+#include "telemetry/recording.hpp"
 
 #include <memory>
 #include <optional>

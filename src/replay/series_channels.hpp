@@ -2,7 +2,6 @@
 
 #include "core/tick_record.hpp"
 #include "telemetry/recording.hpp"
-#include "telemetry/recording_view.hpp"
 
 #include <string>
 #include <vector>

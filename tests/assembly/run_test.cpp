@@ -10,7 +10,7 @@
 #include "support/folder.hpp"
 #include "support/recorded_run.hpp"
 #include "support/says.hpp"
-#include "telemetry/fault_text.hpp"
+#include "telemetry/statistics.hpp"
 
 #include <array>
 #include <chrono>

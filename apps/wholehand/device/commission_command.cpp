@@ -7,7 +7,6 @@
 #include "assembly/commissioning_record.hpp"
 #include "commissioning/commissioning.hpp"
 #include "commissioning/console/console_operator.hpp"
-#include "commissioning/lead.hpp"
 #include "commissioning/operator.hpp"
 #include "commissioning/sealed_file.hpp"
 #include "core/printable.hpp"

@@ -4,9 +4,9 @@
 #include "apps/wholehand/shared/result_files.hpp"
 #include "core/printable.hpp"
 #include "device/host/device_host.hpp"
-#include "device/host/host_list.hpp"
-#include "device/plugin/driver_lookup.hpp"
+#include "device/host/host_segment.hpp"
 #include "device/plugin/plugin_device.hpp"
+#include "device/plugin/plugin_driver.hpp"
 #include "files/text_file.hpp"
 #include "model/device_model.hpp"
 

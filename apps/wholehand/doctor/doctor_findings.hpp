@@ -1,7 +1,6 @@
 #pragma once
 
 #include "realtime/machine_facts.hpp"
-#include "realtime/wakeup_probe.hpp"
 
 #include <filesystem>
 #include <string>

@@ -7,7 +7,6 @@
 #include "replay/answering.hpp"
 #include "resimulation/resimulation.hpp"
 #include "telemetry/recording.hpp"
-#include "telemetry/recording_view.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

@@ -3,8 +3,8 @@
 #include "apps/wholehand/run/status_line.hpp"
 #include "core/plural.hpp"
 #include "core/printable.hpp"
-#include "telemetry/fault_text.hpp"
 #include "telemetry/recording.hpp"
+#include "telemetry/statistics.hpp"
 
 #include <fmt/format.h>
 
