@@ -1,6 +1,6 @@
 #include "certificate_chart.hpp"
 
-#include "control/z_width.hpp"
+#include "control/certificate/certificate_advice.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,5 @@
 #include "assembly/run.hpp"
 #include "bar_experiments.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiments/cocktail_trial.hpp"

@@ -1,15 +1,14 @@
 #include "decompose_command.hpp"
 
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "decompose_files.hpp"
 #include "exit_code.hpp"
 #include "files/text_file.hpp"
 #include "json_text.hpp"
 #include "model/mass_properties.hpp"
-#include "model/mesh/closed_surface.hpp"
 #include "model/mesh/convex_pieces.hpp"
-#include "model/mesh/mesh_surface.hpp"
+#include "model/mesh/mesh_file.hpp"
+#include "model/mesh/solid.hpp"
 #include "model/scene/scene_model.hpp"
 #include "number_option.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "core/expected.hpp"
 #include "model/mass_properties.hpp"
-#include "model/mesh/mesh_surface.hpp"
+#include "model/mesh/mesh_file.hpp"
 
 #include <string>
 #include <vector>

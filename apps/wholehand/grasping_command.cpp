@@ -1,6 +1,5 @@
 #include "assembly/run.hpp"
 #include "chart_file.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"

@@ -1,6 +1,5 @@
 #include "run_text.hpp"
 
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "status_line.hpp"
 #include "telemetry/fault_text.hpp"

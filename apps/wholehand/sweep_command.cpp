@@ -2,7 +2,6 @@
 
 #include "assembly/program_version.hpp"
 #include "chart_file.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiments/sweep/sweep.hpp"

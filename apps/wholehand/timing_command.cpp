@@ -1,5 +1,4 @@
 #include "chart_file.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"

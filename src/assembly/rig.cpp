@@ -5,7 +5,7 @@
 #include "assembly/sampled_inertia.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
-#include "patient/listening_player.hpp"
+#include "patient/player.hpp"
 #include "patient/scripted_player.hpp"
 
 #include <fmt/format.h>

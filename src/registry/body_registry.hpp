@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/body_order.hpp"
-#include "core/registered_body.hpp"
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
 #include "model/hand/hand_model.hpp"

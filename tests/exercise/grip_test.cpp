@@ -3,7 +3,6 @@
 #include "exercise/grip.hpp"
 
 #include "exercise/bar_table.hpp"
-#include "exercise/hand_posture.hpp"
 #include "support/constants.hpp"
 #include "support/tolerance.hpp"
 

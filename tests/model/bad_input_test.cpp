@@ -3,7 +3,6 @@
 #include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"
 #include "model/scene/scene_model.hpp"
-#include "model/toml/toml_bounds.hpp"
 #include "model/toml/toml_file.hpp"
 #include "support/constants.hpp"
 #include "support/file_bytes.hpp"

@@ -1,5 +1,4 @@
 #include "model/hand/anthropometry.hpp"
-#include "model/hand/hand_mass.hpp"
 #include "model/shipped_models.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"

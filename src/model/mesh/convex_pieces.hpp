@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/expected.hpp"
-#include "model/mesh/closed_surface.hpp"
+#include "model/mesh/solid.hpp"
 
 #include <functional>
 #include <vector>

@@ -1,5 +1,5 @@
 // What takes a body away from the hand: orders, silence, too much speed.
-#include "core/body_limits.hpp"
+#include "core/body_order.hpp"
 #include "physics/bullet/bullet_types.hpp"
 #include "physics/bullet/game_bodies.hpp"
 
