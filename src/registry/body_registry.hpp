@@ -93,7 +93,7 @@ class BodyRegistry {
   void keepState(int slot, const BodyState& state);
   void freeSlot(int slot);
   void noteRefused(const TickRecord& record);
-  // choose_bodies.cpp
+  // which of them have slots
   void choose(const TickRecord& record);
   [[nodiscard]] std::optional<double> rankOf(const Body& body) const;
   [[nodiscard]] std::vector<Candidate> candidates();

@@ -121,7 +121,7 @@ TEST(CoupledPassivity, AnyPerson_NeedsAtLeastWhatLinearOnesDo) {
   figure("the same, most", ratios.back(), "");
 }
 
-/// The terms of coupled_passivity.hpp, spelt again.
+/// The terms of control/passivity.hpp, spelt again.
 struct Terms {
   Eigen::VectorXcd free, felt, driven;
   Eigen::MatrixXcd avatar;

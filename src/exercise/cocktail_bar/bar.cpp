@@ -52,7 +52,8 @@ bool isColor(const std::string& text) {
                      [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
-// Each function reports faults of its table to the file and returns valid defaults.
+// Every reader reports faults of its table to the file and returns valid defaults.
+
 void readWall(TomlTable& wall, const DeviceModel& device, Bar& bar) {
   FingerWallFile file = readFingerWalls(wall, device);
   bar.lead_in_m = file.lead_in_m;

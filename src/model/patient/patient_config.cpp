@@ -100,6 +100,13 @@ struct Sum {
   std::vector<Part> parts;
 };
 
+/// Factors from a tip value to the axes' values: the lever arms for a tip key, else ones.
+std::vector<double> linkedFactors(const LinkedAxes& axes, const AxisQuantity& quantity,
+                                  std::string_view key) {
+  if (key == quantity.tip_key) return axes.lever_m;
+  return std::vector<double>(axes.names.size(), 1.0);
+}
+
 /// The matrix of one key, in the units of the axes, over all axes of the device.
 AxisMatrix readMatrix(TomlTable& table, const LinkedAxes& axes, const AxisQuantity& quantity,
                       std::string_view key, int device_axes) {
@@ -241,13 +248,6 @@ std::string_view linkedKey(TomlTable& table, const LinkedAxes& axes, const AxisQ
     break;
   }
   return quantity.tip_key;
-}
-
-/// Factors from a tip value to the axes' values: the lever arms for a tip key, else ones.
-std::vector<double> linkedFactors(const LinkedAxes& axes, const AxisQuantity& quantity,
-                                  std::string_view key) {
-  if (key == quantity.tip_key) return axes.lever_m;
-  return std::vector<double>(axes.names.size(), 1.0);
 }
 
 /// Reads every `[[links]]`: adds diagonal elements to the person's axes and the others to the
@@ -462,7 +462,6 @@ void readPatient(TomlTable& root, const DeviceModel& device, PatientConfig& conf
       all.push_back(readAxis(axis.table, axis.name, own.kind, own.lever_arm_m));
       config.axes[i] = all.back();
     } else if (const std::optional<AxisKind> kind = knownAxisKind(axis.name)) {
-      constexpr double kAnyLever_m = 1.0;  // an axis of another device: its keys are still checked
       all.push_back(readAxis(axis.table, axis.name, *kind, kAnyLever_m));
     } else {
       refuseAxis(axis, named, device);
