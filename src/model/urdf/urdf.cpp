@@ -70,7 +70,7 @@ struct UrdfMeshes {
 
 // A robot's whole description has some 2,000 attributes; an element has two '<'.
 constexpr std::ptrdiff_t kMostAttributes = 8'000, kMostTags = 32'000;
-constexpr std::streamsize kLargestFile_bytes = std::streamsize{4} << 20U;
+constexpr std::streamsize kLargestUrdf_bytes = std::streamsize{4} << 20U;
 
 /// The bound that an XML file exceeds, as a problem; empty: none, or the file cannot be read.
 /// Checked before it is parsed: tinyxml2 compares each attribute with all others of its element,
@@ -85,7 +85,7 @@ std::string beyondUrdfBounds(const std::string& path) {
     bytes += in.gcount();
     attributes += std::count(block.begin(), end, '=');
     tags += std::count(block.begin(), end, '<');
-    if (bytes > kLargestFile_bytes) return "is larger than 4 MB";
+    if (bytes > kLargestUrdf_bytes) return "is larger than 4 MB";
     if (attributes > kMostAttributes) return "has more than 8000 attributes";
     if (tags > kMostTags) return "has more than 16000 elements";
   }
