@@ -15,6 +15,8 @@
 namespace wholehand {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr std::uintmax_t kLargest_bytes = 10'000'000;
 
 Diagnostic fault(const std::string& path, const std::string& problem, const std::string& key = {}) {
