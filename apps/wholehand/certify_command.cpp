@@ -11,6 +11,7 @@
 #include "files/text_file.hpp"
 #include "impedance_command.hpp"
 #include "json_text.hpp"
+#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 
 #include <fmt/format.h>

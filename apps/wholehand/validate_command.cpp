@@ -4,6 +4,7 @@
 #include "commissioning/daily_check.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
+#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "model/toml/toml_file.hpp"
 #include "run_text.hpp"
