@@ -6,6 +6,7 @@
 #include "model/mesh/solid.hpp"
 #include "model/solid_samples.hpp"
 #include "support/says.hpp"
+#include "support/tolerance.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
