@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/exercise_record.hpp"
+#include "core/tick_record.hpp"
 #include "exercise/exercise.hpp"
 
 #include <array>

@@ -1,6 +1,6 @@
 #include "experiments/exercise_script.hpp"
 
-#include "core/units.hpp"
+#include "core/geometry.hpp"
 
 #include <Eigen/Core>
 

@@ -1,7 +1,7 @@
 #include "experiments/grasp_trial.hpp"
 
 #include "assembly/run.hpp"
-#include "core/units.hpp"
+#include "core/geometry.hpp"
 #include "experiments/grasp_observer.hpp"
 #include "experiments/grasp_script.hpp"
 #include "files/text_file.hpp"

@@ -1,6 +1,7 @@
 #include "assembly/models.hpp"
 
 #include "exercise/load_exercise.hpp"
+#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "patient/scripted_player.hpp"
 

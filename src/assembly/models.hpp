@@ -2,7 +2,6 @@
 
 #include "core/expected.hpp"
 #include "exercise/exercise.hpp"
-#include "exercise/exercise_wall.hpp"
 #include "model/device_model.hpp"
 #include "model/exercise_panel.hpp"
 #include "model/hand/hand_model.hpp"

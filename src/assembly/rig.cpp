@@ -4,7 +4,7 @@
 #include "control/certificate/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "dynamics/articulated_body.hpp"
-#include "patient/listening_player.hpp"
+#include "patient/player.hpp"
 #include "patient/scripted_player.hpp"
 #include "renderer/live_settings.hpp"
 #include "safety/neutral_ramp.hpp"

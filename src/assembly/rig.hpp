@@ -4,7 +4,7 @@
 #include "assembly/models.hpp"
 #include "control/certificate/certificate_fingerprint.hpp"
 #include "control/coupling_gains.hpp"
-#include "core/tick_listener.hpp"
+#include "core/tick_record.hpp"
 #include "device/haptic_device.hpp"
 #include "patient/motion.hpp"
 #include "patient/player.hpp"

@@ -1,7 +1,7 @@
 #include "certification/certificate_text.hpp"
 
 #include "control/certificate/certificate_refusal.hpp"
-#include "core/plural.hpp"
+#include "core/printable.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,5 @@
 #include "control/coupling_gains.hpp"
 
-#include "control/critical_damping.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,14 +1,14 @@
 #include "control/stability.hpp"
 
-#include "control/critical_damping.hpp"
+#include "control/coupling_gains.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <limits>
 
 namespace wholehand {
-
 namespace {
 
 /// State of the sampled loop. The efforts f are in transit to the device, oldest first.
@@ -156,6 +156,79 @@ double spectralRadius(const Eigen::MatrixXd& matrix) {
   const Eigen::VectorXcd found = poles(matrix);
   if (found.size() == 0) return std::numeric_limits<double>::infinity();
   return found.cwiseAbs().maxCoeff();
+}
+
+Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia, const AxisStiffness& k_pm,
+                                 double period_s) {
+  const Eigen::Index n = reduced_inertia.rows();
+  const Eigen::MatrixXd m = reduced_inertia;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(m);
+  if (cholesky.info() != Eigen::Success) {  // singular: such a hand has no valid dynamics
+    return Eigen::MatrixXd::Constant(2 * n, 2 * n, std::numeric_limits<double>::infinity());
+  }
+  const Eigen::MatrixXd inverse = cholesky.solve(Eigen::MatrixXd::Identity(n, n));
+  const AxisDamping damping = avatarDamping(reduced_inertia, k_pm, period_s);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Identity(2 * n, 2 * n);
+  auto velocity = out.bottomRows(n);
+  velocity.leftCols(n) = -period_s * inverse * k_pm.vec().asDiagonal();
+  velocity.rightCols(n) -= period_s * inverse * damping.vec().asDiagonal();
+  out.topRows(n) += period_s * velocity;
+  return out;
+}
+
+WorstPosture worstPosture(const std::vector<AxisMatrix>& inertias, const AxisStiffness& k_pm,
+                          double period_s) {
+  WorstPosture worst;
+  for (std::size_t p = 0; p < inertias.size(); ++p) {
+    const double radius = spectralRadius(avatarLoopMatrix(inertias[p], k_pm, period_s));
+    if (!(radius <= worst.radius)) worst = {radius, p};
+  }
+  return worst;
+}
+
+double largestStableFactor(const std::vector<AxisMatrix>& inertias, const AxisStiffness& k_pm,
+                           double period_s, double most) {
+  const auto times = [&k_pm](double factor) {
+    AxisStiffness out = k_pm;
+    out.vec() *= factor;
+    return out;
+  };
+  // Bisects in the worst posture only, then checks all postures again. Searching all at once would
+  // take seconds.
+  double factor = most;
+  WorstPosture worst = worstPosture(inertias, times(factor), period_s);
+  // Each round finds another worst posture.
+  for (std::size_t i = 0; i < inertias.size() && factor > 0.0 && worst.radius >= 1.0; ++i) {
+    factor = roundedDown(largestAllowed(factor, [&](double f) {
+      return spectralRadius(avatarLoopMatrix(inertias[worst.posture], times(f), period_s)) < 1.0;
+    }));
+    worst = worstPosture(inertias, times(factor), period_s);
+  }
+  return worst.radius < 1.0 ? factor : 0.0;
+}
+
+double largestAllowed(double start, const std::function<bool(double)>& passes) {
+  if (!(start > 0.0) || !std::isfinite(start)) return 0.0;
+  // 0.9^110 is below 1e-5. The steps are counted because denormal numbers do not shrink by a tenth.
+  constexpr int kSteps = 110;
+  double high = start;
+  double low = 0.9 * start;
+  for (int i = 0; !passes(low); ++i) {
+    if (i == kSteps) return 0.0;
+    high = low;
+    low *= 0.9;
+  }
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    (passes(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+double roundedDown(double value) {
+  if (!(value >= 1e-300)) return 0.0;  // smaller numbers have no three digits
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  return std::floor(value / unit) * unit;
 }
 
 }  // namespace wholehand

@@ -1,7 +1,12 @@
 #pragma once
 
 #include "control/coupling_gains.hpp"
+#include "core/axis_array.hpp"
 #include "model/device_model.hpp"
+
+#include <cstddef>
+#include <functional>
+#include <vector>
 
 namespace wholehand {
 
@@ -44,5 +49,34 @@ struct AxisLoop {
 /// Largest modulus of the eigenvalues. An eigenvalue of exactly 1 in free motion is the rigid
 /// drift.
 [[nodiscard]] double spectralRadius(const Eigen::MatrixXd& matrix);
+
+/// Closed-loop matrix over [q_s, q̇_s] of the avatar alone, its axes coupled by inertia, target at
+/// rest: q̈_s = −M_r⁻¹ (K_pm q_s + D q̇_s) under symplectic Euler, D by avatarDamping(). The loop
+/// is stable where 4 M_r − 2 T D − T² K_pm is positive definite. The matrix is infinite where the
+/// inertia is not positive definite.
+/// @param reduced_inertia armature included
+[[nodiscard]] Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
+                                               const AxisStiffness& k_pm, double period_s);
+
+/// The posture with the largest spectral radius of the avatar's loop.
+struct WorstPosture {
+  double radius = 0.0;  ///< spectral radius of the loop
+  std::size_t posture = 0;
+};
+[[nodiscard]] WorstPosture worstPosture(const std::vector<AxisMatrix>& inertias,
+                                        const AxisStiffness& k_pm, double period_s);
+
+/// Largest common factor on K_pm, at most `most`, that is stable (radius < 1) in every posture; 0
+/// when there is none. Rounded down to three digits unless it is `most` itself.
+[[nodiscard]] double largestStableFactor(const std::vector<AxisMatrix>& inertias,
+                                         const AxisStiffness& k_pm, double period_s,
+                                         double most = 1.0);
+
+/// Largest value <= `start` that passes; 0 when none above start / 1e5 does. Steps down until a
+/// value passes, then bisects to the boundary above it. The allowed set need not begin at zero.
+[[nodiscard]] double largestAllowed(double start, const std::function<bool(double)>& passes);
+
+/// The value rounded down to three digits, so that the printed number passes too. 0 unless > 0.
+[[nodiscard]] double roundedDown(double value);
 
 }  // namespace wholehand

@@ -86,4 +86,16 @@ using JointMatrix =
 using JointAxisMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxAxes>;
 
+[[nodiscard]] inline AxisEffort sum(const AxisEffort& a, const AxisEffort& b) noexcept {
+  AxisEffort out(a.size());
+  for (int i = 0; i < a.size(); ++i) out[i] = a[i] + b[i];
+  return out;
+}
+
+[[nodiscard]] inline AxisEffort difference(const AxisEffort& a, const AxisEffort& b) noexcept {
+  AxisEffort out(a.size());
+  for (int i = 0; i < a.size(); ++i) out[i] = a[i] - b[i];
+  return out;
+}
+
 }  // namespace wholehand

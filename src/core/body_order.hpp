@@ -4,11 +4,13 @@
 #include "core/geometry.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <type_traits>
 
-/// Bodies that a game puts into the running world: limits, the commands that carry its orders, and
-/// what the pool of slots reports (docs/adr/0043-bodies-of-a-game.md). SI units, world frame.
+/// Bodies that a game puts into the running world: limits, the commands that carry its orders, what
+/// the pool of slots reports (docs/adr/0043-bodies-of-a-game.md), and bodies beyond the slots
+/// (docs/adr/0054-reach.md). SI units, world frame.
 namespace wholehand {
 
 inline constexpr int kMaxSlots = 64;          ///< bodies of a game at once
@@ -112,5 +114,48 @@ struct SpawnOrder {
 [[nodiscard]] SpawnOrder spawnOrderOf(const Command& command) noexcept;
 /// Pose of a teleport or a target.
 [[nodiscard]] BodyPose poseOf(const Command& command) noexcept;
+
+// Limits of orders that no scene file changes.
+
+inline constexpr double kFarthest_m = 5.0;  ///< from the origin; farther, a body has left the world
+inline constexpr double kMostNormFault = 1e-3;  ///< of a quaternion's norm, from 1
+inline constexpr double kMostSpawnSpeed_m_s = 2.0;
+inline constexpr double kMostBodyFriction = 2.0;
+
+/// True for a finite pose inside the world whose quaternion is a rotation. Real-time safe.
+[[nodiscard]] inline bool isBodyPose(const BodyPose& pose) noexcept {
+  return pose.position_m.eigen().norm() <= kFarthest_m &&
+         std::abs(pose.orientation_xyzw.eigen().norm() - 1.0) <= kMostNormFault;
+}
+
+[[nodiscard]] inline bool isBodyOwner(BodyOwner owner) noexcept {
+  return owner == BodyOwner::kLoop || owner == BodyOwner::kGame || owner == BodyOwner::kFixed;
+}
+
+// Bodies beyond the slots.
+
+inline constexpr int kMostRegistered = 1000;  ///< bodies at once
+/// What stands in place of a slot in an order to a registered body.
+inline constexpr int kFirstNumber = 1000, kLastNumber = 32767;
+[[nodiscard]] constexpr bool isRegistered(int slot) noexcept {
+  return slot >= kFirstNumber && slot <= kLastNumber;
+}
+
+/// Where a registered body is.
+enum class Whereabouts : std::int32_t {
+  kOutOfReach,  ///< stands still, with its velocity; the hand cannot come to it in time
+  kLeftOut,     ///< the same, but the hand could: nearer bodies have the slots, or all may move
+  kInSlot       ///< in the loop, or on its way there
+};
+
+/// A registered body, as others see it.
+struct RegisteredBody {
+  int number = 0;
+  int generation = 0;
+  int shape_set = 0;
+  int slot = -1;  ///< of kInSlot
+  Whereabouts whereabouts = Whereabouts::kOutOfReach;
+  BodyPose pose;  ///< newest that is known
+};
 
 }  // namespace wholehand

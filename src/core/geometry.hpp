@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <numbers>
 #include <type_traits>
 
 namespace wholehand {
@@ -45,5 +46,17 @@ struct Pose {
 
 static_assert(std::is_trivially_copyable_v<Vec3>);
 static_assert(std::is_trivially_copyable_v<QuatXyzw>);
+
+inline constexpr double kDeg = std::numbers::pi / 180.0;  ///< one degree [rad]
+
+/// Rotation about x, then y, then z of the fixed frame [rad]: R = Rz(yaw) Ry(pitch) Rx(roll).
+[[nodiscard]] inline Eigen::Matrix3d rotationFromRpy(double roll_rad, double pitch_rad,
+                                                     double yaw_rad) {
+  using Eigen::AngleAxisd;
+  using Eigen::Vector3d;
+  return (AngleAxisd(yaw_rad, Vector3d::UnitZ()) * AngleAxisd(pitch_rad, Vector3d::UnitY()) *
+          AngleAxisd(roll_rad, Vector3d::UnitX()))
+      .toRotationMatrix();
+}
 
 }  // namespace wholehand

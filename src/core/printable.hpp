@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -12,5 +13,14 @@ namespace wholehand {
 [[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 200);
 /// True when printable() leaves the text unchanged.
 [[nodiscard]] bool isPrintable(std::string_view text, std::size_t longest = 200);
+
+/// Escapes text for HTML content and quoted attributes. Control characters, which HTML does not
+/// allow, become spaces.
+[[nodiscard]] std::string escapeHtml(std::string_view text);
+
+/// Plural ending of a count's noun: "1 tick", "2 ticks".
+[[nodiscard]] constexpr const char* plural(std::integral auto count) {
+  return count == 1 ? "" : "s";
+}
 
 }  // namespace wholehand

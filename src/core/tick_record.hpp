@@ -2,19 +2,69 @@
 
 #include "core/axis_array.hpp"
 #include "core/command.hpp"
-#include "core/exercise_record.hpp"
 #include "core/fault.hpp"
 #include "core/geometry.hpp"
-#include "core/live_parameter.hpp"
-#include "core/mover.hpp"
-#include "core/safety_state.hpp"
+#include "core/real_time.hpp"
 #include "core/world_query.hpp"
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <type_traits>
 
 namespace wholehand {
+
+/// Who moves the device in a tick.
+enum class Mover : std::int32_t {
+  kNobody,          ///< a simulated hand that rests
+  kPerson,          ///< in the device, or at the screen of a simulated one
+  kVirtualPatient,  ///< the program plays
+  kMotion           ///< a recorded motion is replayed
+};
+inline constexpr int kMovers = 4;
+
+/// How much of the hand's motion a page does for the player, by its own word.
+enum class Help : std::int32_t { kUnsaid, kFull, kSome, kNone };
+inline constexpr int kHelps = 4;
+
+/// A setting that may change while the loop runs. Every change is a ramp.
+struct LiveParameter {
+  std::string name;    ///< with its unit at the end: "wall_stiffness_ratio", "lead_in_m"
+  std::string unit;    ///< for people, SI: "N", "m", "s", "1"
+  double lower = 0.0;  ///< allowed range, lower .. upper
+  double upper = 0.0;
+  double value = 0.0;       ///< initial value
+  double rate_per_s = 0.0;  ///< slope of the ramp, > 0
+};
+
+/// Most live parameters of renderer and exercise together.
+inline constexpr int kMaxLiveParameters = 24;
+
+/// Most values that an exercise reports per tick.
+inline constexpr int kMaxExerciseValues = 48;
+/// Most events of one tick; further ones are dropped.
+inline constexpr int kMaxExerciseEvents = 8;
+
+/// Something that happened in the exercise.
+struct ExerciseEvent {
+  std::int32_t type = 0;    ///< index into ExerciseDescription::event_names
+  std::int32_t index = -1;  ///< dispenser, liquid ...; -1: not applicable
+  double value = 0.0;       ///< in the event's own unit
+};
+
+/// Effort, values and events of the exercise in one tick. Its ExerciseDescription names them.
+struct ExerciseRecord {
+  AxisEffort effort;     ///< f_e [N or N·m]; 0 without an exercise
+  double alpha = 0.0;    ///< α of the transition, Eq. (16), 0 .. 1
+  AxisFlag wall_active;  ///< the axis has a wall
+  AxisPosition wall;     ///< θ_wall [m or rad]; valid where wall_active is set
+  std::int32_t value_count = 0;
+  std::int32_t event_count = 0;
+  std::array<double, kMaxExerciseValues> values{};
+  std::array<ExerciseEvent, kMaxExerciseEvents> events{};
+};
+
+static_assert(std::is_trivially_copyable_v<ExerciseRecord>);
 
 /// Most contact points of a record. Further ones act but are only counted
 /// (Fault::kContactsDropped).
@@ -137,5 +187,16 @@ struct TickRecord {
 };
 
 static_assert(std::is_trivially_copyable_v<TickRecord>);
+
+/// Called before and after every tick, in the thread that ticks: by the virtual patient who plays
+/// an exercise and by the black box. Real-time safe.
+class TickListener {
+ public:
+  virtual ~TickListener() = default;
+  /// Called before the tick, with its commands.
+  WHOLEHAND_RT virtual void beforeTick(const TickRecord& record) noexcept = 0;
+  /// Called after the tick, with the complete record.
+  WHOLEHAND_RT virtual void afterTick(const TickRecord& record) noexcept = 0;
+};
 
 }  // namespace wholehand

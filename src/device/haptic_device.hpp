@@ -3,8 +3,8 @@
 #include "core/axis_array.hpp"
 #include "core/expected.hpp"
 #include "core/fault.hpp"
-#include "core/mover.hpp"
 #include "core/real_time.hpp"
+#include "core/tick_record.hpp"
 
 namespace wholehand {
 

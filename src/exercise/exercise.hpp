@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/body_order.hpp"
-#include "core/live_parameter.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "core/world_query.hpp"
@@ -74,5 +73,13 @@ WHOLEHAND_RT inline void clear(ExerciseRecord& out, BodyPlacements& placements, 
   out.wall_active = AxisFlag(axes);
   out.wall = AxisPosition(axes);
 }
+
+/// Stiffest wall of an exercise on an axis, with its live parameters at their upper ends. Covered
+/// by the certificate.
+struct ExerciseWall {
+  int axis = 0;            ///< index into DeviceModel::axes
+  double stiffness = 0.0;  ///< [N/m or N·m/rad]
+  double damping = 0.0;    ///< [N·s/m or N·m·s/rad]
+};
 
 }  // namespace wholehand

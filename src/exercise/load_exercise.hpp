@@ -1,11 +1,45 @@
 #pragma once
 
-#include "exercise/exercise_kind.hpp"
+#include "core/expected.hpp"
+#include "exercise/exercise.hpp"
+#include "model/device_model.hpp"
+#include "model/exercise_panel.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/scene/scene_model.hpp"
+#include "model/toml/toml_file.hpp"
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace wholehand {
+
+/// An exercise and its scene.
+struct LoadedExercise {
+  std::unique_ptr<Exercise> exercise;
+  SceneModel scene;                 ///< scene of the level; the exercise's body indices refer to it
+  std::vector<std::string> files;   ///< paths of the exercise file and the scene file
+  std::vector<ExerciseWall> walls;  ///< empty for an exercise without effort
+  ExercisePanel panel;              ///< read by loadExercise() for any kind
+};
+
+/// Input of an exercise kind's loader.
+struct ExerciseSource {
+  std::string path;  ///< of the exercise file
+  std::string name;  ///< name of the exercise
+  int level = 1;     ///< requested level; the kind checks it against the file
+  const DeviceModel* device = nullptr;
+  const HandModel* hand = nullptr;
+  std::string scene_path;  ///< relative to the working directory; empty if invalid
+};
+
+/// A kind of exercise: a folder of src/exercise, whose header declares `load`.
+struct ExerciseKind {
+  const char* name;
+  /// Reads the rest of the file ("kind", "version", "exercise", "name" and "scene" are already
+  /// read) and ends with its finish(). Reports every fault of file and scene at once.
+  Expected<LoadedExercise> (*load)(TomlFile& file, const ExerciseSource& source);
+};
 
 /// Reads an exercise file (kind = "exercise") and its scene (path relative to the file), for a
 /// device and a hand. Reports every fault of both files at once. Not real-time safe.

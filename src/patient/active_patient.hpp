@@ -4,13 +4,92 @@
 #include "core/real_time.hpp"
 #include "model/device_model.hpp"
 #include "model/patient/patient_config.hpp"
-#include "patient/delay_line.hpp"
-#include "patient/habits.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
+// Active behaviour of a person on one axis. Pure laws: state in, state out. Real-time safe.
 namespace wholehand {
+
+/// Delay line of fixed length. Memory is allocated in the constructor.
+template <class Value>
+class DelayLine {
+ public:
+  /// Rounds the delay to whole periods. Not real-time safe.
+  DelayLine(double delay_s, double period_s)
+      : values_(std::max(std::lround(delay_s / period_s), 0L) + 1) {}
+
+  /// Fills the history with a value. Real-time safe.
+  WHOLEHAND_RT void fill(const Value& value) noexcept {
+    std::fill(values_.begin(), values_.end(), value);
+    newest_ = 0;
+  }
+
+  /// Stores the present value and returns the delayed one. Once a period. Real-time safe.
+  WHOLEHAND_RT const Value& shift(const Value& value) noexcept {
+    newest_ = (newest_ + 1) % values_.size();
+    values_[newest_] = value;
+    return values_[(newest_ + 1) % values_.size()];
+  }
+
+ private:
+  std::vector<Value> values_;
+  std::size_t newest_ = 0;
+};
+
+/// A sin(2π f t + phase) [N or N·m].
+[[nodiscard]] WHOLEHAND_RT double tremorEffort(double amplitude, double frequency_hz,
+                                               double phase_rad, double time_s) noexcept;
+
+/// (v - v_th)₊ with v = -q̇ delayed [rad/s].
+[[nodiscard]] WHOLEHAND_RT double openedTooFast(const StretchReflex& reflex,
+                                                double qd_delayed) noexcept;
+
+/// g (v - v_th)₊ (s - s_th)₊, with v - v_th possibly of another axis. [N·m]
+[[nodiscard]] WHOLEHAND_RT double reflexDriveFrom(const StretchReflex& reflex, double q,
+                                                  double too_fast) noexcept;
+
+/// Drive of the reflex to the muscle: g (v - v_th)₊ (s - s_th)₊ >= 0, in the direction of flexion.
+/// Stretch is opening: v = -q̇ delayed and s - s_th = below - q. [N·m]
+[[nodiscard]] WHOLEHAND_RT double reflexDrive(const StretchReflex& reflex, double q,
+                                              double qd_delayed) noexcept;
+
+/// First-order response to the drive, exact for a drive constant over the period. @pre lag_s > 0
+[[nodiscard]] WHOLEHAND_RT double muscleEffort(double effort, double drive, double lag_s,
+                                               double period_s) noexcept;
+
+/// Full effort `most` along the motion, so that it always injects energy. Slower than `still`:
+/// against the rendered effort; upwards without one. [N or N·m]
+[[nodiscard]] WHOLEHAND_RT double fightEffort(double most, double rendered, double qd,
+                                              double still) noexcept;
+
+/// A slam within the limits of this device.
+struct SlamPlan {
+  double sign = 1.0;                ///< sign of the direction
+  double after_s = 0.0;             ///< start time of drawing back
+  double speed = 1.0;               ///< target speed [m/s or rad/s], > 0
+  double effort = 1.0;              ///< largest effort [N or N·m], > 0
+  double lower = 0.0, upper = 0.0;  ///< range [m or rad]
+  double mass = 1.0;                ///< of the bare axis [kg or kg·m²], > 0
+};
+[[nodiscard]] SlamPlan planSlam(const Slam& slam, const DeviceAxis& axis) noexcept;
+
+enum class SlamPhase { kWaits, kDrawsBack, kPushes, kLetGo };
+struct SlamState {
+  SlamPhase phase = SlamPhase::kWaits;
+  double since_s = 0.0;  ///< time in this phase
+  double effort = 0.0;   ///< effort over the next period [N or N·m]
+  double qd = 0.0;       ///< velocity one period ago [m/s or rad/s]
+};
+/// One period of a slam. The effort targets the wanted speed one period later, assuming the
+/// resistance of the last period. Draws back at a fifth of the speed, to the other end of the range
+/// or for 1.5 s; pushes until the speed is reached, at most for 1 s; then lets go.
+[[nodiscard]] WHOLEHAND_RT SlamState advanceSlam(SlamState state, const SlamPlan& plan, double q,
+                                                 double qd, double period_s) noexcept;
 
 /// State that the person perceives at the beginning of a period.
 struct PatientInput {

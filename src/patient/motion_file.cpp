@@ -1,18 +1,79 @@
 #include "model/axis_keys.hpp"
-#include "patient/csv_text.hpp"
 #include "patient/motion.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 namespace wholehand {
 namespace {
+
+/// Bytes of the first UTF-8 character; 0 if it is invalid.
+std::size_t characterBytes(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text.front());
+  const std::size_t bytes = lead < 0x80   ? 1
+                            : lead < 0xC2 ? 0
+                            : lead < 0xE0 ? 2
+                            : lead < 0xF0 ? 3
+                            : lead < 0xF5 ? 4
+                                          : 0;
+  if (bytes > text.size()) return 0;
+  const bool whole =
+      std::all_of(text.begin() + 1, text.begin() + static_cast<long>(bytes ? bytes : 1),
+                  [](unsigned char c) { return (c & 0xC0U) == 0x80U; });
+  return whole ? bytes : 0;
+}
+
+/// The text without blanks at both ends.
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+/// Comma-separated values of a line, each trimmed.
+std::vector<std::string_view> cells(std::string_view line) {
+  std::vector<std::string_view> found;
+  for (std::size_t begin = 0;;) {
+    const std::size_t comma = line.find(',', begin);
+    found.push_back(trimmed(line.substr(begin, comma - begin)));
+    if (comma == std::string_view::npos) return found;
+    begin = comma + 1;
+  }
+}
+
+/// True if the text has control bytes: the file is not text, or UTF-16.
+bool holdsControl(std::string_view text) {
+  return std::any_of(text.begin(), text.end(), [](unsigned char c) {
+    return (c < 0x20 && c != '\t' && c != '\r') || c == 0x7F;
+  });
+}
+
+/// A value for a message: shortened, and safe for terminals.
+std::string shown(std::string_view value) {
+  constexpr std::size_t kLongest = 40;
+  std::string out;
+  while (!value.empty() && out.size() < kLongest) {
+    const std::size_t bytes = characterBytes(value);
+    out += bytes > 0 ? value.substr(0, bytes) : "?";
+    value.remove_prefix(std::max<std::size_t>(bytes, 1));
+  }
+  return out;
+}
+
+/// "1 value", "2 values"
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
 
 constexpr std::size_t kMostFaults = 20;
 constexpr double kLargestValue = 1000.0;  // m or rad: beyond any hand motion

@@ -1,9 +1,10 @@
 #pragma once
 
 #include "core/command.hpp"
-#include "core/mover.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
+
+#include <cstddef>
 
 namespace wholehand {
 
@@ -35,6 +36,22 @@ class Player {
   /// record does not steer. The hand then follows `record.intention` of someone else, and a player
   /// that decides by what it sees continues from there.
   WHOLEHAND_RT virtual void see(const TickRecord& record) noexcept = 0;
+};
+
+/// Passes the commands and the record of every tick to a player, in the thread that ticks.
+class ListeningPlayer final : public TickListener {
+ public:
+  /// @pre player outlives this
+  explicit ListeningPlayer(Player& player) : player_(player) {}
+  WHOLEHAND_RT void beforeTick(const TickRecord& record) noexcept override {
+    for (int i = 0; i < record.command_count; ++i) {
+      player_.command(record.commands[i]);
+    }
+  }
+  WHOLEHAND_RT void afterTick(const TickRecord& record) noexcept override { player_.see(record); }
+
+ private:
+  Player& player_;
 };
 
 }  // namespace wholehand

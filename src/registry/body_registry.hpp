@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/body_order.hpp"
-#include "core/registered_body.hpp"
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
 #include "model/hand/hand_model.hpp"
@@ -94,7 +93,7 @@ class BodyRegistry {
   void keepState(int slot, const BodyState& state);
   void freeSlot(int slot);
   void noteRefused(const TickRecord& record);
-  // choose_bodies.cpp
+  // which of them have slots
   void choose(const TickRecord& record);
   [[nodiscard]] std::optional<double> rankOf(const Body& body) const;
   [[nodiscard]] std::vector<Candidate> candidates();

@@ -1,7 +1,7 @@
 #include "renderer/haptic_renderer.hpp"
 
 #include "control/bilateral_coupling.hpp"
-#include "core/effort_sum.hpp"
+#include "core/axis_array.hpp"
 #include "physics/body_pool.hpp"
 #include "physics/hand_probe.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "control/adaptive_damping.hpp"
+#include "control/bilateral_coupling.hpp"
 #include "control/coupling_gains.hpp"
-#include "control/velocity_estimator.hpp"
 #include "core/body_order.hpp"
 #include "core/expected.hpp"
 #include "core/real_time.hpp"

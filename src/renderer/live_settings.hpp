@@ -1,8 +1,8 @@
 #pragma once
 
 #include "control/adaptive_damping.hpp"
-#include "core/live_parameter.hpp"
 #include "core/real_time.hpp"
+#include "core/tick_record.hpp"
 #include "model/device_model.hpp"
 
 #include <string_view>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/live_parameter.hpp"
 #include "core/real_time.hpp"
+#include "core/tick_record.hpp"
 
 #include <array>
 #include <vector>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/command.hpp"
-#include "core/tick_listener.hpp"
 #include "core/tick_record.hpp"
 #include "realtime/periodic_thread.hpp"
 #include "realtime/record_queue.hpp"

@@ -1,6 +1,6 @@
 #include "safety/safety_chain.hpp"
 
-#include "core/effort_sum.hpp"
+#include "core/axis_array.hpp"
 #include "safety/force_limiter.hpp"
 #include "safety/note_fault.hpp"
 #include "safety/power_limiter.hpp"

@@ -5,7 +5,6 @@
 #include "core/axis_array.hpp"
 #include "core/fault.hpp"
 #include "core/real_time.hpp"
-#include "core/safety_state.hpp"
 #include "core/tick_record.hpp"
 #include "safety/body_energy.hpp"
 #include "safety/neutral_ramp.hpp"

@@ -2,7 +2,6 @@
 
 #include "core/body_order.hpp"
 #include "core/command.hpp"
-#include "core/registered_body.hpp"
 #include "model/scene/scene_model.hpp"
 #include "server/refusal.hpp"
 

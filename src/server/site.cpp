@@ -1,6 +1,5 @@
 #include "server/site.hpp"
 
-#include "core/escape_html.hpp"
 #include "core/printable.hpp"
 #include "server/http_text.hpp"
 #include "server/static_files.hpp"

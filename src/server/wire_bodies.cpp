@@ -1,7 +1,7 @@
 // Bodies of a game: what clients order, and what they are told.
 #include "server/wire_bodies.hpp"
 
-#include "core/body_limits.hpp"
+#include "core/body_order.hpp"
 #include "server/wire_common.hpp"
 
 #include <fmt/format.h>

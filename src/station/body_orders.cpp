@@ -1,6 +1,6 @@
 #include "station/body_orders.hpp"
 
-#include "core/body_limits.hpp"
+#include "core/body_order.hpp"
 #include "model/mesh/convex_mesh.hpp"
 #include "model/scene/game_shapes.hpp"
 

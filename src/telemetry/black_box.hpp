@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/expected.hpp"
-#include "core/tick_listener.hpp"
+#include "core/tick_record.hpp"
 #include "telemetry/recording.hpp"
 
 #include <cstddef>

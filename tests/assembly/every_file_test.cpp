@@ -2,6 +2,7 @@
 #include "assembly/models.hpp"
 #include "assembly/sampled_inertia.hpp"
 #include "exercise/load_exercise.hpp"
+#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"

@@ -1,7 +1,7 @@
 // What the record stream tells of the safety supervisor, on the simulated clock.
 #include "assembly/safety_log.hpp"
 
-#include "patient/listening_player.hpp"
+#include "patient/player.hpp"
 #include "runtime/session.hpp"
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"

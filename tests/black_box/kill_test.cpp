@@ -1,7 +1,7 @@
 #include "black_box/box_tools.hpp"
 #include "black_box/child_tools.hpp"
 #include "black_box/run_tools.hpp"
-#include "patient/listening_player.hpp"
+#include "patient/player.hpp"
 #include "support/seed.hpp"
 #include "support/watched_main.hpp"
 

@@ -5,7 +5,6 @@
 #include "certified_sets.hpp"
 #include "control/adaptive_damping.hpp"
 #include "control/bilateral_coupling.hpp"
-#include "control/velocity_estimator.hpp"
 #include "control/virtual_wall.hpp"
 #include "safety/force_limiter.hpp"
 #include "safety/neutral_ramp.hpp"
@@ -89,8 +88,8 @@ class OneAxisTick {
     damping_ = adaptDamping(damping_, AxisEffort(1, felt), damping_config_, 1, kPeriod_s);
     const double depth = std::max(0.0, x - wall.position);
     const EnergyTankStep step =
-        advanceTank(tank_, q_m, q_s, AxisEnergy(1, 0.5 * wall_.stiffness * depth * depth), {}, gains_,
-                    tank_config_, limit, 1, kPeriod_s);
+        advanceTank(tank_, q_m, q_s, AxisEnergy(1, 0.5 * wall_.stiffness * depth * depth), {},
+                    gains_, tank_config_, limit, 1, kPeriod_s);
     const double wanted = felt - damping_.phi[0] * gains_.k_dm[0] * vf + step.effort[0];
     const LimitedEffort limited = limitEffort(AxisEffort(1, wanted), limit);
     faults |= limited.faults;

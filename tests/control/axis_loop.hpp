@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/critical_damping.hpp"
+#include "control/coupling_gains.hpp"
 #include "control/stability.hpp"
 
 #include <complex>

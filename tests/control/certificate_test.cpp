@@ -1,10 +1,10 @@
 #include "control/certificate/certificate.hpp"
 
 #include "axis_simulation.hpp"
+#include "control/certificate/certificate_advice.hpp"
 #include "control/certificate/certificate_refusal.hpp"
-#include "control/critical_damping.hpp"
+#include "control/coupling_gains.hpp"
 #include "control/passivity.hpp"
-#include "control/z_width.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "model/shipped_models.hpp"
 #include "reference_tables.hpp"

@@ -1,10 +1,8 @@
 // Persons and objects that link the axes: the criterion against the one of a single axis, against
 // terminations built at its own worst frequency, and against loops stepped with random ones.
-#include "control/coupled_passivity.hpp"
-
 #include "axis_loop.hpp"
-#include "control/avatar_loop.hpp"
 #include "control/passivity.hpp"
+#include "control/stability.hpp"
 #include "device/simulated/matrix_exponential.hpp"
 #include "support/constants.hpp"
 #include "support/figure.hpp"
@@ -123,7 +121,7 @@ TEST(CoupledPassivity, AnyPerson_NeedsAtLeastWhatLinearOnesDo) {
   figure("the same, most", ratios.back(), "");
 }
 
-/// The terms of coupled_passivity.hpp, spelt again.
+/// The terms of control/passivity.hpp, spelt again.
 struct Terms {
   Eigen::VectorXcd free, felt, driven;
   Eigen::MatrixXcd avatar;

@@ -1,6 +1,5 @@
 #include "control/bilateral_coupling.hpp"
-#include "control/critical_damping.hpp"
-#include "control/velocity_estimator.hpp"
+#include "control/coupling_gains.hpp"
 #include "one_axis_gains.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/figure.hpp"

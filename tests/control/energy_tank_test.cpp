@@ -5,7 +5,6 @@
 
 #include "control/bilateral_coupling.hpp"
 #include "control/one_axis_gains.hpp"
-#include "control/velocity_estimator.hpp"
 #include "device/one_axis.hpp"
 #include "support/constants.hpp"
 

@@ -3,8 +3,8 @@
 // side is the simulated device's own (device/simulated/linked_dynamics.hpp). The same for persons
 // and objects that change from tick to tick, where the gains hold for any person.
 #include "certified_sets.hpp"
-#include "control/avatar_loop.hpp"
-#include "control/coupled_passivity.hpp"
+#include "control/passivity.hpp"
+#include "control/stability.hpp"
 #include "device/simulated/linked_dynamics.hpp"
 #include "support/constants.hpp"
 #include "support/figure.hpp"

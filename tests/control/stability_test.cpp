@@ -1,10 +1,8 @@
 #include "control/stability.hpp"
 
 #include "axis_loop.hpp"
-#include "control/avatar_loop.hpp"
 #include "control/bilateral_coupling.hpp"
 #include "control/passivity.hpp"
-#include "control/velocity_estimator.hpp"
 #include "one_axis_gains.hpp"
 #include "reference_tables.hpp"
 #include "support/constants.hpp"

@@ -1,4 +1,3 @@
-#include "control/transition.hpp"
 #include "control/virtual_wall.hpp"
 #include "support/constants.hpp"
 #include "support/seed.hpp"

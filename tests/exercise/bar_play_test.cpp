@@ -1,4 +1,4 @@
-#include "control/transition.hpp"
+#include "control/virtual_wall.hpp"
 #include "exercise/bar_table.hpp"
 #include "support/seed.hpp"
 

@@ -3,7 +3,7 @@
 #include "exercise/grip.hpp"
 
 #include "exercise/bar_table.hpp"
-#include "exercise/hand_posture.hpp"
+#include "model/hand/hand_assembly.hpp"
 #include "support/constants.hpp"
 #include "support/tolerance.hpp"
 

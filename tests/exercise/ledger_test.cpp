@@ -1,5 +1,4 @@
-#include "exercise/cocktail_bar/ledger.hpp"
-
+#include "exercise/cocktail_bar/pouring.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>

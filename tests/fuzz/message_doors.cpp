@@ -1,5 +1,5 @@
 #include "doors.hpp"
-#include "model/mesh/mesh_surface.hpp"
+#include "model/mesh/mesh_file.hpp"
 #include "server/client_words.hpp"
 #include "server/http_text.hpp"
 #include "server/site.hpp"

@@ -1,12 +1,12 @@
 // Convex pieces of solids whose volume is known.
 #include "model/mesh/convex_pieces.hpp"
 
+#include "model/mesh/convex_hull.hpp"
 #include "model/mesh/convex_mesh.hpp"
-#include "model/mesh/hull_vertices.hpp"
-#include "model/mesh/solid_cut.hpp"
-#include "model/mesh/surface_distance.hpp"
+#include "model/mesh/solid.hpp"
 #include "model/solid_samples.hpp"
 #include "support/says.hpp"
+#include "support/tolerance.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

@@ -1,7 +1,6 @@
 // Meshes are read in a process of their own (docs/adr/0027-untrusted-files-in-children.md).
 #include "model/mesh/convex_mesh.hpp"
-#include "model/mesh/mesh_load_time.hpp"
-#include "model/mesh/mesh_surface.hpp"
+#include "model/mesh/mesh_file.hpp"
 #include "model/mesh_samples.hpp"
 #include "model/scene/scene_model.hpp"
 #include "model/urdf/urdf.hpp"

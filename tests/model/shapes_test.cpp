@@ -1,5 +1,5 @@
+#include "core/geometry.hpp"
 #include "model/mesh/convex_mesh.hpp"
-#include "model/rotation.hpp"
 #include "model/scene/separation.hpp"
 #include "support/capsule_shape.hpp"
 #include "support/seed.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "model/mesh/mesh_surface.hpp"
+#include "model/mesh/mesh_file.hpp"
 
 #include <Eigen/Core>
 

@@ -1,6 +1,4 @@
 // What a person does of their own accord, against closed forms.
-#include "patient/habits.hpp"
-
 #include "patient/active_patient.hpp"
 #include "patient/person_tools.hpp"
 #include "support/constants.hpp"

@@ -1,4 +1,4 @@
-#include "core/units.hpp"
+#include "core/geometry.hpp"
 #include "patient/motion.hpp"
 #include "patient/person_tools.hpp"
 #include "patient/reach.hpp"

@@ -6,10 +6,11 @@
 #include "assembly/sampled_inertia.hpp"
 #include "certification/certificate_text.hpp"
 #include "commissioning/passport.hpp"
-#include "control/z_width.hpp"
+#include "control/certificate/certificate_advice.hpp"
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "files/text_file.hpp"
+#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "page/chart_page.hpp"
 

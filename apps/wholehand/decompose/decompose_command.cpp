@@ -4,13 +4,12 @@
 #include "apps/wholehand/shared/options.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
 #include "core/expected.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "files/text_file.hpp"
 #include "model/mass_properties.hpp"
-#include "model/mesh/closed_surface.hpp"
 #include "model/mesh/convex_pieces.hpp"
-#include "model/mesh/mesh_surface.hpp"
+#include "model/mesh/mesh_file.hpp"
+#include "model/mesh/solid.hpp"
 #include "model/scene/scene_model.hpp"
 
 #include <CLI/CLI.hpp>

@@ -2,7 +2,6 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
 #include "assembly/run.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "experiments/cocktail_trial.hpp"
 #include "experiments/worker_pool.hpp"

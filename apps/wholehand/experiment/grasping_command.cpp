@@ -3,7 +3,6 @@
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "assembly/run.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "experiments/grasp_trial.hpp"
 #include "runtime/interrupt_scope.hpp"

@@ -4,7 +4,6 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "experiments/timing_trial.hpp"
 #include "realtime/allocation_counter.hpp"

@@ -1,7 +1,6 @@
 #include "apps/wholehand/run/run_summary.hpp"
 
 #include "apps/wholehand/run/status_line.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/statistics.hpp"

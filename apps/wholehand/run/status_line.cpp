@@ -1,6 +1,5 @@
 #include "apps/wholehand/run/status_line.hpp"
 
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "realtime/monotonic_clock.hpp"
 

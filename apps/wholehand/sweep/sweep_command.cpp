@@ -4,7 +4,6 @@
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "assembly/program_version.hpp"
-#include "core/plural.hpp"
 #include "core/printable.hpp"
 #include "experiments/sweep/sweep.hpp"
 #include "files/text_file.hpp"

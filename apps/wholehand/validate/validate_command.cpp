@@ -7,6 +7,7 @@
 #include "assembly/rig.hpp"
 #include "commissioning/daily_check.hpp"
 #include "core/printable.hpp"
+#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "model/toml/toml_file.hpp"
 

@@ -117,7 +117,7 @@ struct AvatarCertificate {
 };
 
 /// The device's damping against persons and objects that link the axes
-/// (control/coupled_passivity.hpp).
+/// (control/passivity.hpp).
 struct CoupledCertificate {
   double margin = 0.0;        ///< present over required damping, the same share on all axes
   double frequency_hz = 0.0;  ///< frequency of the smallest margin

@@ -1,16 +1,13 @@
 #include "control/certificate/certificate_advice.hpp"
 
-#include "control/avatar_loop.hpp"
-#include "control/certificate/gain_search.hpp"
-#include "control/coupled_passivity.hpp"
 #include "control/passivity.hpp"
+#include "control/stability.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
 namespace wholehand {
-
 namespace {
 
 /// Frequencies of a search; its result is verified with all frequencies.
@@ -78,30 +75,6 @@ double verified(const AxisCase& c, double k_pm) {
   }
   return 0.0;
 }
-
-}  // namespace
-
-bool holds(const AxisCase& c) {
-  return c.gains.k_pm <= quantisationLeaves(c) && followed(c) && dampedEnough(c, kAllFrequencies) &&
-         stableInEveryContact(c);
-}
-
-/// Lowers K_pm. Lowers K_dm only where that at least doubles the remaining stiffness.
-NearestGains nearestOfAxis(AxisCase c) {
-  const double present = c.gains.k_pm, damping = c.gains.k_dm;
-  std::vector<NearestGains> found;
-  double most = 0.0;
-  for (const double share : kDampingShares) {
-    c.gains.k_dm = share == 1.0 ? damping : roundedDown(share * damping);
-    found.push_back({largestStiffness(c, present), c.gains.k_dm, c.gains.armature});
-    most = std::max(most, found.back().k_pm);
-    if (damping == 0.0 || found.back().k_pm >= 0.5 * present) break;
-  }
-  return *std::find_if(found.begin(), found.end(),
-                       [&](const NearestGains& g) { return g.k_pm >= 0.5 * most; });
-}
-
-namespace {
 
 CertificateInput withGains(CertificateInput input, const std::vector<NearestGains>& nearest) {
   for (std::size_t i = 0; i < nearest.size(); ++i) {
@@ -172,6 +145,26 @@ bool softenForCoupled(CertificateInput& input) {
 
 }  // namespace
 
+bool holds(const AxisCase& c) {
+  return c.gains.k_pm <= quantisationLeaves(c) && followed(c) && dampedEnough(c, kAllFrequencies) &&
+         stableInEveryContact(c);
+}
+
+/// Lowers K_pm. Lowers K_dm only where that at least doubles the remaining stiffness.
+NearestGains nearestOfAxis(AxisCase c) {
+  const double present = c.gains.k_pm, damping = c.gains.k_dm;
+  std::vector<NearestGains> found;
+  double most = 0.0;
+  for (const double share : kDampingShares) {
+    c.gains.k_dm = share == 1.0 ? damping : roundedDown(share * damping);
+    found.push_back({largestStiffness(c, present), c.gains.k_dm, c.gains.armature});
+    most = std::max(most, found.back().k_pm);
+    if (damping == 0.0 || found.back().k_pm >= 0.5 * present) break;
+  }
+  return *std::find_if(found.begin(), found.end(),
+                       [&](const NearestGains& g) { return g.k_pm >= 0.5 * most; });
+}
+
 double largestStiffness(const AxisCase& c, double most) {
   return verified(c, searched(c, most));
 }
@@ -239,6 +232,37 @@ bool sameCase(const AxisCase& a, const AxisCase& b) {
     return false;
   }
   return key(a) == key(b) && std::abs(a.inertia - b.inertia) <= 1e-4 * a.inertia;
+}
+
+std::vector<ZWidthPoint> zWidth(const AxisCase& c, int points) {
+  const double end = c.gains.k_dm > 0.0 ? 2.0 * c.gains.k_dm : c.axis.damping;
+  std::vector<ZWidthPoint> out;
+  for (int i = 0; i < points; ++i) {
+    AxisCase at = c;
+    at.gains.k_dm = end * i / (points - 1);
+    const auto loop = [&at](double k_pm) {
+      at.gains.k_pm = k_pm;
+      return at.loop(1.0);
+    };
+    // Far above every curve; the search steps down to it.
+    const double most = 20.0 * std::max(2.0 * c.axis.damping / c.period_s, c.gains.k_pm);
+    ZWidthPoint point{at.gains.k_dm, 0.0, 0.0, 0.0};
+    point.rigid = largestAllowed(most, [&](double k_pm) {
+      return spectralRadius(closedLoopMatrix(loop(k_pm), ContactCase::kRigid)) <= 1.0 + 1e-7;
+    });
+    point.passive = largestAllowed(
+        most, [&](double k_pm) { return requiredDamping(loop(k_pm), 300) <= c.axis.damping; });
+    point.walled = point.passive;
+    for (const WallCase& wall : c.walls) {
+      point.walled =
+          std::min(point.walled, largestAllowed(most, [&](double k_pm) {
+                     at.gains.k_pm = k_pm;
+                     return requiredDamping(at.loopIn(wall, 1.0, 1.0), 300) <= c.axis.damping;
+                   }));
+    }
+    out.push_back(point);
+  }
+  return out;
 }
 
 }  // namespace wholehand

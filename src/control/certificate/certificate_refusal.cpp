@@ -1,8 +1,7 @@
 #include "control/certificate/certificate_refusal.hpp"
 
-#include "control/avatar_loop.hpp"
-#include "control/certificate/gain_search.hpp"
-#include "control/coupled_passivity.hpp"
+#include "control/passivity.hpp"
+#include "control/stability.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "control/transition.hpp"
-#include "exercise/finger_wall_file.hpp"
+#include "control/virtual_wall.hpp"
 #include "exercise/finger_walls.hpp"
+#include "exercise/load_exercise.hpp"
 #include "model/scene/scene_model.hpp"
 
 #include <Eigen/Core>
@@ -128,5 +128,16 @@ struct Bar {
   std::vector<BarDispenser> dispensers;  ///< dispensers of the level, in row order
   std::vector<BarDrink> drinks;          ///< drinks of the level
 };
+
+/// A level of a bar and its scene, reduced to the level's dispensers in their row, with the glass
+/// under the first nozzle.
+struct LoadedBar {
+  Bar bar;
+  SceneModel scene;
+};
+
+/// Reads the rest of a bar's file and its scene, and cross-checks them. Reports every fault of both
+/// at once. Not real-time safe.
+[[nodiscard]] Expected<LoadedBar> loadBar(TomlFile& file, const ExerciseSource& source);
 
 }  // namespace wholehand

@@ -3,7 +3,7 @@
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "exercise/cocktail_bar/bar.hpp"
-#include "exercise/hand_posture.hpp"
+#include "exercise/grip.hpp"
 
 #include <Eigen/Core>
 

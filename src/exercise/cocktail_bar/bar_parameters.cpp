@@ -1,6 +1,6 @@
 #include "exercise/cocktail_bar/bar_parameters.hpp"
 
-#include "core/units.hpp"
+#include "core/geometry.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,8 +1,78 @@
 #include "exercise/cocktail_bar/bar_record.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 
 namespace wholehand {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json(const Eigen::Vector3d& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Json liquidsJson(const Bar& bar) {
+  Json out = Json::array();
+  for (const BarLiquid& l : bar.liquids) {
+    out.push_back({{"name", l.name},
+                   {"color", l.color},
+                   {"pattern", l.pattern},
+                   {"symbol", l.symbol},
+                   {"viscosity", l.viscosity},
+                   {"stiffness", l.stiffness}});
+  }
+  return out;
+}
+
+Json dispensersJson(const Bar& bar) {
+  Json out = Json::array();
+  for (const BarDispenser& d : bar.dispensers) {
+    out.push_back({{"body", d.body},
+                   {"liquid", bar.liquids[d.liquid].name},
+                   {"free", d.free},
+                   {"radius_m", d.radius_m},
+                   {"height_m", d.height_m},
+                   {"start_l", d.start_l},
+                   {"nozzle_m", json(d.nozzle_m)},
+                   {"grip_m", json(d.grip_m)}});
+  }
+  return out;
+}
+
+Json drinksJson(const Bar& bar) {
+  Json out = Json::array();
+  for (const BarDrink& drink : bar.drinks) {
+    Json steps = Json::array();
+    for (const BarStep& s : drink.steps) {
+      const BarDispenser& d = bar.dispensers[s.dispenser];
+      steps.push_back({{"liquid", bar.liquids[d.liquid].name},
+                       {"dispenser", s.dispenser},
+                       {"amount_l", s.amount_l},
+                       {"tolerance_l", s.tolerance_l}});
+    }
+    out.push_back({{"name", drink.name}, {"steps", std::move(steps)}});
+  }
+  return out;
+}
+
+// Range of the first dispenser while the row slides [m].
+Json rowRangeJson(const Bar& bar) {
+  const double home_m = bar.dispensers.empty() ? 0.0 : bar.dispensers[0].home_m.y();
+  double lower_m = home_m, upper_m = home_m;
+  if (bar.row.slides) {
+    for (std::size_t i = 0; i < bar.dispensers.size(); ++i) {
+      const double offset_m = static_cast<double>(i) * bar.row.spacing_m;
+      lower_m = std::min(lower_m, bar.row.reach_upper_m - offset_m);
+      upper_m = std::max(upper_m, bar.row.reach_lower_m - offset_m);
+    }
+  }
+  return Json::array({lower_m, upper_m});
+}
+
+}  // namespace
 
 static_assert(static_cast<int>(BarValue::kCount) + kMaxDispensers + kMaxSteps <=
               kMaxExerciseValues);
@@ -36,6 +106,33 @@ BarStatus readBarStatus(const ExerciseRecord& record) noexcept {
   out.poured_l = number(BarValue::kPoured);
   out.asked_l = number(BarValue::kAsked);
   return out;
+}
+
+std::string barJson(const Bar& bar) {
+  Json levels = Json::array();
+  for (std::size_t i = 0; i < bar.level_names.size(); ++i) {
+    levels.push_back({{"level", i + 1}, {"name", bar.level_names[i]}});
+  }
+  Json out{{"kind", "cocktail_bar"},
+           {"level", bar.level},
+           {"levels", std::move(levels)},
+           {"liquids", liquidsJson(bar)},
+           {"dispensers", dispensersJson(bar)},
+           {"glass",
+            {{"body", bar.glass.body},
+             {"radius_m", bar.glass.radius_m},
+             {"height_m", bar.glass.height_m},
+             {"inner_radius_m", bar.glass.inner_radius_m},
+             {"m_per_l", bar.glass.m_per_l},
+             {"capacity_l", bar.glass.capacity_l}}},
+           {"counter_z_m", bar.counter_z_m},
+           {"rail_z_m", bar.rail_z_m},
+           {"row_y_m", rowRangeJson(bar)},
+           {"engage_m", bar.transition.engage_m},
+           {"release_m", bar.transition.release_m},
+           {"draw_back", {{"x_m", bar.drawn_back.x_m}, {"palm_m", bar.drawn_back.palm_m}}},
+           {"drinks", drinksJson(bar)}};
+  return out.dump();
 }
 
 }  // namespace wholehand

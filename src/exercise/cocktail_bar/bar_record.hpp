@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/exercise_record.hpp"
 #include "core/real_time.hpp"
+#include "core/tick_record.hpp"
 #include "exercise/cocktail_bar/bar.hpp"
 
 #include <array>
@@ -139,5 +139,8 @@ struct BarStatus {
   double flow_l_s = 0.0, poured_l = 0.0, asked_l = 0.0;
 };
 [[nodiscard]] WHOLEHAND_RT BarStatus readBarStatus(const ExerciseRecord& record) noexcept;
+
+/// Description of a bar for the page (docs/exercises.md).
+[[nodiscard]] std::string barJson(const Bar& bar);
 
 }  // namespace wholehand

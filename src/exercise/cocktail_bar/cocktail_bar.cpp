@@ -1,7 +1,6 @@
 #include "exercise/cocktail_bar/cocktail_bar.hpp"
 
-#include "exercise/cocktail_bar/bar_file.hpp"
-#include "exercise/cocktail_bar/bar_json.hpp"
+#include "exercise/cocktail_bar/bar.hpp"
 #include "exercise/cocktail_bar/bar_parameters.hpp"
 #include "exercise/cocktail_bar/bar_player.hpp"
 #include "exercise/cocktail_bar/bar_record.hpp"

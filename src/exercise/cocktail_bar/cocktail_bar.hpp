@@ -1,6 +1,6 @@
 #pragma once
 
-#include "exercise/exercise_kind.hpp"
+#include "exercise/load_exercise.hpp"
 
 /// The paper's game (§II-F): reach the dispenser of the liquid in the recipe, grasp it and squeeze
 /// until the glass is filled to the line. Rules: docs/exercises.md.

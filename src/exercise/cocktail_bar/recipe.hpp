@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/exercise_record.hpp"
 #include "core/real_time.hpp"
+#include "core/tick_record.hpp"
 #include "exercise/cocktail_bar/bar.hpp"
 #include "exercise/cocktail_bar/bar_record.hpp"
 #include "exercise/cocktail_bar/pouring.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "exercise/exercise_kind.hpp"
+#include "exercise/load_exercise.hpp"
 
 /// Free grasping: no task, no walls, no effort. Every body is a target of the palm.
 namespace wholehand::free_grasping {

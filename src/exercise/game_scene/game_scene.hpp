@@ -1,6 +1,6 @@
 #pragma once
 
-#include "exercise/exercise_kind.hpp"
+#include "exercise/load_exercise.hpp"
 
 /// A world for the bodies of a game: no task, no walls, no effort. The file's [budget] says how
 /// many bodies the game may put into it and how large they are; events tell what becomes of them.

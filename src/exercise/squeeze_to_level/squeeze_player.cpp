@@ -1,6 +1,6 @@
 #include "exercise/squeeze_to_level/squeeze_player.hpp"
 
-#include "core/units.hpp"
+#include "core/geometry.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "exercise/finger_wall_file.hpp"
+#include "exercise/finger_walls.hpp"
 #include "exercise/squeeze_to_level/band_steps.hpp"
 #include "model/scene/scene_model.hpp"
 

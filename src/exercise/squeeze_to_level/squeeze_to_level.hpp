@@ -1,6 +1,6 @@
 #pragma once
 
-#include "exercise/exercise_kind.hpp"
+#include "exercise/load_exercise.hpp"
 
 /// Exercise: squeeze one object to a level. Bands of force, each to hold for a while, with releases
 /// between. Template for new exercises (docs/exercises.md).

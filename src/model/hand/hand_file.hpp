@@ -49,11 +49,4 @@ struct HandFile {
 /// every fault of the file at once.
 [[nodiscard]] Expected<HandFile> loadHandFile(const std::string& path);
 
-/// Builds the hand for a device: capsules and inertias from the anthropometry, base joints for the
-/// device's base axes (translations x, y, z in the world, then roll, pitch, yaw about the hand's x,
-/// y, z in series, roll first, through the palm frame's origin), joints without a driving axis
-/// locked at rest (JointType::kFixed, the rest angle baked into parent_to_link). An axis that
-/// drives nothing, or a synergy term on an unknown joint, is an error.
-[[nodiscard]] Expected<HandModel> assembleHand(const HandFile& hand, const DeviceModel& device);
-
 }  // namespace wholehand

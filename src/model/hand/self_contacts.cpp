@@ -2,7 +2,7 @@
 
 #include "model/hand/anthropometry.hpp"
 #include "model/hand/capsule_gap.hpp"
-#include "model/hand/hand_links.hpp"
+#include "model/hand/hand_assembly.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -25,7 +25,7 @@ inline constexpr int kMaxMeshPoints = 1024;
 /// Limit of a mesh file's triangles.
 inline constexpr int kMaxMeshTriangles = 200'000;
 
-class MeshLoadTime;  // model/mesh/mesh_load_time.hpp
+class MeshLoadTime;  // model/mesh/mesh_file.hpp
 
 /// The collider of a mesh.
 struct MeshCollider {

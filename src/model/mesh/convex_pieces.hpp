@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/expected.hpp"
-#include "model/mesh/closed_surface.hpp"
+#include "model/mesh/solid.hpp"
 
 #include <functional>
 #include <vector>
@@ -12,7 +12,7 @@ struct PieceOptions {
   int most_pieces = 16;      ///< 1 .. 64
   double concavity_m = 0.0;  ///< depth of hollows that a piece may fill; > 0
   int most_vertices = 64;    ///< of a piece, 4 ..
-  /// Told what is done now and how many parts or pieces there are; empty: nobody.
+  /// Called with what is done now and the number of parts or pieces; may be empty.
   std::function<void(const char* doing, int count)> progress = nullptr;
 };
 

@@ -10,7 +10,7 @@
 
 namespace wholehand {
 
-class MeshLoadTime;  // model/mesh/mesh_load_time.hpp
+class MeshLoadTime;  // model/mesh/mesh_file.hpp
 
 /// Contacts between bodies are found up to this speed (tests/physics/body_laws_test.cpp).
 inline constexpr double kMostBodySpeed_m_s = 15.0;

@@ -168,4 +168,10 @@ template <class Model, class Read>
 /// Shortest text that reads back to the same double.
 [[nodiscard]] std::string formatNumber(double value);
 
+/// Rejects, before parsing, a text with too many keys, tables or nesting levels: the parser
+/// recurses for each level, and each look-up searches all keys of a table. Empty when within
+/// bounds.
+[[nodiscard]] std::optional<Diagnostic> beyondBounds(std::string_view toml,
+                                                     const std::string& path);
+
 }  // namespace wholehand

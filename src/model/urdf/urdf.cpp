@@ -1,25 +1,296 @@
 #include "model/urdf/urdf.hpp"
 
-#include "model/urdf/urdf_bounds.hpp"
-#include "model/urdf/urdf_collision.hpp"
-#include "model/urdf/urdf_xml.hpp"
+#include "core/expected.hpp"
+#include "core/geometry.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/mesh/mesh_file.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <fmt/format.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace wholehand {
 namespace {
 
-using tinyxml2::XMLElement;
 namespace fs = std::filesystem;
+using tinyxml2::XMLElement;
+
+/// Strict reading of a URDF's elements: every fault is kept with its line and a key such as
+/// "link[cup].collision[1].geometry", and reading continues with a harmless value.
+class UrdfFaults {
+ public:
+  explicit UrdfFaults(std::string file) : file_(std::move(file)) {}
+
+  void add(const XMLElement* at, std::string key, std::string value, std::string problem,
+           std::string remedy);
+  /// Adds a fault of the whole file, or of a line (0: unknown) outside any element.
+  void addAtLine(int line, std::string problem, std::string remedy);
+  /// Adds what is no fault, but what the user should know.
+  void note(const XMLElement* at, std::string key, std::string value, Diagnostic notice);
+  [[nodiscard]] const Diagnostics& all() const { return all_; }
+  [[nodiscard]] const Diagnostics& notices() const { return notices_; }
+  [[nodiscard]] const std::string& file() const { return file_; }
+
+  /// Text of an attribute; empty, with a fault, when it is missing or empty.
+  std::string text(const XMLElement& e, const char* attribute, const std::string& key);
+  /// Exactly `count` finite numbers separated by blanks; zeros, with a fault, otherwise.
+  std::vector<double> numbers(const XMLElement& e, const char* attribute, const std::string& key,
+                              std::size_t count);
+  /// One finite number > 0; 1, with a fault, otherwise.
+  double positive(const XMLElement& e, const char* attribute, const std::string& key);
+  /// A dimension in [0.001, 10] m.
+  double length_m(const XMLElement& e, const char* attribute, const std::string& key);
+  /// Pose of an element's `<origin xyz rpy>`; identity without one.
+  Pose origin(const XMLElement& parent, const std::string& key);
+
+ private:
+  std::string file_;
+  Diagnostics all_;
+  Diagnostics notices_;
+};
+
+/// The meshes of a URDF.
+struct UrdfMeshes {
+  std::vector<std::string> files;  ///< paths
+  MeshLoadTime* time;              ///< what they may take together
+};
+
+// A robot's whole description has some 2,000 attributes; an element has two '<'.
+constexpr std::ptrdiff_t kMostAttributes = 8'000, kMostTags = 32'000;
+constexpr std::streamsize kLargestUrdf_bytes = std::streamsize{4} << 20U;
+
+/// The bound that an XML file exceeds, as a problem; empty: none, or the file cannot be read.
+/// Checked before it is parsed: tinyxml2 compares each attribute with all others of its element,
+/// and the reader each link with all others.
+std::string beyondUrdfBounds(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::array<char, 16384> block;
+  std::streamsize bytes = 0;
+  std::ptrdiff_t attributes = 0, tags = 0;
+  while (in.read(block.data(), block.size()) || in.gcount() > 0) {
+    const auto end = block.begin() + in.gcount();
+    bytes += in.gcount();
+    attributes += std::count(block.begin(), end, '=');
+    tags += std::count(block.begin(), end, '<');
+    if (bytes > kLargestUrdf_bytes) return "is larger than 4 MB";
+    if (attributes > kMostAttributes) return "has more than 8000 attributes";
+    if (tags > kMostTags) return "has more than 16000 elements";
+  }
+  return {};
+}
+
+constexpr const char* kBlanks = " \t\r\n";
+
+/// Independent of the locale, unlike tinyxml2's queries; empty when a word is not a number.
+std::optional<std::vector<double>> parseNumbers(const std::string& text) {
+  std::vector<double> numbers;
+  std::size_t begin = text.find_first_not_of(kBlanks);
+  while (begin != std::string::npos) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, begin), text.size());
+    const char* first = text.data() + begin + (text[begin] == '+' ? 1 : 0);
+    const char* last = text.data() + end;
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(first, last, value);
+    if (error != std::errc{} || stop != last || !std::isfinite(value)) return std::nullopt;
+    numbers.push_back(value);
+    begin = text.find_first_not_of(kBlanks, end);
+  }
+  return numbers;
+}
+
+void UrdfFaults::add(const XMLElement* at, std::string key, std::string value, std::string problem,
+                     std::string remedy) {
+  Diagnostic d;
+  d.file = file_;
+  d.line = at != nullptr ? at->GetLineNum() : 0;
+  d.key = std::move(key);
+  d.value = std::move(value);
+  d.problem = std::move(problem);
+  d.remedy = std::move(remedy);
+  all_.push_back(std::move(d));
+}
+
+void UrdfFaults::note(const XMLElement* at, std::string key, std::string value, Diagnostic notice) {
+  notice.file = file_;
+  notice.line = at->GetLineNum();
+  notice.key = std::move(key);
+  notice.value = std::move(value);
+  notices_.push_back(std::move(notice));
+}
+
+void UrdfFaults::addAtLine(int line, std::string problem, std::string remedy) {
+  add(nullptr, "", "", std::move(problem), std::move(remedy));
+  all_.back().line = line;
+}
+
+std::string UrdfFaults::text(const XMLElement& e, const char* attribute, const std::string& key) {
+  const char* found = e.Attribute(attribute);
+  if (found != nullptr && *found != '\0') return found;
+  add(&e, key + "." + attribute, "", "is missing",
+      fmt::format("give <{} {}=\"...\">", e.Name(), attribute));
+  return {};
+}
+
+std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribute,
+                                        const std::string& key, std::size_t count) {
+  std::vector<double> zeros(count, 0.0);
+  const char* found = e.Attribute(attribute);
+  const std::string remedy =
+      count == 1 ? "must be a finite number"
+                 : fmt::format("must be {} finite numbers, with blanks between", count);
+  if (found == nullptr) {
+    add(&e, key + "." + attribute, "", "is missing", remedy);
+    return zeros;
+  }
+  if (auto parsed = parseNumbers(found); parsed && parsed->size() == count) return *parsed;
+  add(&e, key + "." + attribute, found, "cannot be read", remedy);
+  return zeros;
+}
+
+double UrdfFaults::positive(const XMLElement& e, const char* attribute, const std::string& key) {
+  const std::size_t before = all_.size();
+  const double value = numbers(e, attribute, key, 1).front();
+  if (all_.size() > before) return 1.0;
+  if (value > 0.0) return value;
+  add(&e, key + "." + attribute, e.Attribute(attribute), "is not positive", "must be > 0");
+  return 1.0;
+}
+
+double UrdfFaults::length_m(const XMLElement& e, const char* attribute, const std::string& key) {
+  const std::size_t before = all_.size();
+  const double value = numbers(e, attribute, key, 1).front();
+  if (all_.size() > before) return 1.0;
+  if (value >= 1e-3 && value <= 10.0) return value;
+  add(&e, key + "." + attribute, e.Attribute(attribute), "is out of range",
+      "must be in [0.001, 10] m");
+  return 1.0;
+}
+
+Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
+  Pose pose;
+  const XMLElement* e = parent.FirstChildElement("origin");
+  if (e == nullptr) return pose;
+  if (e->Attribute("xyz") != nullptr) {
+    const std::vector<double> xyz = numbers(*e, "xyz", key + ".origin", 3);
+    pose.translation_m = {xyz[0], xyz[1], xyz[2]};
+  }
+  if (e->Attribute("rpy") != nullptr) {
+    const std::vector<double> rpy = numbers(*e, "rpy", key + ".origin", 3);
+    pose.rotation = rotationFromRpy(rpy[0], rpy[1], rpy[2]);
+  }
+  return pose;
+}
+
+/// Resolves a URDF's mesh name; the unresolved path if nothing is found, so that the mesh reader's
+/// message names it.
+fs::path meshPath(std::string_view name, const fs::path& urdf) {
+  constexpr std::string_view kFile = "file://", kPackage = "package://";
+  const fs::path folder = fs::absolute(urdf).parent_path();
+  if (name.starts_with(kFile)) return fs::path(name.substr(kFile.size()));
+  if (!name.starts_with(kPackage)) return folder / fs::path(name);
+  name.remove_prefix(kPackage.size());
+  const std::size_t slash = std::min(name.find('/'), name.size());
+  const fs::path package(name.substr(0, slash));
+  const fs::path rest(name.substr(std::min(slash + 1, name.size())));
+  std::error_code error;
+  for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
+    fs::path inside = up / rest, below = up / package / rest;
+    if (up.filename() == package && fs::exists(inside, error)) return inside;
+    if (fs::exists(below, error)) return below;
+  }
+  return folder / package / rest;
+}
+
+std::optional<Shape> readBox(const XMLElement& e, const std::string& key, UrdfFaults& faults) {
+  const std::size_t before = faults.all().size();
+  const std::vector<double> size = faults.numbers(e, "size", key, 3);
+  if (faults.all().size() > before) return std::nullopt;
+  const auto [least, most] = std::minmax_element(size.begin(), size.end());
+  if (*least < 1e-3 || *most > 10.0) {
+    faults.add(&e, key + ".size", e.Attribute("size"), "is out of range",
+               "must be three lengths in [0.001, 10] m");
+    return std::nullopt;
+  }
+  Shape shape;
+  shape.half_extents_m = Eigen::Vector3d(size[0], size[1], size[2]) / 2.0;
+  return shape;
+}
+
+std::optional<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                              UrdfMeshes& meshes) {
+  const std::string name = faults.text(e, "filename", key);
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  if (e.Attribute("scale") != nullptr) {
+    const std::vector<double> s = faults.numbers(e, "scale", key, 3);
+    scale = {s[0], s[1], s[2]};
+  }
+  if (name.empty()) return std::nullopt;
+  meshes.files.push_back(meshPath(name, faults.file()).string());
+  if (meshes.time->isOver()) return std::nullopt;  // with a fault at the mesh before
+  Expected<MeshCollider> mesh = loadMeshCollider(meshes.files.back(), scale, *meshes.time);
+  if (mesh) {
+    if (mesh->notice) faults.note(&e, key + ".filename", name, std::move(*mesh->notice));
+    return std::move(mesh->shape);
+  }
+  const Diagnostic& d = mesh.errors().front();
+  faults.add(&e, key + ".filename", name, d.problem, d.remedy);
+  return std::nullopt;
+}
+
+std::optional<Shape> readRound(const XMLElement& e, ShapeType type, const std::string& key,
+                               UrdfFaults& faults) {
+  const std::size_t before = faults.all().size();
+  Shape shape;
+  shape.type = type;
+  shape.radius_m = faults.length_m(e, "radius", key);
+  if (type != ShapeType::kSphere) shape.length_m = faults.length_m(e, "length", key);
+  if (faults.all().size() > before) return std::nullopt;
+  return shape;
+}
+
+std::optional<Shape> readGeometry(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                                  UrdfMeshes& meshes) {
+  const std::string_view kind = e.Name();
+  if (kind == "box") return readBox(e, key, faults);
+  if (kind == "sphere") return readRound(e, ShapeType::kSphere, key, faults);
+  if (kind == "cylinder") return readRound(e, ShapeType::kCylinder, key, faults);
+  if (kind == "capsule") return readRound(e, ShapeType::kCapsule, key, faults);
+  if (kind == "mesh") return readMesh(e, key, faults, meshes);
+  faults.add(&e, key, "", fmt::format("is an unknown shape <{}>", kind),
+             "must be one of box, sphere, cylinder, capsule, mesh");
+  return std::nullopt;
+}
+
+/// Reads the shape of one `<collision>`, in its link's frame; empty, with a fault, when it is not a
+/// valid collider. `key` names the element in messages. Appends the path of its mesh to
+/// `meshes`. After the end of their time, meshes are not read.
+std::optional<Shape> readUrdfCollision(const XMLElement& collision, const std::string& key,
+                                       UrdfFaults& faults, UrdfMeshes& meshes) {
+  const XMLElement* geometry = collision.FirstChildElement("geometry");
+  const XMLElement* kind = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
+  if (kind == nullptr || kind->NextSiblingElement() != nullptr) {
+    faults.add(&collision, key + ".geometry", "", "does not hold exactly one shape",
+               "give one of box, sphere, cylinder, capsule, mesh");
+    return std::nullopt;
+  }
+  std::optional<Shape> shape = readGeometry(*kind, key + "." + kind->Name(), faults, meshes);
+  const Pose in_link = faults.origin(collision, key);
+  if (shape) shape->in_body = in_link;
+  return shape;
+}
 
 struct Link {
   const XMLElement* element = nullptr;

@@ -10,7 +10,7 @@
 
 namespace wholehand {
 
-class MeshLoadTime;  // model/mesh/mesh_load_time.hpp
+class MeshLoadTime;  // model/mesh/mesh_file.hpp
 
 /// What a body takes from a URDF.
 enum class UrdfUse { kShapes, kShapesAndMass };

@@ -1,6 +1,6 @@
 #include "physics/bullet/game_bodies.hpp"
 
-#include "core/body_limits.hpp"
+#include "core/body_order.hpp"
 #include "physics/bullet/bullet_types.hpp"
 #include "physics/bullet/free_motion.hpp"
 

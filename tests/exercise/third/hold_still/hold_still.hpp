@@ -1,6 +1,6 @@
 #pragma once
 
-#include "exercise/exercise_kind.hpp"
+#include "exercise/load_exercise.hpp"
 
 /// Holding the hand still for a while: as little of an exercise as tells that it runs.
 namespace wholehand::hold_still {
