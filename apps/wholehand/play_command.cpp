@@ -15,7 +15,7 @@
 #include "server/server.hpp"
 #include "server/udp_bridge.hpp"
 #include "shipped_files.hpp"
-#include "station/report_child.hpp"
+#include "station/reports.hpp"
 #include "station/station.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"

@@ -3,7 +3,7 @@
 #include "assembly/program_version.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
-#include "replay/answering.hpp"
+#include "replay/replay_children.hpp"
 #include "replay_web_command.hpp"
 #include "report_command.hpp"
 #include "resimulation/resimulation.hpp"

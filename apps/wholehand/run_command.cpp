@@ -13,7 +13,7 @@
 #include "run_text.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "safety/supervisor.hpp"
-#include "server/async_log.hpp"
+#include "server/logs.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"

@@ -3,7 +3,6 @@
 #include "commissioning/console/hold_switch.hpp"
 #include "commissioning/operator.hpp"
 #include "server/backend.hpp"
-#include "server/commissioning_facts.hpp"
 
 #include <condition_variable>
 #include <functional>
