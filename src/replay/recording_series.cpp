@@ -46,7 +46,7 @@ using Json = nlohmann::json;
 static_assert(std::endian::native == std::endian::little);
 
 /// Limits per interval: a page draws no more, and a flood cannot exhaust memory.
-constexpr std::size_t kMostEvents = 20'000, kMostMarks = 5'000, kMostGaps = 5'000;
+constexpr std::size_t kMostEvents = 20'000, kMostMarks = 5'000, kMostSeriesGaps = 5'000;
 
 }  // namespace
 
@@ -183,7 +183,7 @@ void SeriesCollector::add(const TickRecord& record, const TickRecord* before) {
   if (before == nullptr) return;
   const std::uint64_t missing = missingBetween(before->tick, record.tick, record.elapsed_periods);
   if (missing == 0) return;
-  put(gaps_, kMostGaps,
+  put(gaps_, kMostSeriesGaps,
       {{"from_s", before->time_s + meta_.period_s}, {"to_s", record.time_s}, {"ticks", missing}});
 }
 
@@ -195,7 +195,7 @@ void SeriesCollector::skipUnreadable(double time_s) {
   if (follows) {
     unreadable_.back()["to_s"] = end_s;
   } else {
-    put(unreadable_, kMostGaps, {{"from_s", time_s}, {"to_s", end_s}});
+    put(unreadable_, kMostSeriesGaps, {{"from_s", time_s}, {"to_s", end_s}});
   }
 }
 

@@ -13,11 +13,12 @@ namespace wholehand {
 
 namespace {
 
-constexpr double kShortest_s = 1.0, kRise_s = 0.25;
-
-constexpr double kBridge_s = 0.2, kJitter_m = 1e-3;
-
 using Json = nlohmann::json;
+
+/// Shortest grip, and the time in which its force rises and falls.
+constexpr double kShortest_s = 1.0, kRise_s = 0.25;
+/// Longest gap within one touch, and the length of a body's step that is solver jitter.
+constexpr double kBridge_s = 0.2, kJitter_m = 1e-3;
 
 constexpr double kEmptyBelow_m = -8.0;  ///< where empty slots of a game are; a body is within 5 m
 /// Exercise value that is the grip force [N].
