@@ -48,6 +48,7 @@ endfunction()
 # target's wholehand_compile_alone().
 function(wholehand_compile_together target)
   list(GET ARGN 0 group)
+  string(REPLACE / _ group ${group})  # it becomes the name of a file
   set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
   get_target_property(sources ${target} SOURCES)
   set(others "")

@@ -16,6 +16,7 @@ class Rules:
     def __init__(self, file):
         table = tomllib.loads(file.read_text())
         self.generated = table["generated"]
+        self.roots = table["roots"]
         self.folders = table["folders"]
         self.modules = table["modules"]
         self.vendors = table["vendors"]
@@ -31,11 +32,15 @@ class Rules:
                 return name
         return None
 
+    def from_src(self, root, header):
+        """A header's path relative to src/, where the module's own folder is the one that it is named from."""
+        return next((f"{folder}/{header}" for folder in self.roots if (root / "src" / folder / header).exists()), header)
+
     def allows(self, module, header):
         """Whether a module may include one of our headers, given relative to src/."""
         target = self.module_of(header)
         allowed = self.modules[module]
-        return target == module or "*" in allowed or target in allowed or header in allowed
+        return target == module or target in allowed or header in allowed
 
     def fault_of_vendor(self, module, header):
         for prefix, allowed in self.vendors.items():
@@ -54,9 +59,11 @@ def faults_of_file(rules, root, file, module):
     for match in INCLUDE.finditer(code):
         line = code.count("\n", 0, match.start(2)) + 1
         where = f"{file.relative_to(root)}:{line}"
-        header = match[2]
+        header = rules.from_src(root, match[2])
         if header in rules.generated:
             fault = None
+        elif header != match[2]:
+            fault = None if rules.allows(module, header) else f"{module} must not include {match[2]}"
         elif match[1] == "<":
             fault = rules.fault_of_vendor(module, header)
         elif (root / "src" / header).exists():
@@ -66,13 +73,13 @@ def faults_of_file(rules, root, file, module):
             elif not rules.allows(module, header):
                 fault = f"{module} must not include {header}"
         elif header.split("/")[0] in rules.folders and (root / header).exists():
-            own = header.split("/")[0] == module
-            fault = None if own or "*" in rules.modules[module] else f"{module} must not include {header}"
+            folder = header.split("/")[0]
+            own = folder == module or folder in rules.modules[module]
+            fault = None if own else f"{module} must not include {header}"
         elif (file.parent / header).exists() and "/" not in header and module in rules.folders:
             fault = None  # apps and include: a neighbour in the same folder
-        elif (root / "include" / header).exists() and (
-                module in rules.folders or "include" in rules.modules[module]):
-            fault = None
+        elif (root / "include" / header).exists():
+            fault = None if "include" in rules.modules[module] else f"{module} must not include {header}"
         else:
             fault = f'"{header}" is no file of ours; write "module/file.hpp", vendors in <>'
         if fault:
@@ -82,6 +89,16 @@ def faults_of_file(rules, root, file, module):
         if match:
             line = code.count("\n", 0, match.start()) + 1
             yield f"{file.relative_to(root)}:{line}: {module} has no '{word}'"
+
+
+def faults_of_table(rules):
+    """A module stands below those that it may include, so that there is no circle; and every name is one."""
+    order = list(rules.modules)
+    for module, allowed in rules.modules.items():
+        for name in allowed:
+            target = name if name in order else rules.module_of(name)
+            if target is None or order.index(target) >= order.index(module):
+                yield f"scripts/include_rules.toml: {module} lists {name}, which is no module above it"
 
 
 def faults_of_installation(root):
@@ -114,6 +131,7 @@ def check(root, rules):
             faults.append(f"{file.relative_to(root)}: its folder is not in scripts/include_rules.toml")
         else:
             faults += faults_of_file(rules, root, file, module)
+    faults += faults_of_table(rules)
     faults += faults_of_installation(root)
     return count, faults
 

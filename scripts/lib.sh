@@ -206,7 +206,7 @@ needs_pages() {
 # build. The options are read where the program declares them.
 answer_at_once() {
   local argument options
-  options=$(grep -ohE '"--[a-z][a-z-]*' "$root"/apps/wholehand/{run_line.cpp,engine_option.hpp} | tr -d '"' | sort -u)
+  options=$(grep -ohE '"--[a-z][a-z-]*' "$root"/apps/wholehand/{run/run_command.cpp,shared/options.hpp} | tr -d '"' | sort -u)
   for argument in "$@"; do
     argument=${argument%%=*}
     case $argument in

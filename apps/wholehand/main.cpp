@@ -1,34 +1,32 @@
-#include "admit_command.hpp"
+#include "apps/wholehand/certify/certify_command.hpp"
+#include "apps/wholehand/decompose/decompose_command.hpp"
+#include "apps/wholehand/device/device_command.hpp"
+#include "apps/wholehand/device/device_host_command.hpp"
+#include "apps/wholehand/doctor/doctor.hpp"
+#include "apps/wholehand/experiment/experiment_command.hpp"
+#include "apps/wholehand/replay/replay_command.hpp"
+#include "apps/wholehand/report/report_command.hpp"
+#include "apps/wholehand/run/run_command.hpp"
+#include "apps/wholehand/shared/exit_code.hpp"
+#include "apps/wholehand/shared/options.hpp"
+#include "apps/wholehand/shared/pages.hpp"
+#include "apps/wholehand/shared/shipped_files.hpp"
+#include "apps/wholehand/sweep/sweep_command.hpp"
+#include "apps/wholehand/validate/validate_command.hpp"
 #include "assembly/program_version.hpp"
-#include "bar_experiments.hpp"
-#include "certify_command.hpp"
 #include "core/printable.hpp"
-#include "decompose_command.hpp"
-#include "device_command.hpp"
-#include "device_host_command.hpp"
-#include "doctor.hpp"
-#include "engine_option.hpp"
-#include "exit_code.hpp"
-#include "experiment_command.hpp"
-#include "number_option.hpp"
-#include "pages.hpp"
-#include "replay_command.hpp"
-#include "report_command.hpp"
-#include "run_line.hpp"
-#include "shipped_files.hpp"
-#include "sweep_command.hpp"
-#include "usage.hpp"
-#include "validate_command.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
 #include <pthread.h>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -36,6 +34,53 @@
 namespace {
 
 using namespace wholehand;  // NOLINT(google-build-using-namespace): the program's own main
+
+constexpr std::size_t kLongestProblem = 400;  // characters of a line
+
+// The first unknown word of the command line; CLI11 alone would report a missing option.
+std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::RequiredError*>(&error) == nullptr) return {};
+  const std::vector<std::string> rest = app.remaining(true);
+  return rest.empty() ? std::string{} : rest.front();
+}
+
+// The words of the command line within a text, each on one line.
+std::string onOneLine(std::string text, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (word.find('\n') == std::string::npos) continue;
+    const std::string shown = printable(word);
+    for (std::size_t at = text.find(word); at != std::string::npos;
+         at = text.find(word, at + shown.size())) {
+      text.replace(at, word.size(), shown);
+    }
+  }
+  return text;
+}
+
+void print(std::FILE* to, const std::string& text, std::size_t longest_line) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::fprintf(to, "%s\n", printable(line, longest_line).c_str());
+  }
+}
+
+/// Prints what is wrong with a command line, or the help that was asked for, with the words of
+/// others as plain text. `words` are those of the command line. Returns the exit code.
+int tellUsage(const CLI::App& app, const CLI::ParseError& error,
+              const std::vector<std::string>& words) {
+  if (const std::string word = unknownWord(app, error); !word.empty()) {
+    std::fprintf(stderr,
+                 "'%s' is not a subcommand or option here\nRun with --help for more information.\n",
+                 printable(word).c_str());
+    return kExitBadInput;
+  }
+  std::ostringstream out, problem;
+  const int code = app.exit(error, out, problem);
+  print(stdout, out.str(), std::string::npos);  // help, as long as it is
+  print(stderr, onOneLine(problem.str(), words), kLongestProblem);
+  // CLI11 has an exit code for every mistake; the shell gets one.
+  return code == 0 ? kExitDone : kExitBadInput;
+}
 
 void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   CLI::App* certify = app.add_subcommand(
@@ -111,64 +156,6 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
       ->needs(web);
   r->add_flag("--answer", o.answer)->group("");  // for our own child processes; hidden from --help
   r->callback([&o, &code] { code = replayCommand(o); });
-}
-
-void addComplexity(CLI::App& larger, ExperimentOptions& o) {
-  larger.add_option("--only", o.only,
-                    "Only what contains this: pile, stacks, apart, far, vertices, contacts");
-  larger.add_option("--ticks", o.scene_ticks, "Ticks of each scene")
-      ->check(finiteBetween(100, 1e6, "ticks"))
-      ->capture_default_str();
-  larger
-      .add_option("--passes", o.passes, "Runs of each scene; the shortest time of each tick counts")
-      ->check(finiteBetween(1, 100, "runs"))
-      ->capture_default_str();
-}
-
-void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
-                    int& code) {
-  CLI::App* e = app.add_subcommand("experiment", "Repeat the paper's experiments");
-  e->require_subcommand(1);
-  CLI::App* grasping = e->add_subcommand("grasping", "Fig. 5: grasp, carry and hold four shapes");
-  CLI::App* timing =
-      e->add_subcommand("timing", "Fig. 6: time of 100,000 ticks while grasping in the bar");
-  CLI::App* compared =
-      e->add_subcommand("engines", "Compare every engine built in: time, slip, forces, noise");
-  CLI::App* larger =
-      e->add_subcommand("complexity", "Measure the time of a tick in larger and larger scenes");
-  for (CLI::App* sub : {grasping, timing, larger}) addEngine(*sub, experiment.engine);
-  for (CLI::App* sub : {grasping, timing, compared, larger}) {
-    sub->add_option("--json", experiment.json, "Write the results to this file");
-    sub->add_option("--out", experiment.folder, "Folder for plots, pictures and recordings")
-        ->capture_default_str();
-  }
-  grasping->add_option("--jittered", experiment.jittered, "Number of jittered trials")
-      ->check(finiteBetween(0, 10000, ""))
-      ->capture_default_str();
-  grasping->add_option("--seed", experiment.seed, "Seed of the jitter")
-      ->check(wholeNumber())
-      ->capture_default_str();
-  grasping->add_option("--only", experiment.only, "Only trials whose name contains this");
-  timing->add_option("--ticks", experiment.ticks, "Number of ticks")
-      ->check(finiteBetween(1000, 1e8, "ticks"))
-      ->capture_default_str();
-  timing->add_option("--scene", experiment.scene,
-                     "Grasp the first movable body of this scene, without an exercise");
-  timing->add_flag("--simulated-clock", experiment.simulated_clock,
-                   "Run as fast as possible, not in real time");
-  compared->add_option("--hold", experiment.hold_s, "How long the cylinder is held")
-      ->check(finiteBetween(0.1, 60, "seconds"))
-      ->capture_default_str();
-  compared->add_option("--rates-hz", experiment.rates_hz, "Ticks a second, one comparison each")
-      ->check(finiteBetween(250, 8000, "Hz"))
-      ->delimiter(',')
-      ->capture_default_str();
-  addComplexity(*larger, experiment);
-  larger->callback([&] { code = complexityCommand(experiment); });
-  compared->callback([&] { code = enginesCommand(experiment); });
-  grasping->callback([&] { code = graspingCommand(experiment); });
-  timing->callback([&] { code = timingCommand(experiment); });
-  addBarExperiments(*e, bar, code);
 }
 
 void addSweep(CLI::App& app, SweepOptions& o, int& code) {

@@ -14,8 +14,7 @@
 // IWYU pragma: begin_exports
 #include "commissioning/daily_check.hpp"      // clearToArm(): passport and today's check
 #include "device/host/device_host.hpp"        // DeviceHost: holds a device for another process
-#include "device/host/host_list.hpp"          // listHosts(): which hosts there are
-#include "device/host/host_segment.hpp"       // HostLock, HostSegment: what host and loop share
+#include "device/host/host_segment.hpp"       // listHosts(): which hosts there are
 #include "device/host/hosted_driver.hpp"      // HostedDriver: a device that a host holds
 #include "device/plugin/observed_driver.hpp"  // ObservedDriver: what its newest sample says
 #include "device/plugin/plugin_device.hpp"    // PluginDevice: a driver as a HapticDevice

@@ -13,7 +13,7 @@
 /// built before the installation. Nothing here is for the tick.
 
 // IWYU pragma: begin_exports
-#include "assembly/resting_player.hpp"  // makeMotionPlayer(), for StationConfig::make_player
+#include "assembly/models.hpp"          // makeMotionPlayer(), for StationConfig::make_player
 #include "runtime/interrupt_scope.hpp"  // InterruptScope: Ctrl-C ends the station gently
 #include "server/controls_arbiter.hpp"
 #include "server/server.hpp"      // Server: docs/protocol.md

@@ -1,6 +1,6 @@
 #include "assembly/admission.hpp"
 
-#include "assembly/resting_player.hpp"
+#include "assembly/models.hpp"
 
 #include <fmt/format.h>
 

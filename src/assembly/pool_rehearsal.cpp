@@ -1,26 +1,109 @@
 #include "assembly/pool_rehearsal.hpp"
 
-#include "assembly/pool_filling.hpp"
 #include "assembly/rehearsal.hpp"
 #include "assembly/rehearsal_moves.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
+#include "model/mesh/convex_hull.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/scene/game_shapes.hpp"
 #include "runtime/tick_timer.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
+#include <numeric>
 #include <utility>
 
 namespace wholehand {
 namespace {
 
-constexpr int kFirst_ticks = 20;     // first ticks of an attempt, with cold caches
-constexpr double kGather_s = 0.3;    // driven bodies come to the hand
-constexpr double kMove_s = 0.3;      // at most, for each move of the hand
-constexpr int kHopeless_ticks = 50;  // slow ticks that noise does not explain
-constexpr double kToSpare = 0.9;     // of the limit, for a budget that is named as a remedy
+constexpr double kPiece_m = 0.012;     // thin rods: many fit round a hand ...
+constexpr double kLength = 5.0;        // ... and touch each other along their length
+constexpr double kClosest = 0.5;       // pieces of a body overlap: spacing, of their extents ...
+constexpr double kCloser = 0.05;       // ... and the step to the least that is allowed
+constexpr double kMass_kg = 0.1;       // a driven body of 0.1 kg moves at 0.5 m/s, the most
+constexpr double kClear = 1.02;        // bodies appear that share of their size apart
+constexpr double kReach_m = 0.3;       // from the pocket; a body further off comes back
+constexpr double kTargetStep_m = 0.2;  // targets of 0.25 m or more are teleports
+constexpr int kPause = 20;
+constexpr double kEmpty_m = -9.0;  // empty slots lie 10 m below the origin
+
+/// Lattice points, the nearest to the origin first.
+std::vector<Eigen::Vector3d> lattice(int half) {
+  std::vector<Eigen::Vector3d> points;
+  for (int x = -half; x <= half; ++x) {
+    for (int y = -half; y <= half; ++y) {
+      for (int z = -half; z <= half; ++z) points.emplace_back(x, y, z);
+    }
+  }
+  std::stable_sort(points.begin(), points.end(),
+                   [](const auto& a, const auto& b) { return a.squaredNorm() < b.squaredNorm(); });
+  return points;
+}
+
+/// A prism with at most that many vertices. Flat faces that lie on each other cost more than round
+/// ones.
+Expected<Shape> prismMesh(int vertices, double size_m, double length_m) {
+  std::vector<Eigen::Vector3d> points;
+  const int corners = vertices / 2;
+  for (int i = 0; i < corners; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / corners;
+    for (const double z : {-1.0, 1.0}) {
+      points.emplace_back(0.5 * size_m * std::cos(turn), 0.5 * size_m * std::sin(turn),
+                          0.5 * length_m * z);
+    }
+  }
+  if (vertices % 2 != 0) points.emplace_back(0.0, 0.0, 0.55 * length_m);
+  auto hull = convexHull(points);
+  if (!hull) return hull.errors();
+  return convexMesh(hull->points, hull->triangles);
+}
+
+Shape box(double size_m) {
+  Shape shape;
+  shape.half_extents_m = Eigen::Vector3d::Constant(0.5 * size_m);
+  return shape;
+}
+
+/// The costliest piece of the budget: a mesh, or a box where every extent has to be the same.
+Shape worstPiece(const GameBudget& budget, double size_m) {
+  const double length_m =
+      std::clamp(kLength * size_m, size_m, std::max(size_m, 0.7 * budget.most_m));
+  auto mesh = prismMesh(budget.vertices, size_m, length_m);
+  if (!mesh) return box(size_m);
+  const double least_m = extents(*mesh).minCoeff(), most_m = extents(*mesh).maxCoeff();
+  const double scale = std::max(1.0, budget.least_m / least_m) * (1.0 + 1e-9);
+  if (scale * most_m > budget.most_m) return box(size_m);
+  for (Eigen::Vector3d& point : mesh->points_m) point *= scale;
+  return *mesh;
+}
+
+double distance(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d along = b - a;
+  const double length_sq = along.squaredNorm();
+  const double t = length_sq > 0.0 ? std::clamp((p - a).dot(along) / length_sq, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).norm();
+}
+
+ArticulatedBody handAt(const HandModel& hand, const AxisPosition& q_s) {
+  ArticulatedBody body(hand);
+  JointPosition theta;
+  Synergy(hand).expand(q_s, theta);
+  body.updateKinematics(theta);
+  return body;
+}
+
+constexpr int kPoolFirst_ticks = 20;     // first ticks of an attempt, with cold caches
+constexpr double kGather_s = 0.3;        // driven bodies come to the hand
+constexpr double kMove_s = 0.3;          // at most, for each move of the hand
+constexpr int kPoolHopeless_ticks = 50;  // slow ticks that noise does not explain
+constexpr double kToSpare = 0.9;         // of the limit, for a budget that is named as a remedy
 constexpr Fault kOfTheWorld = Fault::kNonFiniteEffort | Fault::kNonFiniteState |
                               Fault::kPhysicsStep | Fault::kSingularInertia;
 
@@ -71,7 +154,7 @@ class FilledWorld {
     return out;
   }
 
-  [[nodiscard]] bool hopeless() const { return too_slow_ >= kHopeless_ticks; }
+  [[nodiscard]] bool hopeless() const { return too_slow_ >= kPoolHopeless_ticks; }
 
  private:
   [[nodiscard]] AxisPosition goal(const AxisPosition& start, const Move& move) const {
@@ -111,7 +194,7 @@ class FilledWorld {
     timer_.start();
     rig_.renderer->tick(1, record_, &timer_);
     timer_.finish(record_);
-    if (ticks_++ >= kFirst_ticks) count();
+    if (ticks_++ >= kPoolFirst_ticks) count();
     countBodies();
     if (!any(record_.faults & kStopping)) return Done{};
     ended_ = true;  // by the strong hand's own motion, or by what it threw
@@ -208,6 +291,167 @@ Expected<PoolMeasurement> measure(const Models& models, const GameBudget& budget
 }
 
 }  // namespace
+
+PoolFilling::PoolFilling(const Models& models, const GameBudget& budget, const AxisPosition& at,
+                         std::vector<Shape> pieces)
+    : models_(models),
+      mass_kg_(std::clamp(kMass_kg, budget.least_kg, budget.most_kg)),
+      pieces_(std::move(pieces)) {
+  if (pieces_.empty()) makePieces(budget);
+  centerPieces();
+  findPlaces(budget, at);
+  auto prepared = prepareShapes(pieces_, budget);
+  if (!prepared) return;  // no body fits: the slots stay empty
+  for (const Command& command : shapeCommands(0, *prepared)) waiting_.push_back(command);
+  for (std::size_t slot = 0; slot < owners_.size(); ++slot) {
+    waiting_.push_back(spawnCommand(spawnOf(static_cast<int>(slot))));
+  }
+}
+
+// Two columns of pieces, as close together as prepareShapes() admits.
+void PoolFilling::makePieces(const GameBudget& budget) {
+  const double size_m = std::clamp(kPiece_m, budget.least_m, budget.most_m);
+  const Shape piece = worstPiece(budget, size_m);
+  const Eigen::Vector3d extent_m = extents(piece);
+  for (double spacing = kClosest; spacing < 1.0 + kCloser; spacing += kCloser) {
+    pieces_.assign(budget.pieces, piece);
+    for (int i = 0; i < budget.pieces; ++i) {
+      const int column = i % 2, row = i / 2;
+      pieces_[i].in_body.translation_m =
+          spacing * extent_m.cwiseProduct(Eigen::Vector3d(column, row, 0.0));
+    }
+    if (prepareShapes(pieces_, budget)) break;
+  }
+}
+
+// Bodies have their origin in the centre of mass of these equal pieces.
+void PoolFilling::centerPieces() {
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+  for (const Shape& piece : pieces_) {
+    middle_m += moments(piece).center_m / static_cast<double>(pieces_.size());
+  }
+  for (Shape& piece : pieces_) {
+    piece.in_body.translation_m -= middle_m;
+    const double piece_radius_m = 0.5 * extents(piece).norm();
+    radius_m_ = std::max(radius_m_, piece.in_body.translation_m.norm() + piece_radius_m);
+  }
+}
+
+// The nearest free places; the lowest of them are for fixed bodies, a bed for the others.
+void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
+  const Eigen::Vector3d pocket_m = pocketAt(at);
+  const ArticulatedBody hand = handAt(models_.hand, at);
+  for (const Eigen::Vector3d& site : lattice(6)) {
+    if (std::cmp_equal(places_m_.size(), budget.slots)) break;
+    const Eigen::Vector3d place_m = pocket_m + 2.0 * kClear * radius_m_ * site;
+    if (isClear(place_m, hand)) places_m_.push_back(place_m);
+  }
+  owners_.assign(places_m_.size(), BodyOwner::kFixed);
+  generations_.assign(places_m_.size(), 1);
+  pause_.assign(places_m_.size(), kPause);
+  targets_m_ = places_m_;
+  std::vector<std::size_t> order(places_m_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return places_m_[a].z() > places_m_[b].z();
+  });
+  const auto awake = std::min<std::size_t>(order.size(), budget.awake);
+  for (std::size_t i = 0; i < awake; ++i) {
+    owners_[order[i]] = i % 2 == 0 ? BodyOwner::kGame : BodyOwner::kLoop;
+  }
+}
+
+bool PoolFilling::isEmpty(const BodyState& slot) noexcept {
+  return slot.position_m.z < kEmpty_m;
+}
+
+bool PoolFilling::isClear(const Eigen::Vector3d& place_m, const ArticulatedBody& hand) const {
+  const double clear_m = kClear * radius_m_;
+  for (const Capsule& capsule : models_.hand.capsules) {
+    const Pose& link = hand.linkPose(capsule.link);
+    if (distance(place_m, link * capsule.a_m, link * capsule.b_m) < capsule.radius_m + clear_m) {
+      return false;
+    }
+  }
+  for (const SceneBody& body : models_.scene.bodies) {
+    const Eigen::Vector3d in_body_m = body.pose.inverse() * place_m;
+    for (const Shape& shape : body.shapes) {
+      if (signedDistance(shape, in_body_m) < clear_m) return false;
+    }
+  }
+  return true;
+}
+
+Eigen::Vector3d PoolFilling::pocketAt(const AxisPosition& q_s) const {
+  AxisPosition half_closed = q_s;
+  for (int i = 0; i < half_closed.size(); ++i) {
+    const DeviceAxis& axis = models_.device.axes[i];
+    if (axis.group == AxisGroup::kHand) half_closed[i] = 0.5 * (axis.lower + axis.upper);
+  }
+  const ArticulatedBody hand = handAt(models_.hand, half_closed);
+  Eigen::Vector3d palm_m = Eigen::Vector3d::Zero(), fingers_m = palm_m;
+  double palm = 0.0, fingers = 0.0;
+  for (const Capsule& capsule : models_.hand.capsules) {
+    const bool of_palm = capsule.part == HandPart::kPalm;
+    (of_palm ? palm_m : fingers_m) +=
+        hand.linkPose(capsule.link) * Eigen::Vector3d(0.5 * (capsule.a_m + capsule.b_m));
+    (of_palm ? palm : fingers) += 1.0;
+  }
+  if (palm == 0.0 || fingers == 0.0) return (palm_m + fingers_m) / std::max(1.0, palm + fingers);
+  return 0.5 * (palm_m / palm + fingers_m / fingers);
+}
+
+SpawnOrder PoolFilling::spawnOf(int slot) const {
+  SpawnOrder order;
+  order.slot = slot;
+  order.generation = generations_[slot];
+  order.owner = owners_[slot];
+  order.mass_kg = mass_kg_;
+  order.pose = {Vec3::from(places_m_[slot]), {}};
+  return order;
+}
+
+void PoolFilling::tend(int slot, const TickRecord& seen, const Eigen::Vector3d& pocket_m) {
+  const auto index = static_cast<std::size_t>(slot);
+  if (owners_[index] == BodyOwner::kFixed || pause_[index]-- > 0) return;
+  pause_[index] = 0;
+  const auto body = models_.scene.bodies.size() + index;
+  if (body >= static_cast<std::size_t>(seen.body_count)) return;
+  const Eigen::Vector3d at_m = seen.bodies[body].position_m.eigen();
+  if (isEmpty(seen.bodies[body])) {  // it was taken out
+    ++generations_[index];
+    targets_m_[index] = places_m_[index];
+    pause_[index] = kPause;
+    waiting_.push_back(spawnCommand(spawnOf(slot)));
+    return;
+  }
+  const int generation = generations_[index];
+  if (owners_[index] == BodyOwner::kLoop) {
+    if ((at_m - pocket_m).norm() < kReach_m) return;
+    waiting_.push_back(teleportCommand(slot, generation, {Vec3::from(places_m_[slot]), {}}));
+    return;
+  }
+  Eigen::Vector3d step_m = pocket_m - targets_m_[index];
+  if (step_m.norm() > kTargetStep_m) step_m *= kTargetStep_m / step_m.norm();
+  targets_m_[index] += step_m;
+  waiting_.push_back(bodyTargetCommand(slot, generation, {Vec3::from(targets_m_[index]), {}}));
+}
+
+void PoolFilling::order(TickRecord& record) {
+  record.command_count = 0;
+  if (spawned_) {
+    const Eigen::Vector3d pocket_m = pocketAt(record.q_s);
+    for (int i = 0; i < kMaxCommands && !owners_.empty(); ++i) {
+      tend(static_cast<int>(next_), record, pocket_m);
+      next_ = (next_ + 1) % owners_.size();
+    }
+  }
+  while (record.command_count < kMaxCommands && !waiting_.empty()) {
+    record.commands[record.command_count++] = waiting_.front();
+    waiting_.pop_front();
+  }
+  spawned_ = spawned_ || waiting_.empty();
+}
 
 Expected<PoolRehearsal> rehearsePool(const Models& models, const AxisPosition& start,
                                      const RigOptions& rig, const RehearsalOptions& options) {

@@ -96,4 +96,10 @@ struct CheckedGains {
 /// options is for other gains. Empty: allowed.
 [[nodiscard]] Diagnostics refuseToRender(const CheckedGains& checked, const RigOptions& options);
 
+/// Fingerprint of everything that determines the worst contacts and their cost: device, hand,
+/// gains, scene, exercise, engine and rate; not the patient. Rigs with equal fingerprints have
+/// equal rehearsals.
+[[nodiscard]] std::string rehearsalFingerprint(const Models& models, const RigOptions& options,
+                                               const CertificateFingerprint& certified);
+
 }  // namespace wholehand

@@ -1,14 +1,15 @@
 #include "assembly/run.hpp"
 
-#include "assembly/kept_black_box.hpp"
-#include "assembly/recording_description.hpp"
+#include "assembly/run_files.hpp"
 #include "core/printable.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "realtime/thread_setup.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -222,6 +223,22 @@ Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan) {
   }
   running->finish();
   return running->outcome();
+}
+
+std::vector<ResultValue> exerciseResults(const Models& models, const TickSummary& summary) {
+  std::vector<ResultValue> out;
+  if (!models.exercise) return out;
+  const std::vector<std::string>& names = models.exercise->description().value_names;
+  for (const PanelValue& told : models.exercise_panel.values) {
+    const auto at = std::find(names.begin(), names.end(), told.name) - names.begin();
+    if (!told.result || at >= summary.value_count) continue;
+    const double value = summary.values[at];
+    std::string shown =
+        fmt::format("{} {:.{}f}", told.label.en, value * told.factor, told.decimals);
+    if (!told.unit.empty()) shown += " " + told.unit;
+    out.push_back({told.name, value, std::move(shown)});
+  }
+  return out;
 }
 
 }  // namespace wholehand

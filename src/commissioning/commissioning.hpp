@@ -110,4 +110,10 @@ class Commissioning {
   int step_under_way_ = -1;
 };
 
+/// Leads the person through all steps. True: the passport was written; false: the person ended it.
+[[nodiscard]] bool leadCommissioning(Commissioning& commissioning, Operator& person);
+
+/// Runs the daily check, again after each failure while the person wants. True: it was written.
+[[nodiscard]] bool leadDailyCheck(Commissioning& commissioning, Operator& person);
+
 }  // namespace wholehand

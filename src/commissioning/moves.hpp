@@ -1,7 +1,7 @@
 #pragma once
 
 #include "commissioning/bench.hpp"
-#include "commissioning/identification/axis_trace.hpp"
+#include "commissioning/identification/identify_axis.hpp"
 
 #include <cstddef>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "commissioning/identification/interval.hpp"
+#include "commissioning/identification/identify_axis.hpp"
 #include "commissioning/sealed_file.hpp"
 #include "core/expected.hpp"
 #include "device/plugin/device_driver.hpp"
@@ -12,6 +12,8 @@
 
 /// Measurements of one device, stored beside its device file. Not real-time safe.
 namespace wholehand {
+
+struct ChartPage;
 
 inline constexpr std::chrono::days kPassportLasts{30};
 
@@ -68,5 +70,11 @@ struct Passport {
 /// @pre sameAxes()
 [[nodiscard]] std::vector<DeviceModel> worstCorners(const DeviceModel& model,
                                                     const Passport& passport, double period_s);
+
+/// Chart of the measurement against the device file: for each axis and figure its interval relative
+/// to the file's value, which lies at 1. Where the file states 0, the interval is given in words
+/// only. Not real-time safe.
+/// @pre sameAxes()
+[[nodiscard]] ChartPage passportChart(const Passport& passport, const DeviceModel& device);
 
 }  // namespace wholehand

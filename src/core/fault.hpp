@@ -43,6 +43,8 @@ enum class Fault : std::uint32_t {
   kSampleDelay = 1U << 28,       ///< the device's samples come later than the certificate assumes
   kEffortAstray = 1U << 29,      ///< a drive measures another effort than the one that was sent
   kWorldGivesEnergy = 1U << 30,  ///< the world gave energy that nobody put in, in spite of the tank
+  kContactsUnsettled = 1U << 31,  ///< information: contact forces were still changing when the step
+                                  ///< had to end
 };
 
 [[nodiscard]] constexpr Fault operator|(Fault a, Fault b) noexcept {
@@ -59,7 +61,7 @@ constexpr Fault& operator|=(Fault& a, Fault b) noexcept {
 }
 
 /// Number of the bits above.
-inline constexpr int kFaultBits = 31;
+inline constexpr int kFaultBits = 32;
 
 /// Effect of a fault on the run.
 enum class FaultReaction {
@@ -108,6 +110,7 @@ inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
     {Fault::kSampleDelay, "samples delayed", FaultReaction::kStops},
     {Fault::kEffortAstray, "effort astray", FaultReaction::kStops},
     {Fault::kWorldGivesEnergy, "world gives energy", FaultReaction::kStops},
+    {Fault::kContactsUnsettled, "contacts unsettled", FaultReaction::kCounted},
 }};
 
 /// All bits with one reaction.

@@ -5,12 +5,16 @@
 #include <nlohmann/json.hpp>
 
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <system_error>
 #include <utility>
+#include <zlib.h>
 
 namespace wholehand {
 namespace {
@@ -20,6 +24,35 @@ constexpr const char* kHowToBuild =
 
 Diagnostic refusal(const std::string& file, std::string problem, std::string remedy) {
   return {file, 0, "", "", std::move(problem), std::move(remedy)};
+}
+
+std::string compressed(std::string_view bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string out(size, '\0');
+  const int result = compress2(reinterpret_cast<Bytef*>(out.data()), &size,
+                               reinterpret_cast<const Bytef*>(bytes.data()),
+                               static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
+  if (result != Z_OK) throw std::bad_alloc();  // the buffer is large enough: only memory can fail
+  out.resize(size);
+  return out;
+}
+
+std::string encodeBase64(std::string_view bytes) {
+  static constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = group << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      const bool used = i + k <= bytes.size();  // k digits need k bytes, rounded up
+      out += used ? kDigits[group >> (18U - 6U * static_cast<unsigned>(k)) & 63U] : '=';
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -65,6 +98,10 @@ Expected<Done> writePage(const std::string& page_template, const nlohmann::json&
   if (created) std::filesystem::remove(folder, failure);
   return refusal(path, std::string("cannot be written: ") + std::strerror(error),
                  "name a file in a folder that is writable, or in a new one inside such a folder");
+}
+
+std::string packBytes(std::string_view bytes) {
+  return encodeBase64(compressed(bytes));
 }
 
 }  // namespace wholehand

@@ -26,4 +26,8 @@ inline constexpr std::string_view kPageDataMark = "\"wholehand-page-data\"";
 [[nodiscard]] Expected<Done> writePage(const std::string& page_template, const nlohmann::json& data,
                                        const std::string& path);
 
+/// Packs bytes as text for JSON: zlib (RFC 1950), then base 64 (RFC 4648). Read by unpackBytes() of
+/// web/src/embedded.
+[[nodiscard]] std::string packBytes(std::string_view bytes);
+
 }  // namespace wholehand

@@ -57,7 +57,7 @@ class StageClock {
   }
 
   /// Ends the tick. Time after the last lap counts in wall_ns and cpu_ns, but in no stage.
-  /// Stages are told in steps of 16 ns, rounded down.
+  /// Stages are reported in steps of 16 ns, rounded down.
   [[nodiscard]] StageTimes finish() noexcept {
     StageTimes times;
     times.wall_ns = monotonicNow_ns() - wall_start_ns_;

@@ -3,7 +3,6 @@
 #include "core/expected.hpp"
 #include "server/backend.hpp"
 #include "telemetry/recording.hpp"
-#include "telemetry/recording_view.hpp"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 #include "replay/recording_report.hpp"
 
-#include "page/packed_bytes.hpp"
+#include "page/page_file.hpp"
 #include "replay/engineering_facts.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
@@ -8,7 +8,7 @@
 #include "replay/therapy_facts.hpp"
 #include "server/wire.hpp"
 #include "telemetry/black_box_reader.hpp"
-#include "telemetry/recording_view.hpp"
+#include "telemetry/recording.hpp"
 
 #include <nlohmann/json.hpp>
 

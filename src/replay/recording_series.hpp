@@ -3,7 +3,6 @@
 #include "core/tick_record.hpp"
 #include "replay/replay_question.hpp"
 #include "telemetry/recording.hpp"
-#include "telemetry/recording_view.hpp"
 
 #include <nlohmann/json.hpp>
 

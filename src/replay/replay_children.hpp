@@ -1,6 +1,6 @@
 #pragma once
 
-#include "process/talking_child.hpp"
+#include "process/child_process.hpp"
 #include "replay/replay_question.hpp"
 #include "server/backend.hpp"
 

@@ -4,7 +4,7 @@
 #include "replay/replay_question.hpp"
 #include "server/backend.hpp"
 #include "server/wire.hpp"
-#include "telemetry/recording_view.hpp"
+#include "telemetry/recording.hpp"
 
 #include <memory>
 #include <optional>

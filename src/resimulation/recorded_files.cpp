@@ -1,6 +1,6 @@
 #include "resimulation/recorded_files.hpp"
 
-#include "assembly/recording_description.hpp"
+#include "assembly/run_files.hpp"
 #include "commissioning/passport.hpp"
 #include "model/toml/toml_file.hpp"
 

@@ -1,10 +1,18 @@
 #pragma once
 
-#include "runtime/interrupts.hpp"
-
+#include <atomic>
 #include <string>
 
 namespace wholehand {
+
+/// Shared by signal handlers and loops. Only atomics, so that a stop by Ctrl-C needs no other
+/// thread. Owned by the code that handles signals, for the lifetime of the process.
+struct Interrupts {
+  std::atomic<int> asked{0};  ///< number of requests to end the process
+  std::atomic<int> loops{0};  ///< sessions whose loop still ticks, so their device is not at
+                              ///< neutral yet
+};
+static_assert(std::atomic<int>::is_always_lock_free, "written in a signal handler");
 
 /// Handles signals during its lifetime. Ctrl-C, SIGTERM, SIGHUP and Ctrl-Z (which would freeze the
 /// loop while the device holds its last effort) request a gentle stop of the current run. So do

@@ -7,7 +7,7 @@
 #include "realtime/record_queue.hpp"
 #include "realtime/spsc_queue.hpp"
 #include "renderer/haptic_renderer.hpp"
-#include "runtime/interrupts.hpp"
+#include "runtime/interrupt_scope.hpp"
 #include "runtime/tick_timer.hpp"
 
 #include <array>

@@ -150,8 +150,9 @@ void SafetyChain::watchEnergy(double avatar_j, TickRecord& record) noexcept {
                   record.effort_limit, elapsedOf(record), period_s_);
   tank_ = step.state;
   record.tank = tank_.energy;
-  // During engagement, the springs hold energy that nobody was given yet.
-  if (ramp_.authority < 1.0) return;
+  // During engagement, the springs hold energy that nobody was given yet. It begins anew after a
+  // gap.
+  if (ramp_.authority < 1.0 || elapsedOf(record) * period_s_ > config_.ramp.gap_s) return;
   record.tank_effort = step.effort;
   for (int i = 0; i < step.effort.size(); ++i) {
     if (step.effort[i] != 0.0) noteFault(Fault::kTankEmpty, i, record);

@@ -1,7 +1,7 @@
 #include "station/station.hpp"
 
-#include "assembly/kept_black_box.hpp"
 #include "assembly/run.hpp"
+#include "assembly/run_files.hpp"
 #include "exercise/load_exercise.hpp"
 #include "patient/steered_player.hpp"
 #include "registry/body_registry.hpp"

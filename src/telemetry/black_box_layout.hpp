@@ -1,13 +1,10 @@
 #pragma once
 
-#include "telemetry/recording.hpp"
-
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <type_traits>
-#include <vector>
 
 /// Layout of a black box file; documented in docs/recording.md. Private to telemetry.
 ///
@@ -63,8 +60,16 @@ struct PartHeader {
   std::uint64_t bytes = 0;
 };
 
-/// Serialises a recording's meta, and parses it. False when damaged.
-[[nodiscard]] std::vector<std::byte> packMeta(const RecordingMeta& meta);
-[[nodiscard]] bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta);
-
 }  // namespace wholehand::black_box
+
+namespace wholehand {
+
+/// More ticks than the loop can begin while a box's header is filled in.
+inline constexpr std::size_t kSpareEntries = 8;
+/// Index of the first entry that a box contains, of a ring of `slots` with `end` finished entries.
+/// Slots that the loop writes next are excluded.
+[[nodiscard]] constexpr std::uint64_t firstKept(std::uint64_t end, std::uint64_t slots) noexcept {
+  return end - std::min<std::uint64_t>(end, slots - kSpareEntries);
+}
+
+}  // namespace wholehand

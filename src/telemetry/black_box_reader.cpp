@@ -4,8 +4,8 @@
 #include "core/record_packing.hpp"
 #include "core/tick_digest.hpp"
 #include "telemetry/black_box_layout.hpp"
-#include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_layout.hpp"
+#include "telemetry/recording_meta.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,7 @@
 #include "telemetry/input_journal.hpp"
 
 #include "core/crc32.hpp"
-#include "telemetry/black_box_layout.hpp"
-#include "telemetry/recording_bounds.hpp"
+#include "telemetry/recording_meta.hpp"
 
 #include <array>
 #include <cerrno>

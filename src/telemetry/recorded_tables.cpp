@@ -1,6 +1,6 @@
 #include "telemetry/recorded_tables.hpp"
 
-#include "telemetry/recording_bounds.hpp"
+#include "telemetry/recording_meta.hpp"
 
 #include <algorithm>
 #include <cstddef>

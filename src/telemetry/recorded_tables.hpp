@@ -2,8 +2,6 @@
 
 #include "core/tick_record.hpp"
 #include "telemetry/recording.hpp"
-#include "telemetry/recording_view.hpp"
-#include "telemetry/side_table.hpp"
 #include "telemetry/table_reader.hpp"
 
 #include <cstdint>

@@ -4,9 +4,7 @@
 #include "telemetry/hdf5_tables.hpp"
 #include "telemetry/recorded_tables.hpp"
 #include "telemetry/recording.hpp"
-#include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_meta.hpp"
-#include "telemetry/recording_view.hpp"
 
 #include <algorithm>
 #include <array>

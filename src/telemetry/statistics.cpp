@@ -1,14 +1,18 @@
 #include "telemetry/statistics.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 namespace wholehand {
 namespace {
 
 constexpr double kSmallestNs = 10.0, kLargestNs = 1e12;
-/// Bins 1 % wide; a bin is told by its geometric middle, hence at most 0.5 % off.
+/// Bins 1 % wide; a bin is reported as its geometric middle, hence at most 0.5 % off.
 constexpr double kRatio = 1.01;
 
 const double kLogRatio = std::log(kRatio);
@@ -36,6 +40,32 @@ void countAxis(TickSummary& totals, const TickRecord& r) {
   if (first == kOfAnAxis.end()) return;
   const int bit = std::countr_zero(static_cast<std::uint32_t>(*first));
   ++totals.fault_axes[bit][r.fault_axis];
+}
+
+// E.g. " (x 10, finger_flexion 2)": the axes, if known.
+std::string axesText(const TickSummary& summary, std::size_t bit,
+                     const std::vector<DeviceAxis>& axes) {
+  std::string text;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    const std::uint64_t count = summary.fault_axes[bit][a];
+    if (count == 0) continue;
+    text += fmt::format("{}{}", text.empty() ? " (" : ", ", axes[a].name);
+    if (count != summary.faults[bit]) text += fmt::format(" {}", count);
+  }
+  return text.empty() ? text : text + ")";
+}
+
+// Text for these bits, e.g. "late tick in 2 ticks, effort limited in 1 tick (x)"; "none".
+std::string countText(const TickSummary& summary, Fault bits, const std::vector<DeviceAxis>& axes) {
+  std::string text;
+  for (std::size_t at = 0; at < kFaultTable.size(); ++at) {
+    const auto count = summary.faults[at];
+    if (count == 0 || !any(bits & kFaultTable[at].bit)) continue;
+    if (!text.empty()) text += ", ";
+    text += fmt::format("{} in {} tick{}{}", kFaultTable[at].name, count, count == 1 ? "" : "s",
+                        axesText(summary, at, axes));
+  }
+  return text.empty() ? "none" : text;
 }
 
 }  // namespace
@@ -106,6 +136,14 @@ TickSummary TickStatistics::snapshot() const {
   out.lateness = lateness_.percentiles();
   for (std::size_t i = 0; i < kStages; ++i) out.stage_cpu[i] = stages_[i].percentiles();
   return out;
+}
+
+std::string faultText(const TickSummary& summary, const std::vector<DeviceAxis>& axes) {
+  return countText(summary, kStopping, axes);
+}
+
+std::string noticeText(const TickSummary& summary, const std::vector<DeviceAxis>& axes) {
+  return countText(summary, faultsWith(FaultReaction::kCounted), axes);
 }
 
 }  // namespace wholehand

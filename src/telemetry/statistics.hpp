@@ -1,10 +1,13 @@
 #pragma once
 
+#include "core/fault.hpp"
 #include "core/tick_record.hpp"
+#include "model/device_model.hpp"
 
 #include <array>
 #include <cstdint>
 #include <mutex>
+#include <string>
 #include <vector>
 
 namespace wholehand {
@@ -72,5 +75,14 @@ class TickStatistics {
   DurationHistogram cpu_, wall_, lateness_;
   std::array<DurationHistogram, kStages> stages_;
 };
+
+/// Text of what stopped a run: "device read failed in 1 tick"; "none".
+/// @param axes names of the device's axes, for faults of an axis
+[[nodiscard]] std::string faultText(const TickSummary& summary,
+                                    const std::vector<DeviceAxis>& axes = {});
+/// Text of what was limited or noticed without stopping: "effort limited in 12 ticks (x 10,
+/// finger_flexion 2)"; "none".
+[[nodiscard]] std::string noticeText(const TickSummary& summary,
+                                     const std::vector<DeviceAxis>& axes = {});
 
 }  // namespace wholehand

@@ -6,7 +6,7 @@
 // axis; each row is the aim of the next TICKS ticks. OUT: q_m, q_s and sent after each row.
 // `session`: by the program's own Session, the reference for bits. `loop`: by tick() alone, the
 // reference for time; prints the CPU seconds of the loop.
-#include "assembly/resting_player.hpp"
+#include "assembly/models.hpp"
 #include "assembly/rig.hpp"
 #include "patient/steered_player.hpp"
 #include "realtime/thread_setup.hpp"

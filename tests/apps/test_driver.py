@@ -26,7 +26,7 @@ class Driver(DeviceTest):
     def test_compiled_outside_the_tree_is_armed_stopped_recorded_and_runs_again(self):
         """Only the header and the example leave the tree."""
         (self.folder / "include/wholehand").mkdir(parents=True)
-        shutil.copy(SOURCE / "include/wholehand/device.h", self.folder / "include/wholehand")
+        shutil.copy(SOURCE / "src/driver_abi/wholehand/device.h", self.folder / "include/wholehand")
         shutil.copy(SOURCE / "examples/driver/rails.c", self.folder)
         subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Werror", "-O2", "-shared", "-fPIC", "-Iinclude",
                         "rails.c", "-o", "rails.so"], cwd=self.folder, check=True)

@@ -1,5 +1,5 @@
 // Every shipped hand on every shipped device in every shipped scene.
-#include "assembly/resting_player.hpp"
+#include "assembly/models.hpp"
 #include "assembly/sampled_inertia.hpp"
 #include "exercise/load_exercise.hpp"
 #include "model/hand/hand_file.hpp"

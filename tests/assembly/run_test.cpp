@@ -1,7 +1,7 @@
 // A run when something fails: what is left open, what is told, which signals end it gently.
 #include "assembly/run.hpp"
 
-#include "assembly/kept_black_box.hpp"
+#include "assembly/run_files.hpp"
 #include "assembly/watched_device.hpp"
 #include "commissioning/passport.hpp"
 #include "resimulation/recorded_files.hpp"
@@ -10,7 +10,7 @@
 #include "support/folder.hpp"
 #include "support/recorded_run.hpp"
 #include "support/says.hpp"
-#include "telemetry/fault_text.hpp"
+#include "telemetry/statistics.hpp"
 
 #include <array>
 #include <chrono>

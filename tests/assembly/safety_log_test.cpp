@@ -5,7 +5,7 @@
 #include "runtime/session.hpp"
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"
-#include "telemetry/fault_text.hpp"
+#include "telemetry/statistics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "black_box/box_tools.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
-#include "telemetry/mapped_box.hpp"
+#include "telemetry/black_box_layout.hpp"
 
 #include <algorithm>
 #include <atomic>

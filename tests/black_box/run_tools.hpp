@@ -1,9 +1,9 @@
 #pragma once
 
-#include "assembly/kept_black_box.hpp"
 #include "assembly/models.hpp"
 #include "assembly/rig.hpp"
 #include "assembly/run.hpp"
+#include "assembly/run_files.hpp"
 #include "support/rig_tools.hpp"
 
 #include <array>

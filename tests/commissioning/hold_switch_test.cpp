@@ -1,7 +1,6 @@
 // The held button of a page, on a simulated clock: what ends it, and what a move does then.
-#include "commissioning/console/hold_switch.hpp"
-
 #include "commissioning/bench.hpp"
+#include "commissioning/console/console_operator.hpp"
 #include "fake_device.hpp"
 #include "support/figure.hpp"
 #include "support/says.hpp"

@@ -1,5 +1,4 @@
 // Identification of one axis: the figures of ideal axes, and intervals on axes that are not.
-#include "commissioning/identification/even_trace.hpp"
 #include "commissioning/identification/identify_axis.hpp"
 #include "random_axes.hpp"
 #include "support/constants.hpp"

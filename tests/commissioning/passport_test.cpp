@@ -1,6 +1,8 @@
 // The passport's file: what is written is read, and whatever is wrong with it is refused by name.
-#include "commissioning/passport_chart.hpp"
+#include "commissioning/passport.hpp"
+
 #include "model/toml/toml_file.hpp"
+#include "page/chart_page.hpp"
 #include "passport_file.hpp"
 #include "support/says.hpp"
 #include "support/seed.hpp"

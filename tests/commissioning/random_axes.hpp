@@ -1,7 +1,7 @@
 #pragma once
 
-#include "commissioning/identification/axis_trace.hpp"
 #include "commissioning/identification/excitation.hpp"
+#include "commissioning/identification/identify_axis.hpp"
 #include "device/simulated/axis_dynamics.hpp"
 #include "mechanism.hpp"
 #include "support/seed.hpp"

@@ -1,5 +1,4 @@
-#include "device/plugin/driver_lookup.hpp"
-
+#include "device/plugin/plugin_driver.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"

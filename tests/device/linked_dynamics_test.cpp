@@ -314,7 +314,7 @@ TEST(LinkedDynamics, Advance_AllocatesNothing) {
   EXPECT_EQ(count.allocations(), 0U);
 }
 
-/// Every solution keeps the three conditions that box_problem.hpp states.
+/// Every solution keeps the three conditions that solveBox() states.
 TEST(BoxProblem, AnyMatrixAndBounds_KeepsItsConditions) {
   Draw draw{seededRandom(406)};
   for (int trial = 0; trial < cases(2000); ++trial) {

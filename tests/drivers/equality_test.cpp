@@ -1,6 +1,6 @@
 // One virtual patient, once behind the built-in simulated device and once behind the frame: driver,
 // line and reference firmware in lock-step on a simulated clock, without threads.
-#include "assembly/resting_player.hpp"
+#include "assembly/models.hpp"
 #include "device/plugin/plugin_device.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "frame_bench.hpp"

@@ -1,4 +1,4 @@
-#include "assembly/exercise_results.hpp"
+#include "assembly/run.hpp"
 #include "exercise/squeeze_to_level/band_steps.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"

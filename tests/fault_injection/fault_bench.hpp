@@ -27,7 +27,6 @@ struct Workbench {
                      double of_period_s = kPeriod_s)
       : period_s(of_period_s) {
     Models m = withWeight(load(shippedFiles(device, "empty", hand, "stiff-adult")));
-    m.scene.bodies = {ball({1.0, 1.0, 1.0}, 0.03, 0.1)};  // falls, out of reach
     auto simulated = std::make_unique<SimulatedDevice>(
         m.device, m.patient, Intention::throughWaypoints({{0.0, clear(m.device)}}), period_s);
     // Not said to be simulated: everything is watched.
@@ -74,8 +73,13 @@ struct Bench {
         analytic(workbench.models().hand, stopOnFirst(workbench.models().hand.axis_count)),
         world(analytic, sabotage.world),
         exercise(config.safety.effort_limit, sabotage.push, sabotage.push_tick, sabotage.push_axis),
-        renderer(device, world, workbench.models().hand, SceneModel{}, config, &exercise) {}
+        renderer(device, world, workbench.models().hand, withABall(), config, &exercise) {}
 
+  static SceneModel withABall() {
+    SceneModel scene;
+    scene.bodies = {ball({}, 0.03, 0.1)};
+    return scene;
+  }
   static AnalyticScene stopOnFirst(int axes) {
     AnalyticScene scene;
     scene.axes.resize(static_cast<std::size_t>(axes));

@@ -7,9 +7,9 @@
 #include "replay/recording_series.hpp"
 #include "replay/therapy_facts.hpp"
 #include "support/folder.hpp"
-#include "telemetry/chunk_reader.hpp"
+#include "telemetry/hdf5_tables.hpp"
 #include "telemetry/recorded_tables.hpp"
-#include "telemetry/recording_bounds.hpp"
+#include "telemetry/recording_meta.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <algorithm>

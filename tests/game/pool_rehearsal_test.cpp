@@ -2,7 +2,6 @@
 #include "assembly/pool_rehearsal.hpp"
 
 #include "assembly/admission.hpp"
-#include "assembly/pool_filling.hpp"
 #include "assembly/rehearsal.hpp"
 #include "game/game_tools.hpp"
 #include "model/mesh/convex_hull.hpp"

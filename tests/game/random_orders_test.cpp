@@ -1,6 +1,6 @@
 // Random orders near a moving hand: nothing is allocated, nothing stops, and both files replay.
-#include "assembly/kept_black_box.hpp"
 #include "assembly/run.hpp"
+#include "assembly/run_files.hpp"
 #include "device/faulty/fault_injector.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "game/game_tools.hpp"

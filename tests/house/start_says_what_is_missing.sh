@@ -8,8 +8,9 @@ repo=$tree/repo bin=$tree/bin
 mkdir -p "$repo/scripts" "$repo/protocol" "$repo/web/src" "$repo/build/release" "$bin"
 cp start "$repo/"
 cp scripts/lib.sh scripts/packages.txt "$repo/scripts/"
-mkdir -p "$repo/apps/wholehand"
-cp apps/wholehand/run_line.cpp apps/wholehand/engine_option.hpp "$repo/apps/wholehand/"
+mkdir -p "$repo/apps/wholehand/run" "$repo/apps/wholehand/shared"
+cp apps/wholehand/run/run_command.cpp "$repo/apps/wholehand/run/"
+cp apps/wholehand/shared/options.hpp "$repo/apps/wholehand/shared/"
 
 stand_in() { # <program>, its script on standard input
   { echo '#!/bin/bash' && cat; } >"$bin/$1"

@@ -1,6 +1,5 @@
 #include "page/page_file.hpp"
 
-#include "page/packed_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
 

@@ -337,6 +337,24 @@ TEST(BodyLaws, ATowerOfEight_StandsForTenMinutes) {
   EXPECT_LE(deepest_m, 8 * kGives_m);
 }
 
+/// Twelve cubes under a ton: more than are solved at once, and more than sweeps get to the bottom
+/// of.
+TEST(BodyLaws, WhatDoesNotSettle_IsReported) {
+  for (const double top_kg : {0.02, 1000.0}) {
+    std::vector<SceneBody> bodies{ground(0.8)};
+    for (int k = 1; k <= 12; ++k) {
+      bodies.push_back(bodyOf(boxShape({0.04, 0.04, 0.04}), {0.0, 0.0, 0.04 * k - 0.02},
+                              k == 12 ? top_kg : 0.02, 0.8));
+    }
+    Yard yard(kEngine, bodies, leant(0.0), 1000.0, Eigen::Matrix3d::Identity());
+    yard.throwBody(12, {0.0, 0.0, -0.01});
+    yard.run(0.5);
+    const bool sank = yard.at(12).z() < 0.48 - 0.02 - 12 * kGives_m;
+    EXPECT_EQ(sank, top_kg > 1.0);
+    EXPECT_EQ(yard.unsettled() > 0, top_kg > 1.0) << top_kg << " kg: " << yard.unsettled();
+  }
+}
+
 /// Twenty bodies of every shape, of 1 g to 1 kg, thrown into a box: what they have together never
 /// rises. (What rolls goes on: nothing here has rolling friction.)
 TEST(BodyLaws, TwentyBodiesInABox_OnlyLoseEnergy) {

@@ -98,7 +98,13 @@ class Yard {
   void run(double seconds) {
     for (int k = 0; k < static_cast<int>(std::lround(seconds / period_s_)); ++k) step();
   }
-  void step() { ASSERT_EQ(world_->step(drive_, period_s_), Fault::kNone); }
+  void step() {
+    const Fault fault = world_->step(drive_, period_s_);
+    ASSERT_EQ(fault & kStopping, Fault::kNone);
+    unsettled_ += any(fault & Fault::kContactsUnsettled) ? 1 : 0;
+  }
+  /// Steps whose contact forces did not settle.
+  [[nodiscard]] int unsettled() const { return unsettled_; }
 
   /// Centre of mass, velocity, spin and axes in the yard's frame.
   [[nodiscard]] Eigen::Vector3d at(int body) const {
@@ -136,6 +142,7 @@ class Yard {
   std::unique_ptr<PhysicsWorld> world_;
   AxisMatrix inverse_;
   HandDrive drive_;
+  int unsettled_ = 0;
 };
 
 }  // namespace wholehand::test

@@ -39,7 +39,7 @@ TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
     drive.effort = f_s;
     body.distribute(f_s, drive.torque);
     drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
-    ASSERT_EQ(world.step(drive, kPeriod_s), Fault::kNone);
+    ASSERT_EQ(world.step(drive, kPeriod_s) & kStopping, Fault::kNone);
     const WorldState next = look(world);
     // q̈ = M_r⁻¹ f_s: gravity and all velocity terms are carried by h. Symplectic Euler.
     const Eigen::VectorXd rate =

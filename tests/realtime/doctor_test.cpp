@@ -1,5 +1,5 @@
 // What the doctor says of machines that are made up.
-#include "doctor_findings.hpp"
+#include "apps/wholehand/doctor/doctor_findings.hpp"
 #include "realtime/thread_setup.hpp"
 #include "support/folder.hpp"
 

@@ -1,5 +1,4 @@
 #include "realtime/machine_facts.hpp"
-#include "realtime/wakeup_probe.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 #include "realtime/system_call_counter.hpp"
 
 #include "realtime/monotonic_clock.hpp"
-#include "realtime/thread_usage.hpp"
 
 #include <gtest/gtest.h>
 

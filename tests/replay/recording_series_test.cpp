@@ -5,7 +5,7 @@
 #include "replay/series_reader.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
-#include "telemetry/recording_view.hpp"
+#include "telemetry/recording.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,6 @@
 #include "realtime/allocation_counter.hpp"
 #include "realtime/lock_counter.hpp"
 #include "realtime/system_call_counter.hpp"
-#include "realtime/thread_usage.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -13,7 +13,7 @@ struct InjectedWorldFault {
     kSilentNan,       ///< a coordinate of the hand is NaN, and the engine does not notice
     kSilentNanJoint,  ///< a joint is NaN, and the engine does not notice
     kStepFails,       ///< the engine cannot step, and does not
-    kBodyExplodes,    ///< the first body flies off
+    kBodyExplodes,    ///< the first body flies off; a world without any shows one
     kHandFliesOff     ///< one coordinate of the hand is a hundred times too fast
   };
   Kind kind = Kind::kStepFails;
@@ -47,8 +47,12 @@ class FaultyWorld final : public PhysicsWorld {
       state.theta[state.theta.size() - 1] = std::numeric_limits<double>::quiet_NaN();
     }
     if (now(InjectedWorldFault::Kind::kHandFliesOff)) state.qd_s[fault_.axis] = 1e3;
-    if (fault_.kind == InjectedWorldFault::Kind::kBodyExplodes && tick_ >= fault_.tick) {
-      state.bodies[0].velocity_m_s.z += 50.0;
+    if (fault_.kind == InjectedWorldFault::Kind::kBodyExplodes) {
+      if (state.body_count == 0) {
+        state.body_count = 1;
+        state.bodies[0] = BodyState{};
+      }
+      if (tick_ >= fault_.tick) state.bodies[0].velocity_m_s.z += 50.0;
     }
     return fault;
   }

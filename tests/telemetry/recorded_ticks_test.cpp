@@ -4,7 +4,6 @@
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 #include "telemetry/recording.hpp"
-#include "telemetry/recording_view.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>

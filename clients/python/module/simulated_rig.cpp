@@ -1,6 +1,6 @@
 #include "simulated_rig.hpp"
 
-#include "assembly/resting_player.hpp"
+#include "assembly/models.hpp"
 #include "patient/scripted_player.hpp"
 #include "patient/steered_player.hpp"
 #include "realtime/thread_setup.hpp"

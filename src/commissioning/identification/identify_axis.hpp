@@ -1,12 +1,45 @@
 #pragma once
 
-#include "commissioning/identification/axis_trace.hpp"
-#include "commissioning/identification/interval.hpp"
 #include "core/expected.hpp"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 namespace wholehand {
+
+/// Interval of a measured figure, in its own unit.
+struct Interval {
+  double lower = 0.0, upper = 0.0;
+
+  [[nodiscard]] bool contains(double value) const { return value >= lower && value <= upper; }
+  [[nodiscard]] double middle() const { return 0.5 * (lower + upper); }
+  [[nodiscard]] double halfWidth() const { return 0.5 * (upper - lower); }
+};
+
+/// The smallest interval that holds both.
+[[nodiscard]] inline Interval hull(const Interval& a, const Interval& b) {
+  return {std::min(a.lower, b.lower), std::max(a.upper, b.upper)};
+}
+
+/// Commands to one axis and its positions, tick by tick. SI; per radian for a rotation.
+struct AxisTrace {
+  double period_s = 1e-3;
+  /// Sent in tick k after position k was read; held until the next tick [N or N·m].
+  std::vector<double> effort;
+  std::vector<double> position;  ///< as read [m or rad]
+  std::vector<int> posture;      ///< posture of each tick: 0, 1, 2 .. in the order visited
+};
+
+/// Resamples a trace to even periods. Positions are interpolated linearly between readings; efforts
+/// are the mean of those held over each period. A trace that was on time is returned bit-identical.
+///
+/// Refused, with the name of the axis: two ticks more than five periods apart, or more than a
+/// twentieth of the ticks half a period off. Interpolation is then too inaccurate.
+/// @param taken_s time at which each position was read and its effort sent, from 0 on, increasing
+[[nodiscard]] Expected<AxisTrace> evenTrace(const AxisTrace& ticks,
+                                            const std::vector<double>& taken_s,
+                                            const std::string& axis);
 
 /// m q̈ + b q̇ + f_c sign(q̇) + k q = f(t − d) + g of one axis. SI; per radian for a rotation.
 struct AxisFigures {

@@ -1,7 +1,7 @@
 #include "device/conformance/bench.hpp"
 
 #include "device/conformance/pushes.hpp"
-#include "device/plugin/loader_problem.hpp"
+#include "device/plugin/plugin_driver.hpp"
 #include "realtime/monotonic_clock.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Checks of the drive's watchdog.
 #include "device/conformance/check.hpp"
-#include "device/conformance/course.hpp"
+#include "device/conformance/pushes.hpp"
 #include "realtime/monotonic_clock.hpp"
 
 #include <algorithm>

@@ -25,7 +25,7 @@ enum class HostReason : std::uint32_t {
   kSilentAtNeutral = 2,  ///< no new command for 20 ms, at the neutral effort
   kBadCommand = 3,       ///< not finite, or another number of axes
   kLoopEnded = 4,        ///< the loop disabled the device before it was at neutral
-  kHostEnds = 5,         ///< the host was told to end
+  kHostEnds = 5,         ///< the host was asked to end
   kNeverCommanded = 6    ///< enabled, and no command came
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/expected.hpp"
 #include "device/plugin/device_driver.hpp"
 
 #include <functional>
@@ -8,6 +9,19 @@
 #include <vector>
 
 namespace wholehand {
+
+/// Folders of the drivers shipped with this program: `drivers` beside it (build tree), and
+/// `../lib/wholehand/drivers` (installation).
+[[nodiscard]] std::vector<std::string> shippedDriverFolders();
+
+/// The path of a driver. A name with a slash or the ending .so is a path; without a slash it is
+/// relative to the working directory. Any other name is looked up in the folders in order. Refused:
+/// a name in none of them; the error lists the available ones.
+[[nodiscard]] Expected<std::string> findDriver(const std::string& name,
+                                               const std::vector<std::string>& folders);
+
+/// Why the last dlopen() of `path` failed, without the path, which dlerror() puts first.
+[[nodiscard]] std::string loaderProblem(const std::string& path);
 
 /// Location and settings of a driver.
 struct DriverLocation {
@@ -33,7 +47,7 @@ struct PluginFacts {
 /// of a device.
 [[nodiscard]] Expected<PluginFacts> pluginFacts(const std::string& path);
 
-/// A driver loaded from a shared object (include/wholehand/device.h), with its device open but not
+/// A driver loaded from a shared object (wholehand/device.h), with its device open but not
 /// enabled. The device stays open between armings: it is found and homed once.
 class PluginDriver final : public DeviceDriver {
  public:

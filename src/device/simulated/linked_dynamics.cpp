@@ -12,6 +12,54 @@
 namespace wholehand {
 namespace {
 
+constexpr double kRounding = 1e-13;  // relative to the terms of a sum
+constexpr int kBlockTries = 3;       // attempts without progress before single pivots
+constexpr int kMostPivots = 2000;    // usually a few
+
+/// λ with the axes at an end fixed there; false where G has no factorisation.
+bool solveBetween(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
+                  const AxisColumn& upper, const RangeParts& parts, AxisColumn& lambda) noexcept {
+  std::array<Eigen::Index, kMaxAxes> between{};
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < w.size(); ++i) {
+    const RangePart part = parts[i];
+    lambda[i] = part == RangePart::kLow ? lower[i] : part == RangePart::kHigh ? upper[i] : 0.0;
+    if (part == RangePart::kBetween) between[count++] = i;
+  }
+  if (count == 0) return true;
+  AxisMatrix block(count, count);
+  AxisColumn wanted(count);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const Eigen::Index i = between[a];
+    wanted[a] = -w[i];
+    for (Eigen::Index k = 0; k < w.size(); ++k) wanted[a] -= g(i, k) * lambda[k];
+    for (Eigen::Index b = 0; b < count; ++b) {
+      block(a, b) = g(i, between[b]);
+    }
+  }
+  const Eigen::LLT<AxisMatrix> cholesky(block);
+  if (cholesky.info() != Eigen::Success) return false;
+  cholesky.solveInPlace(wanted);
+  for (Eigen::Index a = 0; a < count; ++a) lambda[between[a]] = wanted[a];
+  return true;
+}
+
+/// Range part that an axis must change to; the same if it is consistent.
+RangePart better(RangePart part, double lambda, double lower, double upper, double v,
+                 double v_size) noexcept {
+  if (part == RangePart::kBetween) {
+    const double slack = kRounding * std::abs(lambda);
+    if (lambda < lower - slack) return RangePart::kLow;
+    if (lambda > upper + slack) return RangePart::kHigh;
+    return part;
+  }
+  if (lower == upper) return part;
+  const double slack = kRounding * v_size;
+  if (part == RangePart::kLow && v < -slack) return RangePart::kBetween;
+  if (part == RangePart::kHigh && v > slack) return RangePart::kBetween;
+  return part;
+}
+
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kLongestStep_s = 1.0 / 16e3;
 constexpr double kStepsPerRadian = 16.0;  // of the fastest mode
@@ -32,7 +80,81 @@ int stepsOf(const LinkedPlant& plant, double period_s) {
   return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), kFewestSteps, kMostSteps);
 }
 
+std::vector<int> linkedAxes(const PatientLinks& links) {
+  std::vector<int> out;
+  for (Eigen::Index i = 0; i < links.mass.rows(); ++i) {
+    const bool linked = !links.mass.row(i).isZero(0.0) || !links.damping.row(i).isZero(0.0) ||
+                        !links.stiffness.row(i).isZero(0.0);
+    if (linked) out.push_back(static_cast<int>(i));
+  }
+  return out;
+}
+
+LinkedPlant plantOf(const DeviceModel& device, const PatientConfig& patient,
+                    const std::vector<int>& axes) {
+  const auto n = static_cast<int>(axes.size());
+  LinkedPlant plant{AxisMatrix(n, n), AxisMatrix(n, n), AxisMatrix(n, n),
+                    AxisEffort(n),    AxisPosition(n),  AxisPosition(n)};
+  for (int i = 0; i < n; ++i) {
+    const int at = axes[i];
+    for (int k = 0; k < n; ++k) {
+      const int other = axes[k];
+      plant.mass(i, k) = patient.links.mass(at, other);
+      plant.damping(i, k) = patient.links.damping(at, other);
+      plant.stiffness(i, k) = patient.links.stiffness(at, other);
+    }
+    const DeviceAxis& axis = device.axes[at];
+    const PatientAxis& person = patient.axes[at];
+    plant.mass(i, i) = axis.mass + person.mass;
+    plant.damping(i, i) = axis.damping + person.damping;
+    plant.stiffness(i, i) = person.stiffness;
+    plant.coulomb[i] = axis.coulomb;
+    plant.lower[i] = axis.lower;
+    plant.upper[i] = axis.upper;
+  }
+  return plant;
+}
+
 }  // namespace
+
+bool solveBox(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
+              const AxisColumn& upper, RangeParts& parts, AxisColumn& lambda) noexcept {
+  const Eigen::Index n = w.size();
+  lambda.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    RangePart& part = parts[i];
+    if (lower[i] == upper[i]) part = RangePart::kLow;
+    if (part == RangePart::kLow && !std::isfinite(lower[i])) part = RangePart::kBetween;
+    if (part == RangePart::kHigh && !std::isfinite(upper[i])) part = RangePart::kBetween;
+  }
+  Eigen::Index fewest = n + 1;
+  int tries = kBlockTries;
+  for (int pivot = 0; pivot < kMostPivots; ++pivot) {
+    if (!solveBetween(g, w, lower, upper, parts, lambda)) return false;
+    RangeParts next = parts;
+    Eigen::Index faulty = 0, last = 0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      double v = w[i], size = std::abs(w[i]);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        v += g(i, k) * lambda[k];
+        size += std::abs(g(i, k) * lambda[k]);
+      }
+      next[i] = better(parts[i], lambda[i], lower[i], upper[i], v, size);
+      if (next[i] == parts[i]) continue;
+      ++faulty;
+      last = i;
+    }
+    if (faulty == 0) return true;
+    tries = faulty < fewest ? kBlockTries : tries - 1;
+    fewest = std::min(fewest, faulty);
+    if (tries >= 0) {
+      parts = next;
+    } else {  // Murty: only the last axis
+      parts[last] = next[last];
+    }
+  }
+  return false;
+}
 
 LinkedDynamics::LinkedDynamics(const LinkedPlant& plant, double period_s)
     : plant_(plant), period_s_(period_s), steps_(stepsOf(plant, period_s)) {
@@ -169,6 +291,64 @@ void LinkedDynamics::advance(const AxisEffort& begin, const AxisEffort& end) noe
   for (int k = 0; k < steps_; ++k) {
     const AxisColumn effort = begin.vec() + change * (static_cast<double>(k) / steps_);
     step(effort, slope);
+  }
+}
+
+LinkedPerson::LinkedPerson(const DeviceModel& device, const PatientConfig& patient, double period_s,
+                           int slam_axis) {
+  std::vector<int> axes = linkedAxes(patient.links);
+  if (axes.empty()) return;
+  groups_.push_back({axes, LinkedDynamics(plantOf(device, patient, axes), period_s)});
+  if (std::erase(axes, slam_axis) == 0 || axes.empty()) return;
+  groups_.push_back({axes, LinkedDynamics(plantOf(device, patient, axes), period_s)});
+}
+
+void LinkedPerson::enter(int group, const AxisPosition& q, const AxisVelocity& qd) noexcept {
+  now_ = group;
+  moved_.fill(false);
+  if (group < 0) return;
+  Group& g = groups_[group];
+  const auto n = static_cast<int>(g.axes.size());
+  AxisPosition position(n);
+  AxisVelocity velocity(n);
+  for (int i = 0; i < n; ++i) {
+    const int axis = g.axes[i];
+    moved_[axis] = true;
+    position[i] = q[axis];
+    velocity[i] = qd[axis];
+  }
+  g.dynamics.place(position, velocity);
+}
+
+void LinkedPerson::place(const AxisPosition& q, const AxisVelocity& qd) noexcept {
+  enter(groups_.empty() ? -1 : 0, q, qd);
+}
+
+void LinkedPerson::hold(const std::array<bool, kMaxAxes>& held, const AxisPosition& q,
+                        const AxisVelocity& qd) noexcept {
+  const auto all_held = [&](const Group& group) {
+    return std::all_of(group.axes.begin(), group.axes.end(), [&](int axis) { return held[axis]; });
+  };
+  const auto found = std::find_if(groups_.begin(), groups_.end(), all_held);
+  const int group = found == groups_.end() ? -1 : static_cast<int>(found - groups_.begin());
+  if (group != now_) enter(group, q, qd);
+}
+
+void LinkedPerson::advance(const AxisEffort& begin, const AxisEffort& end, AxisPosition& q,
+                           AxisVelocity& qd) noexcept {
+  if (now_ < 0) return;
+  Group& g = groups_[now_];
+  const auto n = static_cast<int>(g.axes.size());
+  AxisEffort first(n), last(n);
+  for (int i = 0; i < n; ++i) {
+    first[i] = begin[g.axes[i]];
+    last[i] = end[g.axes[i]];
+  }
+  g.dynamics.advance(first, last);
+  for (int i = 0; i < n; ++i) {
+    const int axis = g.axes[i];
+    q[axis] = g.dynamics.position(i);
+    qd[axis] = g.dynamics.velocity(i);
   }
 }
 

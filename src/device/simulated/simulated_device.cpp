@@ -10,7 +10,7 @@ namespace wholehand {
 
 namespace {
 
-constexpr double kLongestStep_s = 1.0;  // a longer gap ends rendering, and the rest stands still
+constexpr double kLongestGap_s = 1.0;  // a longer gap ends rendering, and the rest stands still
 
 }  // namespace
 
@@ -146,7 +146,7 @@ void SimulatedDevice::letPeriodPass() noexcept {
 Fault SimulatedDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
   if (!open_) return Fault::kDeviceRead;
   if (!std::exchange(fresh_, false)) {
-    const int most = static_cast<int>(kLongestStep_s / period_s_);
+    const int most = static_cast<int>(kLongestGap_s / period_s_);
     for (int i = 0; i < std::min(elapsed_periods, most); ++i) letPeriodPass();
   }
   reading.q_m = q_;

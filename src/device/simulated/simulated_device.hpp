@@ -2,7 +2,7 @@
 
 #include "device/haptic_device.hpp"
 #include "device/simulated/axis_dynamics.hpp"
-#include "device/simulated/linked_person.hpp"
+#include "device/simulated/linked_dynamics.hpp"
 #include "model/device_model.hpp"
 #include "model/patient/patient_config.hpp"
 #include "patient/active_patient.hpp"

@@ -49,8 +49,8 @@ class BodyRows {
   /// Solves at once the islands of at most eight bodies in which one lies on another ten times
   /// lighter, which sweeps do not get to the bottom of. Where the hand touches one of them, or no
   /// solution is found with a bounded number of factorisations, what the sweeps made stays. Call
-  /// after the last sweep.
-  void solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept;
+  /// after the last sweep. @return true: there were some, and all are solved
+  bool solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept;
   /// Writes impulses to their contact points, and velocities of bodies that are not touched.
   void write(Bodies& bodies) const noexcept;
 
@@ -97,7 +97,7 @@ class BodyRows {
   void findIslands(const Bodies& bodies) noexcept;
   [[nodiscard]] bool listIsland(int island, const Bodies& bodies) noexcept;
   void writeRow(const Row& row, const Place& at, ConeNewton::Row& out) const noexcept;
-  void solveIsland(ConeNewton& newton, int most_steps) noexcept;
+  bool solveIsland(ConeNewton& newton, int most_steps) noexcept;
   void takeImpulses(const ConeNewton& newton) noexcept;
 
   [[nodiscard]] Group& groupFor(int run) noexcept;

@@ -97,13 +97,13 @@ void BodyRows::writeRow(const Row& row, const Place& at, ConeNewton::Row& out) c
   out.goal = row.effective_mass[k] > 0.0 ? row.target[k] / row.effective_mass[k] : 0.0;
 }
 
-void BodyRows::solveIsland(ConeNewton& newton, int most_steps) noexcept {
+bool BodyRows::solveIsland(ConeNewton& newton, int most_steps) noexcept {
   newton.begin(6 * member_count_, kSoftness.front(), most_steps);
   for (int i = 0; i < place_count_; ++i) {
     const Place& at = places_[i];
     const btManifoldPoint& point = *at.group->point[at.place];
     ConeNewton::Row* rows = newton.add(3, at.group->friction[at.place], 0.0);
-    if (rows == nullptr) return;
+    if (rows == nullptr) return false;
     writeRow(at.group->normal, at, rows[0]);
     writeRow(at.group->tangent1, at, rows[1]);
     writeRow(at.group->tangent2, at, rows[2]);
@@ -115,9 +115,10 @@ void BodyRows::solveIsland(ConeNewton& newton, int most_steps) noexcept {
   bool found = newton.solve();
   for (std::size_t i = 1; found; ++i) {
     takeImpulses(newton);
-    if (i == kSoftness.size()) return;
+    if (i == kSoftness.size()) return true;
     found = newton.solveAgain(kSoftness[i]);
   }
+  return false;
 }
 
 void BodyRows::takeImpulses(const ConeNewton& newton) noexcept {
@@ -136,16 +137,22 @@ void BodyRows::takeImpulses(const ConeNewton& newton) noexcept {
   }
 }
 
-void BodyRows::solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept {
-  if (!uneven_) return;
+bool BodyRows::solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept {
+  if (!uneven_) return false;
+  bool solved = true;
   findIslands(bodies);
   int work = kMostWork;
   for (const int body : free_) {
-    if (islandOf(body) != body || !solved_at_once_[body] || !listIsland(body, bodies)) continue;
+    if (islandOf(body) != body || !solved_at_once_[body]) continue;
+    if (!listIsland(body, bodies)) {
+      solved = false;
+      continue;
+    }
     const int of_a_step = member_count_ * member_count_ * member_count_;
-    solveIsland(newton, work / of_a_step);
+    solved = solveIsland(newton, work / of_a_step) && solved;
     work = newton.stepsLeft() * of_a_step;
   }
+  return solved;
 }
 
 }  // namespace wholehand::bullet

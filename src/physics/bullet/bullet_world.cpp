@@ -88,7 +88,7 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   for (int a = 0; a < qd_s.size(); ++a) q_s[a] += period_s * qd_s[a];
   if (!allFinite(q_s) || !allFinite(qd_s)) return Fault::kNonFiniteState;
   e.setHand(q_s, qd_s);
-  return Fault::kNone;
+  return e.solver.unsettled() ? Fault::kContactsUnsettled : Fault::kNone;
 }
 
 void BulletWorld::obey(const Command& command) noexcept {

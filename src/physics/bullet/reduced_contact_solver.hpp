@@ -92,6 +92,9 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
 
   [[nodiscard]] int contactCount() const { return contact_count_; }
   [[nodiscard]] const HandContact& contact(int i) const { return contacts_[i]; }
+  /// True when the last sweep of the last step changed an impulse by more than a twentieth of the
+  /// largest.
+  [[nodiscard]] bool unsettled() const { return near_unsettled_ || far_unsettled_; }
   /// Contact points dropped in the last step because the list was full.
   [[nodiscard]] int dropped() const { return dropped_; }
 
@@ -139,6 +142,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   // axes; elements beyond the axes are zero.
   template <int Width>
   [[gnu::always_inline]] inline void iterate();
+  [[nodiscard]] bool changesStill() const;
   void iterateNarrow();
   void iterateWide();
   template <int Width>
@@ -169,7 +173,9 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   int dropped_ = 0;
   std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts
   std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by the contacts
-  double residual_ = 0.0;
+  double residual_ = 0.0;  ///< largest squared change of an impulse in the last sweep
+  /// The sweeps over the hand's contacts, and over those of other bodies, did not settle.
+  bool near_unsettled_ = false, far_unsettled_ = false;
   /// A body that the hand touches; its unknowns are velocities in which its inertia is 1.
   struct IslandBody {
     int solver_body = -1;

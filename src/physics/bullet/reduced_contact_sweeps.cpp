@@ -14,6 +14,7 @@ namespace wholehand::bullet {
 namespace {
 
 constexpr double kNoLimit = 1e30;
+constexpr double kSettled = 0.05;  // of the largest impulse
 
 // A vector of Bullet has a fourth number, which is zero.
 static_assert(kMaxCoupledEnds == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
@@ -156,6 +157,14 @@ WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateWide() {
   iterate<kMaxAxes>();
 }
 
+bool ReducedContactSolver::changesStill() const {
+  double pressed = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    pressed = std::max(pressed, contacts_[i].normal_row.impulse);
+  }
+  return contact_count_ > 0 && residual_ > kSettled * kSettled * pressed * pressed;
+}
+
 // In place of the base class's iteration, which would sweep its own rows.
 btScalar ReducedContactSolver::solveSingleIteration(
     int iteration, btCollisionObject** /*bodies*/, int /*body_count*/,
@@ -163,6 +172,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
     btTypedConstraint** /*constraints*/, int /*constraint_count*/,
     const btContactSolverInfo& /*info*/, btIDebugDraw* /*drawer*/) {
   if (iteration == 0) {
+    near_unsettled_ = far_unsettled_ = false;
     body_rows_.begin(m_tmpSolverBodyPool, touched_);
     far_done_ = !body_rows_.any();
     at_once_ = solveAtOnce();
@@ -174,6 +184,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
     others = body_rows_.sweepAll(m_tmpSolverBodyPool);
     const int most = std::clamp(kFarBudget / body_rows_.groups(), kLeastFarSweeps, kMostFarSweeps);
     far_done_ = iteration + 1 >= most || others <= settings_.far_tolerance * body_rows_.pressed();
+    far_unsettled_ = far_done_ && others > kSettled * body_rows_.pressed();
   }
   if (at_once_ || iteration >= settings_.iterations) return far_done_ ? 0.0 : 1.0;
   if (!far) others = body_rows_.sweepNear(m_tmpSolverBodyPool);
@@ -183,6 +194,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
   } else {
     iterateWide();
   }
+  if (iteration + 1 == settings_.iterations) near_unsettled_ = changesStill();
   // With 0 the base class stops.
   return std::max(others, residual_);
 }

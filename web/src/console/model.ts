@@ -16,9 +16,9 @@ export interface Notice {
 
 /**
  * Faults that do not stop, but are told. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
- * 20: owner silent, 22: the energy tank damped, 26: drive hot.
+ * 20: owner silent, 22: the energy tank damped, 26: drive hot, 31: contacts unsettled.
  */
-const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22) | (1 << 26);
+const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22) | (1 << 26) | (1 << 31);
 /** Nothing is started for this long after rendering has ended [ms]: whoever reaches for Pause must not press Start. */
 const DEAD_MS = 1000;
 /** The header tells a limit that held within this time [s]. */

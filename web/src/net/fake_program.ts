@@ -23,7 +23,7 @@ const FAULT_NAMES = ['device read failed', 'device write failed', 'non-finite de
   'speed limit exceeded', 'workspace left', 'power limited', 'effort slew limited', 'encoder jumped', 'encoder stuck', 'late ticks in a row',
   'gap too long', 'owner silent', 'bodies exploded', 'tank damped', 'drive fault', 'enable lost',
   'stale sample', 'drive hot', 'gentle stop', 'samples delayed', 'effort astray',
-  'world gives energy'];
+  'world gives energy', 'contacts unsettled'];
 const STOP_REQUESTED = 1 << 10;
 const EMERGENCY_STOP = 1 << 11;
 const FAULT_AFTER_S = 1;

@@ -195,4 +195,5 @@ export const de: Texts = {
   'fault.samples delayed': 'die Messwerte kommen zu spät',
   'fault.effort astray': 'ein Antrieb gibt eine andere Kraft als verlangt',
   'fault.world gives energy': 'die simulierten Dinge gaben Kraft, die niemand hineingab',
+  'fault.contacts unsettled': 'Kontaktkräfte, die sich in einem Schritt nicht einpendelten',
 };

@@ -201,4 +201,5 @@ export const en = {
   'fault.samples delayed': 'the samples come too late',
   'fault.effort astray': 'a drive gives another effort than asked for',
   'fault.world gives energy': 'the simulated objects pushed with energy that nobody put in',
+  'fault.contacts unsettled': 'contact forces that did not settle within a step',
 } as const;

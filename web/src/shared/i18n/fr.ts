@@ -195,4 +195,5 @@ export const fr: Texts = {
   'fault.samples delayed': 'les mesures arrivent trop tard',
   'fault.effort astray': 'un moteur donne un autre effort que demandé',
   'fault.world gives energy': 'les objets simulés ont donné une énergie que personne n’a apportée',
+  'fault.contacts unsettled': 'des forces de contact non stabilisées en un pas',
 };

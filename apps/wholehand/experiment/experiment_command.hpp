@@ -1,0 +1,81 @@
+#pragma once
+
+#include "assembly/engines.hpp"
+#include "assembly/models.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace wholehand {
+
+struct ExperimentOptions {
+  std::string engine = defaultEngine();
+  std::string folder = "out/experiment";  ///< plots, pictures, recordings, scenes
+  std::string json;                       ///< results; empty: in the folder only
+  int jittered = 72;                      ///< grasping: jittered trials
+  std::uint64_t seed = 1;                 ///< grasping: seed of the jitter
+  std::string only;  ///< grasping, complexity: runs trials or kinds whose name contains this
+  std::uint64_t ticks = 100000;  ///< timing
+  std::string scene;             ///< timing: replaces the bar; its first body is gripped
+  bool simulated_clock = false;  ///< timing: run as fast as possible
+  double hold_s = 2.0;           ///< engines: duration of holding and of resting
+  std::vector<double> rates_hz = {1000.0, 2000.0, 4000.0, 8000.0};  ///< engines
+  int scene_ticks = 3000;  ///< complexity: ticks of each scene
+  int passes = 3;          ///< complexity: runs of each scene
+};
+
+/// Reproduces the paper's Fig. 5. Returns the exit code.
+int graspingCommand(const ExperimentOptions& options);
+/// Reproduces the paper's Fig. 6.
+int timingCommand(const ExperimentOptions& options);
+/// Compares all built-in engines in the same scenes (docs/engines.md).
+int enginesCommand(const ExperimentOptions& options);
+/// Measures the tick in scenes of increasing size.
+int complexityCommand(const ExperimentOptions& options);
+
+/// Files of both cocktail bar experiments; empty: the shipped ones.
+struct BarFiles {
+  std::string exercise, hand, device, rendering, patient;
+};
+
+struct CocktailOptions {
+  BarFiles files;
+  std::string engine = defaultEngine();
+  int seeds = 100;
+  std::uint64_t first_seed = 1;
+  int level = 0;      ///< 0: all
+  int processes = 0;  ///< 0: one per core
+  std::string json;   ///< empty: none
+};
+
+struct ExerciseOptions {
+  BarFiles files;
+  std::string engine = defaultEngine();
+  std::uint64_t seed = 1;
+  std::string folder = "out/experiment";  ///< for outputs without an explicit path
+  std::string json, record, charts;
+};
+
+struct BarExperimentOptions {
+  CocktailOptions cocktail;
+  ExerciseOptions exercise;
+};
+
+/// Plays the levels of the cocktail bar with many virtual patients. Returns the exit code.
+int cocktailCommand(const CocktailOptions& options);
+/// Reproduces the paper's Fig. 7.
+int exerciseCommand(const ExerciseOptions& options);
+
+/// Adds `wholehand experiment` with all of them. @pre options outlive the parsing
+void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
+                    int& code);
+
+/// Files of a cocktail bar run; unnamed ones are the shipped ones.
+[[nodiscard]] Expected<ModelFiles> barModelFiles(const BarFiles& files);
+
+}  // namespace wholehand

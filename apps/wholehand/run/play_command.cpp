@@ -1,0 +1,430 @@
+#include "apps/wholehand/report/report_command.hpp"
+#include "apps/wholehand/run/run_command.hpp"
+#include "apps/wholehand/run/run_summary.hpp"
+#include "apps/wholehand/run/status_line.hpp"
+#include "apps/wholehand/shared/exit_code.hpp"
+#include "apps/wholehand/shared/pages.hpp"
+#include "apps/wholehand/shared/result_files.hpp"
+#include "apps/wholehand/shared/shipped_files.hpp"
+#include "assembly/models.hpp"
+#include "assembly/program_version.hpp"
+#include "assembly/run.hpp"
+#include "commissioning/daily_check.hpp"
+#include "device/host/hosted_driver.hpp"
+#include "device/plugin/device_driver.hpp"
+#include "device/plugin/observed_driver.hpp"
+#include "device/plugin/plugin_device.hpp"
+#include "files/text_file.hpp"
+#include "realtime/monotonic_clock.hpp"
+#include "replay/replay_children.hpp"
+#include "runtime/interrupt_scope.hpp"
+#include "server/server.hpp"
+#include "server/udp_bridge.hpp"
+#include "station/reports.hpp"
+#include "station/station.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <arpa/inet.h>
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+// Below 0: none yet.
+double age_s(std::int64_t at_ns) {
+  return at_ns == 0 ? -1.0 : static_cast<double>(monotonicNow_ns() - at_ns) * 1e-9;
+}
+
+DeviceStatus statusOf(const ObservedDriver& driver) {
+  const DeviceFacts facts = driver.facts();
+  DeviceStatus out;
+  out.enabled = facts.enabled;
+  out.homed = facts.homed;
+  out.silenced = facts.silenced;
+  out.temperature_c = facts.temperature_c;
+  out.sample_age_s = age_s(facts.sampled_ns);
+  return out;
+}
+
+static_assert(static_cast<int>(ReleaseReason::kNeverCommanded) ==
+              static_cast<int>(HostReason::kNeverCommanded));
+
+// Passport entry of a recording without a passport.
+constexpr const char* kWithout = "without";
+
+// The certificate of a real device is based on its passport, which must be valid at every arming.
+Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver,
+                           StationConfig& config) {
+  if (options.without_passport) {
+    config.rig.passport = kWithout;
+    return Done{};
+  }
+  const auto model = loadDeviceFile(options.files.device);
+  if (!model) return model.errors();
+  const auto cleared =
+      clearToArm(driver.identity(), *model, 1.0 / config.rig.period_s, placeTimeNow());
+  if (!cleared) return cleared.errors();
+  const Passport& passport = cleared->passport;
+  config.rig.measured = worstCorners(*model, passport, config.rig.period_s);
+  config.rig.passport = passport.sha256;
+  config.real_time_required = true;
+  auto text = readWhole(passport.path);
+  if (!text) return text.errors();
+  config.rig.passport_text = std::move(*text);
+  return Done{};
+}
+
+Expected<Clearance> stillCleared(const DeviceDriver& driver, const DeviceModel& model,
+                                 const std::string& armed_with, double period_s) {
+  if (armed_with == kWithout) return Clearance::withoutPassport();
+  const auto cleared = clearToArm(driver.identity(), model, 1.0 / period_s, placeTimeNow());
+  if (!cleared) return cleared.errors();
+  if (cleared->clearance.passport() == armed_with) return cleared->clearance;
+  return Diagnostic{
+      cleared->passport.path,   0, "", "", "the passport was replaced while this program runs",
+      "start the program again"};
+}
+
+// The connection to a device: its driver, and the host that holds it, if any.
+struct Plugged {
+  std::shared_ptr<DeviceDriver> driver;
+  std::shared_ptr<HostedDriver> host;  ///< null: the loop calls the driver itself
+};
+
+Expected<Plugged> plugIn(const RunOptions& options, Terminal& terminal) {
+  if (!options.host.empty()) {
+    auto hosted = HostedDriver::connect(options.host);
+    if (!hosted) return hosted.errors();
+    return Plugged{*hosted, *hosted};
+  }
+  auto loaded = PluginDriver::load(options.driver,
+                                   [&terminal](const std::string& line) { terminal.say(line); });
+  if (!loaded) return loaded.errors();
+  return Plugged{*loaded, nullptr};
+}
+
+DeviceStatus statusOf(const ObservedDriver& driver, const HostedDriver* host) {
+  DeviceStatus status = statusOf(driver);
+  if (host == nullptr) return status;
+  status.hosted = true;
+  status.host_age_s = age_s(host->cycleNs());
+  status.let_go = static_cast<ReleaseReason>(host->reason());
+  return status;
+}
+
+/// Loads the driver or host that the options name, reads its passport, and makes the station open
+/// its device at every arming. Since a person holds the device, a person must ask for the first
+/// force: options.wait becomes true. Null when the options name none.
+Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options, StationConfig& config,
+                                                  Terminal& terminal) {
+  if (!isRealDevice(options)) return std::shared_ptr<DeviceDriver>();
+  if (Diagnostics refused = refuseForPersons(options.engine); !refused.empty()) return refused;
+  options.wait = true;
+  auto plugged = plugIn(options, terminal);
+  if (!plugged) return plugged.errors();
+  if (auto ready = usePassport(options, *plugged->driver, config); !ready) return ready.errors();
+  auto observed = std::make_shared<ObservedDriver>(plugged->driver);
+  config.device_status = [observed, host = plugged->host] {
+    return statusOf(*observed, host.get());
+  };
+  config.make_device = [observed, plugged = *plugged, passport = config.rig.passport,
+                        period_s = config.rig.period_s](
+                           const DeviceModel& model) -> Expected<std::unique_ptr<HapticDevice>> {
+    // Checked on the connection that arms: a host may have been started again with another device.
+    if (auto found = observed->reconnect(); !found) return found.errors();
+    if (plugged.host) {
+      if (Diagnostics other = plugged.host->differences(model); !other.empty()) return other;
+    }
+    auto clearance = stillCleared(*plugged.driver, model, passport, period_s);
+    if (!clearance) return clearance.errors();
+    return PluginDevice::make(observed, model, period_s, std::move(*clearance));
+  };
+  return plugged->driver;
+}
+
+/// Prints a prominent warning: the device was not measured.
+void warnOfNoPassport(Terminal& terminal) {
+  terminal.say("************************************************************");
+  terminal.say("WITHOUT PASSPORT: nothing of this device was measured.");
+  terminal.say("NOBODY MAY BE ATTACHED TO IT. The recording says so.");
+  terminal.say("************************************************************");
+}
+
+constexpr const char* kRecordings = "out/recordings";
+constexpr const char* kProfiles = "out/profiles";
+
+StationConfig stationConfig(const RunOptions& options, Terminal& terminal, ReportChild& reports) {
+  StationConfig config;
+  config.files = options.files;
+  config.rig.period_s = 1.0 / options.rate_hz;
+  config.rig.engine = options.engine;
+  config.rig.uncertified = options.uncertified;
+  config.rehearse = !options.no_rehearsal;
+  config.seed = options.seed;
+  config.config_folder = shippedFile("config");
+  config.recordings_folder = kRecordings;
+  config.profiles_folder = kProfiles;
+  config.record = options.record;
+  config.program_version = programVersion();
+  config.make_player = makeMotionPlayer;
+  config.make_report = [&reports](const std::string& recording, const std::string& folder) {
+    return reports.make(recording, folder);
+  };
+  config.log = [&terminal](const std::string& text) { terminal.say(text); };
+  config.status = [&terminal](RunState state, const TickSummary& now) {
+    const bool runs = state == RunState::kRendering || state == RunState::kRampingDown;
+    if (!runs || now.time_s <= 0.0) return;
+    terminal.update(now, static_cast<double>(now.records) / now.time_s);
+  };
+  return config;
+}
+
+using MakeDevice = decltype(StationConfig::make_device);
+
+// Reports an unsuitable device before any page opens.
+Expected<Done> checkDevice(const MakeDevice& make_device, const DeviceModel& model) {
+  if (!make_device) return Done{};
+  auto fits = make_device(model);
+  if (!fits) return fits.errors();
+  return Done{};
+}
+
+ServerOptions serverOptions(const RunOptions& options,
+                            const std::function<void(const std::string&)>& log) {
+  ServerOptions server =
+      serverOptions(PageOptions{options.address, options.port, options.tokens}, log);
+  server.allowed_origins = options.origins;
+  return server;
+}
+
+// Adds the option's name to a fault of the bridge.
+Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& value) {
+  for (Diagnostic& error : errors) {
+    error.key = option;
+    error.value = value;
+  }
+  return errors;
+}
+
+// "8091" is a port for this machine only; "10.0.0.2:8091" is reachable by others.
+Expected<UdpOptions> udpOptions(const RunOptions& options) {
+  UdpOptions udp;
+  const bool bare = options.udp.find_first_not_of("0123456789") == std::string::npos;
+  auto local = parseUdpEndpoint(bare ? "127.0.0.1:" + options.udp : options.udp);
+  if (!local) return ofOption(local.errors(), "--udp", options.udp);
+  udp.local = *local;
+  if (!options.udp_key.empty()) {
+    const auto key = parseUdpKey(options.udp_key);
+    if (!key) return ofOption(key.errors(), "--udp-key", options.udp_key);
+    udp.key = *key;
+  }
+  return udp;
+}
+
+bool isAddress(const std::string& text) {
+  std::array<unsigned char, 16> bytes{};
+  return inet_pton(AF_INET, text.c_str(), bytes.data()) == 1 ||
+         inet_pton(AF_INET6, text.c_str(), bytes.data()) == 1;
+}
+
+// True for "http://localhost:5173" and the like: pages that this machine serves, as in development.
+bool isOfThisMachine(const std::string& origin) {
+  std::string host = origin.substr(std::min(origin.size(), origin.find("://") + 3));
+  host =
+      host.starts_with('[') ? host.substr(0, host.find(']') + 1) : host.substr(0, host.find(':'));
+  return host == "localhost" || host == "[::1]" || (host.starts_with("127.") && isAddress(host));
+}
+
+// Checks before anything is opened or created.
+Diagnostics faultsOf(const RunOptions& options) {
+  Diagnostics faults;
+  if (!isAddress(options.address)) {
+    faults.push_back({"", 0, "--address", options.address, "is no IP address",
+                      "127.0.0.1 for this machine alone, 0.0.0.0 for all"});
+  }
+  for (const std::string& origin : options.origins) {
+    if (origin.starts_with("http://") || origin.starts_with("https://")) continue;
+    faults.push_back({"", 0, "--origin", origin, "is no origin", "write https://host[:port]"});
+  }
+  const RoleTokens tokens = roleTokens(options.tokens);
+  faults.insert(faults.end(), tokens.faults.begin(), tokens.faults.end());
+  if (tokens.therapist.empty()) {
+    for (const std::string& origin : options.origins) {
+      if (isOfThisMachine(origin)) continue;
+      faults.push_back({"", 0, "--origin", origin,
+                        "would let everybody in who reaches that address: a proxy's visitors all "
+                        "come from this machine",
+                        "give --token, too"});
+    }
+  }
+  const std::string page = options.report.empty() ? "" : pageIn(options.report);
+  if (auto ready = checkFiles({options.record, options.json, page}, inputsOf(options)); !ready) {
+    faults.insert(faults.end(), ready.errors().begin(), ready.errors().end());
+  }
+  return faults;
+}
+
+void printDoors(const RunOptions& options, const Server& server, const UdpBridge& udp) {
+  const std::string url = server.url();
+  std::printf("%s\n", url.c_str());  // first line, for programs to parse
+  const RoleTokens tokens = roleTokens(options.tokens);
+  const bool guarded = !tokens.therapist.empty();
+  const char* therapist = guarded ? "?token=<token>" : "";
+  const char* player = tokens.player.empty() ? therapist : "?token=<the player's token>";
+  std::printf("  game     %s%s\n  console  %sconsole%s\n", url.c_str(), player, url.c_str(),
+              therapist);
+  if (guarded) {
+    std::printf("  others   http://<this machine>:%u/?token=<token>\n",
+                static_cast<unsigned>(server.port()));
+  }
+  if (!options.udp.empty()) std::printf("  udp      %s\n", format(udp.local()).c_str());
+}
+
+void printInvitation(const RunOptions& options, const Models& models) {
+  printOpening(models, isRealDevice(options));
+  if (options.wait) {
+    std::printf("  Nothing moves until a page or a game arms. Ctrl-C ends.\n");
+  } else if (models.exercise) {
+    std::printf(
+        "  A virtual patient plays until somebody takes over in the browser. Ctrl-C ends.\n");
+  }
+}
+
+// The files of each session, under one number: recording, summary and report.
+class SessionResults {
+ public:
+  SessionResults(const RunOptions& options, Terminal& terminal)
+      : options_(options), terminal_(terminal) {}
+
+  // Runs while the next session may begin.
+  void add(const EndedSession& session, const DeviceModel& device) {
+    const std::string json = pathOfSession(options_.json, session.number);
+    if (!json.empty()) {
+      const RunSafety safety{session.transitions, session.rehearsal};
+      const auto summary = summaryJson(device, session.outcome, safety);
+      if (auto done = writeText(json, jsonText(summary)); !done) {
+        terminal_.say(format(done.errors()));
+        failed_ = true;
+      }
+    }
+    if (!options_.report.empty() && session.outcome.written > 0) {
+      reports_.push_back({session.record, pathOfSession(options_.report, session.number)});
+    }
+    terminal_.say(fmt::format("session {}: {:.2f} s{}{}", session.number,
+                              session.outcome.summary.time_s,
+                              session.outcome.faulted ? ", stopped by a fault" : "",
+                              session.outcome.written > 0 ? ", recorded " + session.record : ""));
+  }
+
+  // Writes the summary of the last session and the reports of all. @return the program's exit code
+  int conclude(const Models& models, const StationOutcome& outcome) {
+    if (!outcome.last) return exitCodeOf(false, outcome.interrupted);
+    const WaitingFor report("the report");
+    for (const auto& [recording, folder] : reports_) {
+      if (auto done = makeReport({recording, pageIn(folder)}); !done) {
+        refuse(done.errors());
+        failed_ = true;
+      }
+    }
+    RunOptions last = options_;
+    last.record = outcome.last->outcome.written > 0 ? outcome.last->record : "";
+    last.report = pathOfSession(options_.report, outcome.last->number);
+    RunOutcome ended = outcome.last->outcome;
+    ended.interrupted = outcome.interrupted;
+    printSummary(last, models, ended, {outcome.last->transitions, outcome.last->rehearsal});
+    if (failed_ && !outcome.faulted) return kExitBadInput;
+    return exitCodeOf(outcome.faulted, outcome.interrupted);
+  }
+
+ private:
+  struct Report {
+    std::string recording, folder;
+  };
+  const RunOptions& options_;
+  Terminal& terminal_;
+  std::vector<Report> reports_;
+  bool failed_ = false;
+};
+
+}  // namespace
+
+int playCommand(RunOptions options) {
+  if (!options.report.empty() && options.record.empty()) {
+    options.record = options.report + "/recording.h5";
+  }
+  if (Diagnostics faults = faultsOf(options); !faults.empty()) return refuse(faults);
+  if (auto pages = checkReportTemplate(); !pages && !options.report.empty()) {
+    return refuse(pages.errors());
+  }
+  auto certificate = certificateOf(options);
+  if (!certificate) return refuse(certificate.errors());
+  const InterruptScope interrupts;  // once the address is printed, Ctrl-C ends gently
+  Terminal terminal;
+  ReportChild reports;
+  ReplayChildren replays(ReplayChildren::Options{});
+  StationConfig config = stationConfig(options, terminal, reports);
+  config.rig.certificate = *certificate;
+  auto driver = useDriver(options, config, terminal);
+  if (!driver) return refuse(driver.errors());
+  const MakeDevice make_device = config.make_device;
+  SessionResults results(options, terminal);
+  const Station* of = nullptr;
+  config.ended = [&](const EndedSession& session) { results.add(session, of->models().device); };
+  Station station(std::move(config));
+  of = &station;
+  if (auto loaded = station.load(); !loaded) return refuse(loaded.errors());
+  if (auto fits = checkDevice(make_device, station.models().device); !fits) {
+    return refuse(fits.errors());
+  }
+
+  ControlsArbiter controls;
+  UdpBridge udp(station, controls);
+  ServerOptions server_options =
+      serverOptions(options, [&terminal](const std::string& text) { terminal.say(text); });
+  server_options.replay = [&replays](const std::string& path, const std::string& question) {
+    return replays.answer(path, question);
+  };
+  server_options.more_metrics = [&udp] { return udpMetricsText(udp.counters()); };
+  if (!options.udp.empty()) {
+    auto udp_options = udpOptions(options);
+    if (!udp_options) return refuse(udp_options.errors());
+    if (auto started = udp.start(*udp_options); !started) {
+      return refuse(ofOption(started.errors(), "--udp", options.udp));
+    }
+    server_options.udp = &udp;
+  }
+  auto server = Server::open(station, server_options, controls);
+  if (!server) return refuse(server.errors());
+  station.addSink([&udp](const TickRecord& record) { udp.publish(record); });
+  if (auto ready = prepareFiles({options.record, options.json}); !ready) {
+    return refuse(ready.errors());
+  }
+  station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
+  printDoors(options, **server, udp);
+  if (*driver) {
+    std::printf("  driver   %s, %zu axes%s\n", (*driver)->name().c_str(), (*driver)->axes().size(),
+                options.host.empty() ? "" : (", in " + (*driver)->where()).c_str());
+  }
+  printInvitation(options, station.models());
+  if (options.without_passport) warnOfNoPassport(terminal);
+  terminal.begin(station.models().device);
+  Expected<StationOutcome> outcome = station.run(!options.wait, options.duration_s);
+  terminal.end();
+  {
+    const WaitingFor disk("the disk: files that pages have asked for");
+    reports.end();
+    replays.end();
+    udp.stop();
+    server->reset();
+  }
+  if (!outcome) return refuse(outcome.errors());
+  return results.conclude(station.models(), *outcome);
+}
+
+}  // namespace wholehand

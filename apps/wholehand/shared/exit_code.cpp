@@ -1,0 +1,30 @@
+#include "apps/wholehand/shared/exit_code.hpp"
+
+#include <cstdio>
+
+namespace wholehand {
+
+int exitCodeOf(bool faulted, bool interrupted) {
+  if (faulted) return kExitFault;
+  return interrupted ? kExitInterrupted : kExitDone;
+}
+
+int refuse(const Diagnostics& errors) {
+  for (const Diagnostic& error : errors) {
+    std::fprintf(stderr, "wholehand: %s\n", format(error).c_str());
+  }
+  return kExitBadInput;
+}
+
+int tellNotShown(const Diagnostics& not_shown) {
+  if (not_shown.empty()) return kExitDone;
+  refuse(not_shown);
+  return kExitNotWhole;
+}
+
+int sayInterrupted() {
+  std::printf("\nInterrupted: no results were written\n");
+  return kExitInterrupted;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,62 @@
+#include "apps/wholehand/shared/shipped_files.hpp"
+
+#include "apps/wholehand/shared/exit_code.hpp"
+#include "core/printable.hpp"
+#include "model/device_model.hpp"
+
+#include <filesystem>
+
+namespace wholehand {
+namespace fs = std::filesystem;
+
+std::string shippedFile(const std::string& relative) {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (fs::path folder = program.parent_path(); !folder.empty(); folder = folder.parent_path()) {
+    for (const fs::path& share : {folder, folder / "share" / "wholehand"}) {
+      const fs::path file = share / relative;
+      if (!fs::exists(file, error)) continue;
+      // The same file: the short path is easier to read.
+      return fs::equivalent(relative, file, error) ? relative : file.string();
+    }
+    if (folder == folder.root_path()) break;
+  }
+  return relative;
+}
+
+Expected<std::string> renderingFor(const std::string& device_file) {
+  const fs::path device = device_file;
+  const fs::path beside = device.parent_path().parent_path() / "rendering" / device.filename();
+  std::error_code error;
+  if (fs::exists(beside, error)) return beside.string();
+  const std::string shipped =
+      shippedFile((fs::path("config/rendering") / device.filename()).string());
+  // Without the device file, its absence is the error to report.
+  if (fs::exists(shipped, error) || !fs::exists(device, error)) return shipped;
+  // No gains exist for a file that is not a valid device.
+  if (auto described = loadDeviceFile(device_file); !described) return described.errors();
+  return Diagnostic{
+      device_file,
+      0,
+      "",
+      "",
+      "no gains are known for this device",
+      "give --rendering FILE, or put them at " + printable(beside.lexically_normal().string())};
+}
+
+bool findGains(const std::string& device, std::string& rendering, int& code) {
+  auto found = renderingFor(device);
+  if (found) {
+    rendering = *found;
+  } else {
+    code = refuse(found.errors());
+  }
+  return found.ok();
+}
+
+std::string exerciseFile(const std::string& exercise) {
+  const bool is_path = exercise.find('/') != std::string::npos || exercise.ends_with(".toml");
+  return is_path ? exercise : shippedFile("config/exercises") + "/" + exercise + ".toml";
+}
+
+}  // namespace wholehand

@@ -1,0 +1,81 @@
+#include "apps/wholehand/shared/exit_code.hpp"
+#include "apps/wholehand/shared/shipped_files.hpp"
+#include "apps/wholehand/validate/validate_command.hpp"
+#include "assembly/admission.hpp"
+#include "assembly/rehearsal.hpp"
+#include "core/printable.hpp"
+#include "model/toml/toml_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace wholehand {
+namespace {
+
+/// The first names, and how many more.
+std::string listOf(const std::vector<std::string>& names) {
+  constexpr std::size_t kNamed = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) {
+    text += (i > 0 ? ", " : "") + printable(names[i]);
+  }
+  if (names.size() > kNamed) text += fmt::format(" and {} more", names.size() - kNamed);
+  return text;
+}
+
+/// @param too_slow of the bodies of a game, if they are
+void print(const Admission& a, const AdmitOptions& options, const Diagnostic& too_slow) {
+  std::printf("%s: %s at %.0f Hz with %s\n  %s\n", printable(options.scene).c_str(),
+              a.admitted ? "admitted" : "not admitted", options.rate_hz, options.engine.c_str(),
+              describe(a.measured).c_str());
+  if (a.pool) std::printf("  %s\n", describe(a.pool->measured).c_str());
+  if (a.admitted) return;
+  if (a.pool) {
+    std::printf("  %s\n", format(Diagnostics{too_slow}).c_str());
+    return;
+  }
+  if (a.remove.empty()) {
+    std::printf(
+        "  No body that could be removed is enough: use a slower rate, or a faster machine.\n");
+    return;
+  }
+  std::printf("  Remove %zu %s: %s\n  then %s\n", a.remove.size(),
+              a.remove.size() == 1 ? "body" : "bodies", listOf(a.remove).c_str(),
+              describe(a.without).c_str());
+}
+
+}  // namespace
+
+int admitCommand(const AdmitOptions& options) {
+  ModelFiles files;
+  const auto kind = fileKind(options.scene);
+  if (!kind) return refuse(kind.errors());
+  if (*kind == "exercise") {
+    files.scene.clear();
+    files.exercise = options.scene;
+  } else {
+    files.scene = options.scene;
+  }
+  files.hand = options.hand;
+  files.device = options.device;
+  files.rendering = options.rendering;
+  files.patient = shippedFile(files.patient);
+  auto models = loadModels(files);
+  if (!models) return refuse(models.errors());
+  RigOptions rig;
+  rig.period_s = 1.0 / options.rate_hz;
+  rig.engine = options.engine;
+  const auto admission = admit(*models, rig, {}, [](const std::string& what) {
+    std::printf("measuring %s\n", what.c_str());
+    std::fflush(stdout);
+  });
+  if (!admission) return refuse(admission.errors());
+  const Diagnostic too_slow =
+      admission->pool ? poolTooSlow(*admission->pool, *models) : Diagnostic{};
+  print(*admission, options, too_slow);
+  return admission->admitted ? kExitDone : kExitNotFit;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "assembly/engines.hpp"
+
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Checks files and prints every fault of each. A rendering or patient file is checked against the
+/// device file of the same name, else against the shipped device that it fits. Returns the exit
+/// code.
+int validateCommand(const std::vector<std::string>& files);
+
+struct AdmitOptions {
+  std::string scene;  ///< a scene file, or an exercise file: its scene, and the bodies of its game
+  std::string hand, device;
+  std::string rendering;  ///< empty: what goes with the device
+  std::string engine = defaultEngine();
+  double rate_hz = 1000.0;
+};
+
+/// Measures a scene's tick on this machine and says whether it is admitted at the rate, and what to
+/// remove where it is not. Returns the program's exit code.
+int admitCommand(const AdmitOptions& options);
+
+}  // namespace wholehand
