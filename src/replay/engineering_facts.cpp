@@ -1,6 +1,6 @@
 #include "replay/engineering_facts.hpp"
 
-#include "replay/embedded_name.hpp"
+#include "replay/recorded_scene.hpp"
 
 #include <algorithm>
 #include <cstddef>

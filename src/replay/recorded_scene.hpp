@@ -8,6 +8,10 @@
 
 namespace wholehand {
 
+/// Name stated in the embedded file of a kind ("device", "hand", "scene" ...), e.g. "lambda-pride";
+/// empty when there is none.
+[[nodiscard]] std::string embeddedName(const RecordingMeta& meta, const std::string& kind);
+
 /// Session number of all replayed states and their scene.
 inline constexpr std::uint32_t kReplayedSession = 1;
 
@@ -18,5 +22,13 @@ inline constexpr std::uint32_t kReplayedSession = 1;
 
 /// Loop status of a tick, as far as the record tells.
 [[nodiscard]] LoopStatus recordedStatus(const TickRecord& record);
+
+/// Description of a recording, which a page requests first, as JSON: docs/protocol.md.
+/// @param facts of its scene; unknown ones are empty
+/// @param no_picture_because reason; empty: there is a picture
+/// @pre the recording holds ticks
+[[nodiscard]] std::string replayAbout(const ViewedRecording& viewed, const std::string& name,
+                                      bool still_written, const SceneFacts& facts,
+                                      const std::string& no_picture_because);
 
 }  // namespace wholehand

@@ -3,9 +3,8 @@
 #include "page/page_file.hpp"
 #include "replay/engineering_facts.hpp"
 #include "replay/recorded_scene.hpp"
-#include "replay/replay_about.hpp"
+#include "replay/recording_series.hpp"
 #include "replay/replayed_bodies.hpp"
-#include "replay/series_collector.hpp"
 #include "replay/therapy_facts.hpp"
 #include "server/wire.hpp"
 #include "telemetry/black_box_reader.hpp"
@@ -32,10 +31,10 @@ using Json = nlohmann::json;
 constexpr int kVersion = 1;
 constexpr std::uint64_t kTicksBetweenProgress = 10'000;
 /// Limits that keep a page below 2 MB: states before packing, and afterwards.
-constexpr std::uint64_t kMostStates = 1'500;
+constexpr std::uint64_t kMostShownStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
 constexpr std::size_t kMostSeries_bytes = 360'000, kMostBodies_bytes = 300'000;
-constexpr int kMostColumns = 800, kFewestColumns = 100;
+constexpr int kMostShownColumns = 800, kFewestColumns = 100;
 
 /// Datasets that a report does not need.
 const LeftOut kLeftOut = {{"digest", "patient_effort", "tank"}, {}};
@@ -64,7 +63,7 @@ class StateSample {
       : encoder_(std::move(facts)),
         last_(size - 1),
         inserted_(last_),
-        step_(detail == Detail::kAll ? 1 + (size - 1) / kMostStates : size) {}
+        step_(detail == Detail::kAll ? 1 + (size - 1) / kMostShownStates : size) {}
 
   [[nodiscard]] const std::vector<std::uint64_t>& rows() const { return rows_; }
   [[nodiscard]] bool wants(std::uint64_t row) const { return row % step_ == 0 || row == last_; }
@@ -139,7 +138,7 @@ SeriesQuestion wholeOf(const ViewedRecording& viewed, Detail detail) {
   whole.from_s = time_s(viewed.reader->outline().numbers.front());
   whole.to_s = time_s(viewed.last_tick + 1);
   const double ticks = (whole.to_s - whole.from_s) / meta.period_s;
-  whole.columns = std::clamp(fitting, kFewestColumns, kMostColumns);
+  whole.columns = std::clamp(fitting, kFewestColumns, kMostShownColumns);
   if (detail == Detail::kFigures) whole.columns = 1;
   if (ticks < whole.columns) whole.columns = std::max(1, static_cast<int>(std::lround(ticks)));
   return whole;

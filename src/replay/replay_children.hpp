@@ -2,7 +2,7 @@
 
 #include "process/child_process.hpp"
 #include "replay/replay_question.hpp"
-#include "server/replay_service.hpp"
+#include "server/backend.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -14,6 +14,20 @@
 #include <string>
 
 namespace wholehand {
+
+/// Header of each answer that the reader process writes to its standard output.
+struct AnswerHead {
+  static constexpr std::uint32_t kMark = 0x31415257;  ///< "WRA1"
+  std::uint32_t mark = kMark;
+  std::uint16_t status = 200;
+  std::uint16_t is_json = 1;
+  std::uint64_t bytes = 0;  ///< size of the body that follows
+};
+static_assert(sizeof(AnswerHead) == 16);
+
+/// Main loop of the reader process: opens the recording and answers one question per line of
+/// standard input, until its end. When the file is refused, every answer is the refusal.
+void answerQuestions(const std::string& recording_path);
 
 /// Answers pages' questions about recordings in child processes: HDF5 may be writing in this
 /// process, and an untrusted file may crash its reader. Each recording has two children, so that a

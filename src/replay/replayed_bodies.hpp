@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/game_orders.hpp"
+#include "server/backend.hpp"
 #include "telemetry/recording.hpp"
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace wholehand {
 
-/// Bodies of a game in a recording, as live clients were told of them: for each change the row
+/// Bodies of a game in a recording, as reported to live clients: for each change the row
 /// (uint32), the length (uint32) and a message with GameBodies. Empty for scenes that take none;
 /// at most 20,000 changes. Ticks that cannot be read are passed over.
 [[nodiscard]] std::string gameBodiesOf(RecordingReader& recording);

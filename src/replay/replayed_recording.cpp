@@ -2,9 +2,7 @@
 
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
-#include "replay/replay_about.hpp"
 #include "replay/replayed_bodies.hpp"
-#include "replay/series_channels.hpp"
 #include "telemetry/black_box_reader.hpp"
 #include "telemetry/disk_reserve.hpp"
 

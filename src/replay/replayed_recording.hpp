@@ -3,7 +3,6 @@
 #include "core/expected.hpp"
 #include "replay/replay_question.hpp"
 #include "server/backend.hpp"
-#include "server/replay_service.hpp"
 #include "server/wire.hpp"
 #include "telemetry/recording.hpp"
 

@@ -4,14 +4,21 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace wholehand {
+
 namespace {
 
 using Json = nlohmann::json;
+
+/// Shortest grip, and the time in which its force rises and falls.
+constexpr double kShortest_s = 1.0, kRise_s = 0.25;
+/// Longest gap within one touch, and the length of a body's step that is solver jitter.
+constexpr double kBridge_s = 0.2, kJitter_m = 1e-3;
 
 constexpr double kEmptyBelow_m = -8.0;  ///< where empty slots of a game are; a body is within 5 m
 /// Exercise value that is the grip force [N].
@@ -19,7 +26,7 @@ constexpr const char* kSqueeze = "squeeze_n";
 /// Interval of recorded changes: a limit ramps over many ticks.
 constexpr double kBetweenChanges_s = 0.1;
 /// A page holds so many of an axis; of more, closer ones are left out, never the last.
-constexpr std::size_t kMostChanges = 2'000;
+constexpr std::size_t kMostLimitChanges = 2'000;
 /// A page draws so many; its sums are over all.
 constexpr std::size_t kMostTouches = 1'000, kMostRuns = 1'000;
 
@@ -42,6 +49,72 @@ struct Grasp {
 };
 
 }  // namespace
+
+void GripLog::add(double time_s, double force_n, const MovedTime& before, const MovedTime& now) {
+  if (!(force_n >= kLeastGrip_n)) return end();
+  if (!gripping_) {
+    gripping_ = true;
+    grip_ = Grip{};
+    grip_.from_s = time_s;
+    begin_ = before;
+    count_ = mean_n_ = squares_n2_ = 0.0;
+  }
+  grip_.to_s = time_s;
+  grip_.moved = now - begin_;
+  grip_.largest_n = std::max(grip_.largest_n, force_n);
+  if (time_s - grip_.from_s >= kRise_s) waiting_.push_back({time_s, force_n});
+  while (!waiting_.empty() && time_s - waiting_.front().time_s >= kRise_s) {
+    count(waiting_.front().force_n);
+    waiting_.pop_front();
+  }
+}
+
+void GripLog::count(double force_n) {
+  count_ += 1.0;
+  const double off_n = force_n - mean_n_;
+  mean_n_ += off_n / count_;
+  squares_n2_ += off_n * (force_n - mean_n_);
+}
+
+void GripLog::end() {
+  if (!gripping_) return;
+  gripping_ = false;
+  waiting_.clear();
+  if (grip_.to_s - grip_.from_s < kShortest_s) return;
+  grip_.mean_n = mean_n_;
+  grip_.deviation_n = count_ > 0.0 ? std::sqrt(squares_n2_ / count_) : 0.0;
+  grips_.push_back(grip_);
+}
+
+std::vector<Touch> BodyStory::persons() const {
+  std::vector<Touch> out;
+  std::copy_if(touches.begin(), touches.end(), std::back_inserter(out),
+               [](const Touch& touch) { return touch.moved.isPersons(); });
+  return out;
+}
+
+void TouchLog::contact(const BodyContact& contact, const MovedTime& before, const MovedTime& now) {
+  std::vector<Touch>& touches = story_.touches;
+  if (touches.empty() || contact.time_s - touches.back().to_s > kBridge_s) {
+    touches.push_back({body_, contact.time_s, contact.time_s, 0.0, 0.0, {}});
+    begin_ = before;
+  }
+  Touch& touch = touches.back();
+  touch.to_s = contact.time_s + contact.duration_s;
+  touch.largest_force_n = std::max(touch.largest_force_n, contact.force_n);
+  if (contact.held) touch.held_s += contact.duration_s;
+  touch.moved = now - begin_;
+}
+
+void TouchLog::position(const Eigen::Vector3d& position_m, bool person) {
+  if (!position_m.allFinite()) return;
+  if (!here_) anchor_m_ = position_m;
+  seen_ = here_ = true;
+  const double step_m = (position_m - anchor_m_).norm();
+  if (step_m < kJitter_m) return;
+  if (person) story_.travelled_m += step_m;
+  anchor_m_ = position_m;
+}
 
 TherapyFacts::TherapyFacts(const RecordingMeta& meta)
     : meta_(meta), parts_(meta), limits_(meta.axis_names.size()) {
@@ -138,7 +211,7 @@ void TherapyFacts::Limits::add(double time_s, double value) {
     return;
   }
   changes.push_back({time_s, value});
-  while (changes.size() > kMostChanges) {
+  while (changes.size() > kMostLimitChanges) {
     between_s *= 2.0;
     std::vector<Change> kept;
     for (const Change& change : changes) {

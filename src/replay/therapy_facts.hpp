@@ -1,18 +1,106 @@
 #pragma once
 
 #include "core/tick_record.hpp"
-#include "replay/grip_log.hpp"
 #include "replay/moved_time.hpp"
 #include "replay/part_log.hpp"
-#include "replay/touch_log.hpp"
 #include "telemetry/recording.hpp"
 
+#include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <deque>
+#include <string>
 #include <vector>
 
 namespace wholehand {
+
+/// A smaller grip force counts as a touch only.
+inline constexpr double kLeastGrip_n = 1.0;
+
+/// An interval of at least one second in which the grip force was at least kLeastGrip_n.
+struct Grip {
+  double from_s = 0.0, to_s = 0.0;
+  /// Mean and standard deviation of the grip force, without the first and last quarter of a second,
+  /// in which it rises and falls.
+  double mean_n = 0.0, deviation_n = 0.0;
+  double largest_n = 0.0;
+  MovedTime moved;
+};
+
+/// Finds the grips in a recording.
+class GripLog {
+ public:
+  /// Adds a tick. @param before time moved before it @param now the same with it
+  void add(double time_s, double force_n, const MovedTime& before, const MovedTime& now);
+  /// Ends the current grip, where ticks are missing.
+  void end();
+  /// Grips that have ended; each lasts a second at least, so that a day has 86,400 at most.
+  [[nodiscard]] const std::vector<Grip>& grips() const { return grips_; }
+
+ private:
+  struct Sample {
+    double time_s, force_n;
+  };
+  void count(double force_n);
+
+  std::vector<Grip> grips_;
+  std::deque<Sample> waiting_;  ///< samples of the last quarter of a second
+  Grip grip_;
+  MovedTime begin_;
+  bool gripping_ = false;
+  double count_ = 0.0, mean_n_ = 0.0, squares_n2_ = 0.0;  ///< of accepted samples (Welford)
+};
+
+/// An interval in which the hand touched a body; gaps shorter than 0.2 s are bridged.
+struct Touch {
+  int body = 0;
+  double from_s = 0.0, to_s = 0.0;
+  double largest_force_n = 0.0;  ///< sum of the contact forces' magnitudes
+  double held_s = 0.0;           ///< time with fingers on one side and thumb or palm on the other
+  MovedTime moved;
+};
+
+/// One tick of a hand and a body.
+struct BodyContact {
+  double time_s = 0.0, duration_s = 0.0;
+  double force_n = 0.0;  ///< sum of the contact forces' magnitudes
+  bool held = false;
+};
+
+/// The hand's interaction with one body.
+struct BodyStory {
+  std::string name;
+  std::vector<Touch> touches;
+  /// Length of its path while the person moved the hand, steps under 1 mm (solver jitter) left out.
+  double travelled_m = 0.0;
+
+  /// The person's touches (moved_time.hpp).
+  [[nodiscard]] std::vector<Touch> persons() const;
+};
+
+/// Follows one body through a recording.
+class TouchLog {
+ public:
+  TouchLog(int body, std::string name) : body_(body) { story_.name = std::move(name); }
+
+  /// Adds a tick in which the hand touches the body. @param before time moved before it @param now
+  /// the same with it
+  void contact(const BodyContact& contact, const MovedTime& before, const MovedTime& now);
+  /// Adds the body's position of a tick. @param person the person moves the hand in it
+  void position(const Eigen::Vector3d& position_m, bool person);
+  /// A slot of a game is empty: where the next body appears is no way.
+  void leave() { here_ = false; }
+  [[nodiscard]] bool wasThere() const { return seen_; }
+  [[nodiscard]] const BodyStory& story() const { return story_; }
+
+ private:
+  int body_;
+  BodyStory story_;
+  MovedTime begin_;  ///< of the last touch
+  bool seen_ = false, here_ = false;
+  Eigen::Vector3d anchor_m_ = Eigen::Vector3d::Zero();
+};
 
 /// The strongest contact: sum of the contact forces' magnitudes in a tick.
 struct StrongestContact {

@@ -1,14 +1,13 @@
 #pragma once
 
 #include "core/axis_array.hpp"
+#include "core/body_order.hpp"
 #include "core/command.hpp"
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
 #include "model/exercise_panel.hpp"
 #include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
-#include "server/game_orders.hpp"
-#include "server/refusal.hpp"
 
 #include <array>
 #include <atomic>
@@ -18,9 +17,114 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
+
+/// Why an order was refused, for clients to translate. Same order as protocol Refusal; new ones go
+/// at the end.
+enum class Refusal : std::uint8_t {
+  kNone,          ///< accepted
+  kOther,         ///< see the reason
+  kUnreadable,    ///< not a message, too large, or not one that a client may send
+  kOtherVersion,  ///< another schema version
+  kReplayed,      ///< command number did not increase
+  kTooMany,       ///< rate or queue limit exceeded
+  kControlsHeld,  ///< another client holds the controls
+  kNotHolder,     ///< this client does not hold the controls
+  kWrongToken,
+  kNothingArmed,
+  kArmedAlready,
+  kStillStopping,  ///< still ramping to neutral
+  kStopCame,       ///< a stop came during arming
+  kUnknownParameter,
+  kOutOfRange,
+  kNotAPosture,  ///< an aim with other axes, or with NaN
+  kUnknownExercise,
+  kUnknownHand,
+  kCannotLoad,  ///< the reason lists the faults of the file
+  kNotStable,   ///< the stability certificate fails
+  kRehearsalFailed,
+  kCannotStart,      ///< device not ready, or recording cannot be written
+  kFailed,           ///< unexpected failure
+  kEnding,           ///< the program is ending
+  kStopNotSeen,      ///< a stop or fault followed the state that the order to arm was based on
+  kTherapistOnly,    ///< a player asked
+  kTherapistPaused,  ///< a therapist paused the exercise and must resume it
+  kOnlyWatches,      ///< a watcher asked
+  kUnknownProfile,
+  kOtherProfile,   ///< made for another device or hand
+  kNotHere,        ///< commissioning order without a commissioning, or the reverse
+  kNotAsked,       ///< answers a question that is not the current one
+  kBodiesRefused,  ///< OrderReply::items names what was refused; the rest was handed to the loop
+  kBusy,           ///< no room in the loop's queue; nothing of the message was handed over
+  kNoBodies,       ///< the scene takes no bodies of a game
+  kWaitedTooLong,  ///< the order waited too long behind other orders
+  kRefusedBefore   ///< an earlier order of this client, on which this one builds, was refused
+};
+
+/// An item of an order to bodies that was refused.
+struct RefusedItem {
+  int item = 0;   ///< index in the message
+  int slot = -1;  ///< -1: an item without one
+  OrderRefusal refusal = OrderRefusal::kNone;
+  std::string reason;  ///< for people, in English
+};
+
+struct OrderReply {
+  bool accepted = false;
+  std::string reason;  ///< for people, in English; empty when accepted
+  Refusal refusal = accepted ? Refusal::kNone : Refusal::kOther;
+  std::vector<RefusedItem> items = {};  ///< of kBodiesRefused
+};
+
+inline OrderReply refused(Refusal refusal, std::string reason) {
+  return {false, std::move(reason), refusal, {}};
+}
+
+// Bodies of a game, as clients order them and as they are reported to clients
+// (docs/adr/0043-bodies-of-a-game.md). SI units; positions are those of the centre of mass.
+
+/// Most items of one message: one for each slot.
+inline constexpr int kMostBodyItems = kMaxSlots;
+/// Largest generation: the value of an event, a float, holds it exactly.
+inline constexpr int kMostGeneration = (1 << 24) - 1;
+
+/// What one message orders. Its counts are verified; no number is.
+struct BodyOrders {
+  int shape_set = -1;               ///< of `pieces`; -1: a message without shapes
+  std::vector<Shape> pieces;        ///< as the game gave them
+  std::vector<Command> commands;    ///< one an item, in the order of the message
+  std::vector<RefusedItem> faults;  ///< found while the message was read
+};
+
+/// Shapes of a game's bodies, for pictures.
+struct GameShapes {
+  std::uint32_t id = 0;                             ///< unique while the program runs; > 0
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();  ///< in the frame of `pieces`
+  std::vector<Shape> pieces;                        ///< as the game gave them
+  double radius_m = 0.0;                            ///< of a ball about com_m that holds them
+};
+
+/// A body of a game that is in the world.
+struct GameBody {
+  int slot = 0;
+  int generation = 0;
+  SlotState state = SlotState::kGhost;
+  std::shared_ptr<const GameShapes> shapes;
+};
+
+/// All bodies of a game that are in the world, in the order of their slots.
+using GameBodies = std::vector<GameBody>;
+
+/// A body beyond the slots of the loop, or one of those that has a slot.
+struct ShownBody {
+  RegisteredBody body;
+  std::shared_ptr<const GameShapes> shapes;
+};
+/// All registered bodies, by number.
+using RegisteredBodies = std::vector<ShownBody>;
 
 /// State of the loop as clients see it. Same order as protocol RunState; kRampingDown is its
 /// Stopping.
@@ -196,5 +300,72 @@ class ServerBackend {
   /// with a reason in `why` when it cannot be made.
   [[nodiscard]] virtual std::string reportFolder(const std::string& name, std::string& why) = 0;
 };
+
+/// State of a device's commissioning as clients see it (protocol Commissioning, enums in its
+/// order). Immutable once published; every change publishes a new one.
+struct CommissioningFacts {
+  enum class StepState : std::uint8_t { kWaiting, kUnderWay, kDone, kFailed };
+  enum class Asked : std::uint8_t {
+    kNothing,
+    kThisDevice,
+    kNobodyAttached,
+    kPushAway,
+    kTravel,
+    kKnownForce,
+    kEmergencyStop,
+    kNextStep
+  };
+  enum class Motion : std::uint8_t {
+    kHoming,
+    kPush,
+    kCarry,
+    kDrive,
+    kMeasure,
+    kWatchdog,
+    kEmergencyStop
+  };
+  enum class MotionState : std::uint8_t { kAwaitsKey, kMoves, kOver };
+
+  struct Finding {
+    std::string axis, quantity, unit;
+    double lower = 0.0, upper = 0.0;
+  };
+  struct Step {
+    std::string name;
+    StepState state = StepState::kWaiting;
+    std::vector<Finding> findings;
+    std::string problem, remedy;  ///< kFailed
+  };
+
+  std::string device, driver, serial, firmware, operator_name;
+  std::vector<Step> steps;
+
+  std::uint32_t question = 0;  ///< number of the question, from 1
+  Asked asked = Asked::kNothing;
+  std::string axis, unit;  ///< of the question or of the motion
+  double lower = 0.0, upper = 0.0;
+  std::string next;  ///< step that follows kNextStep
+  std::string note;  ///< why the last answer was refused
+
+  Motion motion = Motion::kHoming;
+  MotionState motion_state = MotionState::kOver;
+  double motion_s = 0.0;  ///< 0: unknown
+
+  std::string passport;   ///< file; empty: none yet
+  std::string recording;  ///< file; empty: none
+  bool daily = false;     ///< a daily check
+};
+
+/// Answer to a page that replays a recording.
+struct ReplayAnswer {
+  int status = 200;
+  std::string content_type = "application/json";
+  std::string body;
+};
+
+/// Answers a question ("about", "scene", "states?tick=0&count=1&step=1", "series?...") about the
+/// recording at a path. Waits for the disk. Called from several threads at a time; must not throw.
+using ReplayService =
+    std::function<ReplayAnswer(const std::string& path, const std::string& question)>;
 
 }  // namespace wholehand

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -33,6 +34,82 @@ bool sameState(const LoopStatus& a, const LoopStatus& b) {
   return a.session == b.session && a.endings == b.endings && a.run_state == b.run_state &&
          a.steering == b.steering && a.latched == b.latched && a.rested == b.rested &&
          a.rehearsed_ticks == b.rehearsed_ticks && a.parameters == b.parameters;
+}
+
+/// Line of a game without a WebSocket: it sees the results of its orders in the states.
+class SilentLine final : public ClientLine {
+ public:
+  void deliver(SharedBytes) override {}
+  [[nodiscard]] bool offer(SharedBytes, std::int64_t) override { return true; }
+  [[nodiscard]] std::size_t waiting() const override { return 0; }
+  [[nodiscard]] std::int64_t writingSince_ns() const override { return 0; }
+  [[nodiscard]] std::string address() const override { return "udp"; }
+  void close(const std::string&) override {}
+  void cut() override {}
+};
+
+using Shapes = std::vector<std::shared_ptr<const GameShapes>>;
+
+/// Null: none.
+template <class Bodies>
+const Bodies& orNone(const std::shared_ptr<const Bodies>& bodies) {
+  static const Bodies kNone;
+  return bodies ? *bodies : kNone;
+}
+
+bool byId(const std::shared_ptr<const GameShapes>& a, const std::shared_ptr<const GameShapes>& b) {
+  return a->id < b->id;
+}
+
+/// Shapes of the bodies, each once.
+template <class Bodies>
+Shapes shapesOf(const Bodies& bodies) {
+  Shapes out;
+  for (const auto& body : bodies) out.push_back(body.shapes);
+  std::sort(out.begin(), out.end(), byId);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+/// Adds those of `now` that are neither in `before` nor there yet.
+void addNew(const Shapes& now, const Shapes& before, Shapes& out) {
+  for (const auto& shapes : now) {
+    const bool known = std::binary_search(before.begin(), before.end(), shapes, byId);
+    if (!known && std::find(out.begin(), out.end(), shapes) == out.end()) out.push_back(shapes);
+  }
+}
+
+bool same(const ShownBody& a, const ShownBody& b) {
+  const auto place_of = [](const ShownBody& shown) {
+    const Vec3& p = shown.body.pose.position_m;
+    const QuatXyzw& q = shown.body.pose.orientation_xyzw;
+    return std::array{p.x, p.y, p.z, q.x, q.y, q.z, q.w};
+  };
+  if (a.shapes != b.shapes || a.body.generation != b.body.generation ||
+      a.body.slot != b.body.slot || a.body.whereabouts != b.body.whereabouts) {
+    return false;
+  }
+  return a.body.slot >= 0 || place_of(a) == place_of(b);  // in a slot, states have the pose
+}
+
+/// What changed: both are sorted by number.
+RegisteredBodies changesOf(const RegisteredBodies& before, const RegisteredBodies& now) {
+  RegisteredBodies out;
+  auto was = before.begin();
+  const auto gone_below = [&](int number) {
+    for (; was != before.end() && was->body.number < number; ++was) {
+      out.push_back({was->body, nullptr});
+      out.back().body.slot = -1;
+    }
+  };
+  for (const ShownBody& shown : now) {
+    gone_below(shown.body.number);
+    const bool known = was != before.end() && was->body.number == shown.body.number;
+    if (!known || !same(*was, shown)) out.push_back(shown);
+    if (known) ++was;
+  }
+  gone_below(kLastNumber + 1);
+  return out;
 }
 
 }  // namespace
@@ -379,6 +456,191 @@ void Clients::dropSlow(std::int64_t now_ns) {
     clients_.at(number).line->cut();
     leave(number, now_ns);
   }
+}
+
+// Permission of orders, and steering.
+
+bool Clients::led() const {
+  return std::any_of(clients_.begin(), clients_.end(),
+                     [](const auto& c) { return c.second.role == Role::kTherapist; });
+}
+
+Role Clients::roleOf(std::uint32_t client) const {
+  const auto found = clients_.find(client);
+  return found == clients_.end() ? Role::kUnsaid : found->second.role;
+}
+
+Standing Clients::standingOf(std::uint32_t client, const Order& order,
+                             const LoopStatus& status) const {
+  Standing now;
+  now.holds = desk_.holds(client);
+  now.led = led();
+  now.moves_person = status.device.has_value();
+  now.own_rest = status.rested && resting_ == client && order.endings_seen == status.endings;
+  now.therapist_paused = paused_in_ == status.session;
+  now.run_state = status.run_state;
+  return now;
+}
+
+void Clients::obeyOrder(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  // Aims of a cursor or stick are frequent; all they need for judging is at hand.
+  const bool aim = m.order.type == OrderType::kAim;
+  const LoopStatus status = aim ? LoopStatus{} : backend_.status();
+  const OrderReply may =
+      mayOrder(entry->second.role, m.order,
+               aim ? Standing{desk_.holds(client)} : standingOf(client, m.order, status));
+  if (!may.accepted) {
+    const char* counter = may.refusal == Refusal::kNotHolder ? "not_holder" : "role";
+    return refuse(entry, m.id, counter, may, now_ns);
+  }
+  Order order = m.order;
+  // Without the controls a rest is a plain stop, but for one that is repeated.
+  order.rest = order.rest && (desk_.holds(client) || status.rested);
+  noteOrder(entry, order, status, now_ns);
+  forward(entry, m.id, std::move(order));
+  if (m.order.type == OrderType::kEmergencyStop) {
+    log_.write(fmt::format("client {}: emergency stop", client), now_ns);
+  }
+}
+
+void Clients::noteOrder(Entry entry, const Order& order, const LoopStatus& status,
+                        std::int64_t now_ns) {
+  desk_.attend(now_ns);
+  const bool therapist = entry->second.role == Role::kTherapist;
+  if (order.type == OrderType::kAction) {
+    paused_in_.reset();
+    if (therapist && order.action == ExerciseAction::kPause) paused_in_ = status.session;
+  }
+  // The right to go on stays with whoever rested first.
+  if (order.type == OrderType::kStop && order.rest && !status.rested) {
+    resting_ = entry->first;
+    log_.write(fmt::format("client {} rests", entry->first), now_ns);
+  }
+  // The one who starts it declares it alive: the effort that faded with a lost holder returns.
+  if (order.type != OrderType::kArm || !therapist || desk_.held()) return;
+  if (desk_.take(entry->first, now_ns).empty()) (void)desk_.release(entry->first);
+  followControls(now_ns);
+}
+
+std::string Clients::takeControls(Entry entry, std::int64_t now_ns) {
+  if (entry->second.role != Role::kTherapist) return desk_.take(entry->first, now_ns);
+  desk_.takeOver(entry->first, now_ns);
+  return {};
+}
+
+void Clients::changeHands(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  const bool take = m.type == wire::ClientMessageType::kTakeControls;
+  if (entry->second.role == Role::kWatcher) {
+    return refuse(entry, m.id, "role", refused(Refusal::kOnlyWatches, "this client only watches"),
+                  now_ns);
+  }
+  // A connected client has shown its token already; a wrong one here is an error to report.
+  if (take && !m.token.empty() && !access_.tokenMatches(m.token)) {
+    refuse(entry, m.id, "token", refused(Refusal::kWrongToken, "the token is wrong"), now_ns);
+    return;
+  }
+  const std::string why = take ? takeControls(entry, now_ns) : desk_.release(client);
+  if (!why.empty()) {
+    refuse(entry, m.id, take ? "controls_held" : "not_holder",
+           refused(take ? Refusal::kControlsHeld : Refusal::kNotHolder, why), now_ns);
+    return;
+  }
+  log_.write(fmt::format("client {} ({}) {} the controls", client, nameOf(entry->second.role),
+                         take ? "takes" : "gives back"),
+             now_ns);
+  entry->second.line->deliver(
+      std::make_shared<const wire::Bytes>(wire::replyMessage(m.id, {true, ""})));
+}
+
+// A player steers only while the loop renders: at a stop it loses the controls, and takes them
+// again by a press.
+void Clients::followEndings(const LoopStatus& status, std::int64_t now_ns) {
+  const bool ended = endings_ != 0 && status.endings != endings_;
+  endings_ = status.endings;
+  if (!ended || roleOf(desk_.holder()) != Role::kPlayer) return;
+  log_.write(fmt::format("client {} gives back the controls: it was stopped", desk_.holder()),
+             now_ns);
+  (void)desk_.release(desk_.holder());
+  followControls(now_ns);
+}
+
+// Clients' messages by datagram: docs/udp.md.
+
+void Clients::joinStandalone() {
+  if (udp_ == nullptr || !udp_->awaitsStandalone()) return;
+  standalone_ = controls_.newClient();
+  clients_[standalone_].line = std::make_shared<SilentLine>();
+  udp_->admitStandalone(standalone_);
+}
+
+void Clients::heardDatagram(std::uint32_t client, const wire::ClientMessage& m,
+                            std::int64_t now_ns) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  if (m.type == wire::ClientMessageType::kOrder && m.order.type == OrderType::kAim) {
+    desk_.heard(client, now_ns);
+    aim(entry, m, now_ns);
+  } else {
+    obey(entry, m, now_ns);
+  }
+  followControls(now_ns);
+}
+
+// Aims arrive up to a thousand times a second: only the first refused one is answered.
+void Clients::aim(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  const OrderReply may = mayOrder(entry->second.role, m.order, Standing{desk_.holds(client)});
+  if (!may.accepted) {
+    if (std::exchange(entry->second.aim_refused, true)) return;
+    return refuse(entry, m.id, may.refusal == Refusal::kNotHolder ? "not_holder" : "role", may,
+                  now_ns);
+  }
+  Order order = m.order;
+  order.claim = desk_.claim();
+  order.client = client;
+  backend_.order(
+      order, [self = weak_from_this(), post = post_, client, id = m.id](const OrderReply& reply) {
+        post([self, client, id, reply] {
+          if (const auto clients = self.lock()) clients->aimed(client, id, reply);
+        });
+      });
+}
+
+void Clients::aimed(std::uint32_t client, std::uint32_t command, const OrderReply& reply) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  const bool told = std::exchange(entry->second.aim_refused, !reply.accepted);
+  if (!reply.accepted && !told) refuse(entry, command, "order", reply, monotonicNow_ns());
+}
+
+// Bodies of a game, as reported to all clients.
+
+SharedBytes Clients::bodiesMessage() const {
+  const GameBodies& bodies = orNone(bodies_shown_);
+  const RegisteredBodies& registered = orNone(registered_shown_);
+  Shapes shapes;
+  addNew(shapesOf(bodies), {}, shapes);
+  addNew(shapesOf(registered), {}, shapes);
+  return std::make_shared<const wire::Bytes>(
+      wire::gameBodiesMessage(bodies_session_, bodies, shapes, registered));
+}
+
+// A client that joined since the last message knows the same bodies as all others.
+void Clients::followBodies(const LoopStatus& status) {
+  if (status.bodies == bodies_shown_ && status.registered == registered_shown_) return;
+  const auto bodies_before = std::exchange(bodies_shown_, status.bodies);
+  const auto registered_before = std::exchange(registered_shown_, status.registered);
+  bodies_session_ = status.session;
+  const GameBodies &was = orNone(bodies_before), &bodies = orNone(bodies_shown_);
+  const RegisteredBodies changes = changesOf(orNone(registered_before), orNone(registered_shown_));
+  if (bodies.empty() && was.empty() && changes.empty()) return;
+  Shapes shapes;
+  addNew(shapesOf(bodies), shapesOf(was), shapes);
+  addNew(shapesOf(orNone(registered_shown_)), shapesOf(orNone(registered_before)), shapes);
+  deliverToAll(std::make_shared<const wire::Bytes>(
+      wire::gameBodiesMessage(status.session, bodies, shapes, changes)));
 }
 
 }  // namespace wholehand

@@ -4,7 +4,7 @@
 #include "server/backend.hpp"
 #include "server/control_desk.hpp"
 #include "server/event_mailbox.hpp"
-#include "server/rate_limited_log.hpp"
+#include "server/logs.hpp"
 #include "server/roles.hpp"
 #include "server/traffic.hpp"
 #include "server/udp_bridge.hpp"
@@ -163,7 +163,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   SharedBytes commissioning_message_;
   std::int64_t commissioning_ns_ = 0;  ///< time of the last commissioning message
 
-  std::shared_ptr<const GameBodies> bodies_shown_;            ///< as clients were told; null: none
+  std::shared_ptr<const GameBodies> bodies_shown_;  ///< as reported to clients; null: none
   std::shared_ptr<const RegisteredBodies> registered_shown_;  ///< likewise
   std::uint32_t bodies_session_ = 0;                          ///< session that they belong to
 

@@ -46,7 +46,7 @@ class ControlDesk {
     std::optional<bool> owner_alive;  ///< set when it changed
     bool give_back = false;           ///< steering returns to the virtual patient
     bool unattended = false;          ///< for kUnattended_ns nobody held the controls or ordered
-    bool holder_changed = false;      ///< all clients must be told
+    bool holder_changed = false;      ///< to be reported to all clients
     Client silent_client = 0;         ///< client that lost the controls by silence; 0: none
     Client suspended_client = 0;      ///< client whose silence began; 0: none
     std::uint32_t claim = 0;          ///< claim on the controls that this advice concerns

@@ -1,17 +1,14 @@
 #include "server/file_workers.hpp"
 
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
 #include <new>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <utility>
 
 namespace wholehand {
-
-FileWorkers::FileWorkers(unsigned threads, std::size_t most_jobs) : most_jobs_(most_jobs) {
-  for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
-}
-
-FileWorkers::~FileWorkers() {
-  stop();
-}
 
 namespace {
 
@@ -24,6 +21,44 @@ void carryOut(const FileWorkers::Job& job) {
 }
 
 }  // namespace
+
+std::unique_ptr<FileReader> FileReader::open(const std::string& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return nullptr;
+  struct stat status {};
+  if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(fd);
+    return nullptr;
+  }
+  return std::unique_ptr<FileReader>(
+      new FileReader(fd, static_cast<std::uint64_t>(status.st_size)));
+}
+
+FileReader::~FileReader() {
+  ::close(fd_);
+}
+
+std::string FileReader::next() {
+  std::string piece(std::min<std::uint64_t>(kPiece, left_), '\0');
+  std::size_t have = 0;
+  while (have < piece.size()) {
+    const ssize_t n = ::read(fd_, piece.data() + have, piece.size() - have);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) break;
+    have += n;
+  }
+  piece.resize(have);
+  left_ -= have;
+  return piece;
+}
+
+FileWorkers::FileWorkers(unsigned threads, std::size_t most_jobs) : most_jobs_(most_jobs) {
+  for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+}
+
+FileWorkers::~FileWorkers() {
+  stop();
+}
 
 bool FileWorkers::post(Job job) {
   {

@@ -2,17 +2,149 @@
 
 #include "core/printable.hpp"
 #include "realtime/monotonic_clock.hpp"
+#include "server/clients.hpp"
 #include "server/http_text.hpp"
-#include "server/websocket_line.hpp"
+#include "server/traffic.hpp"
+#include "server/websocket_stream.hpp"
 #include "server/wire.hpp"
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <exception>
+#include <memory>
 #include <new>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace wholehand {
+
+namespace {
+
+/// A client's WebSocket connection. Lives while one of its operations is pending, or while
+/// `clients` holds it. Server's thread only.
+class WebSocketLine final : public ClientLine, public std::enable_shared_from_this<WebSocketLine> {
+ public:
+  /// @pre clients and traffic outlive every operation
+  WebSocketLine(std::unique_ptr<WebSocketStream> stream, std::string address, Clients& clients,
+                Traffic& traffic);
+
+  /// Joins the clients and starts to read.
+  void join(Role role);
+
+  void deliver(SharedBytes message) override;
+  bool offer(SharedBytes state, std::int64_t arrived_ns) override;
+  std::size_t waiting() const override { return queue_.size(); }
+  std::int64_t writingSince_ns() const override { return writing_ ? since_ns_ : 0; }
+  std::string address() const override { return address_; }
+  void close(const std::string& reason) override;
+  void cut() override { stream_->cut(); }
+
+ private:
+  void read();
+  void haveRead(const ReceivedMessage& heard);
+  void writeNext();
+  void write(SharedBytes message);
+  void haveWritten(bool sent);
+  void end();
+
+  std::unique_ptr<WebSocketStream> stream_;
+  const std::string address_;
+  Clients& clients_;
+  Traffic& traffic_;
+  std::uint32_t number_ = 0;
+  std::deque<SharedBytes> queue_;
+  std::optional<std::string> closing_;  ///< why the connection ends
+  SharedBytes writing_;
+  std::int64_t since_ns_ = 0;    ///< start of the current write
+  std::int64_t arrived_ns_ = 0;  ///< arrival of the state in writing_; 0: not a state
+};
+
+WebSocketLine::WebSocketLine(std::unique_ptr<WebSocketStream> stream, std::string address,
+                             Clients& clients, Traffic& traffic)
+    : stream_(std::move(stream)),
+      address_(std::move(address)),
+      clients_(clients),
+      traffic_(traffic) {}
+
+void WebSocketLine::join(Role role) {
+  number_ = clients_.join(shared_from_this(), role, monotonicNow_ns());
+  read();
+}
+
+void WebSocketLine::deliver(SharedBytes message) {
+  if (closing_) return;
+  queue_.push_back(std::move(message));
+  if (!writing_) writeNext();
+}
+
+bool WebSocketLine::offer(SharedBytes state, std::int64_t arrived_ns) {
+  if (writing_ || closing_) return false;
+  arrived_ns_ = arrived_ns;
+  write(std::move(state));
+  return true;
+}
+
+void WebSocketLine::close(const std::string& reason) {
+  if (closing_) return;
+  closing_ = reason;
+  if (!writing_) end();
+}
+
+// The pending read ends with the connection.
+void WebSocketLine::end() {
+  stream_->close(*closing_, [self = shared_from_this()] { (void)self; });
+}
+
+void WebSocketLine::read() {
+  stream_->read(
+      [self = shared_from_this()](const ReceivedMessage& heard) { self->haveRead(heard); });
+}
+
+void WebSocketLine::haveRead(const ReceivedMessage& heard) {
+  const std::int64_t now_ns = monotonicNow_ns();
+  if (heard.what == ReceivedMessage::What::kTooLarge) clients_.refuseOversized(number_, now_ns);
+  if (heard.what != ReceivedMessage::What::kMessage) {
+    clients_.leave(number_, now_ns);
+    return;
+  }
+  clients_.heard(number_, heard.bytes, heard.text, now_ns);
+  read();
+}
+
+void WebSocketLine::writeNext() {
+  SharedBytes next = std::move(queue_.front());
+  queue_.pop_front();
+  arrived_ns_ = 0;
+  write(std::move(next));
+}
+
+void WebSocketLine::write(SharedBytes message) {
+  writing_ = std::move(message);
+  since_ns_ = monotonicNow_ns();
+  stream_->write(*writing_, [self = shared_from_this()](bool sent) { self->haveWritten(sent); });
+}
+
+void WebSocketLine::haveWritten(bool sent) {
+  const std::int64_t now_ns = monotonicNow_ns();
+  if (!sent) {
+    clients_.leave(number_, now_ns);
+    return;
+  }
+  traffic_.bytes_sent += writing_->size();
+  if (arrived_ns_ != 0) traffic_.addAge(now_ns - arrived_ns_);
+  writing_.reset();
+  if (!queue_.empty()) {
+    writeNext();
+  } else if (closing_) {
+    end();
+  }
+}
+
+}  // namespace
 
 HttpConnection::HttpConnection(std::unique_ptr<HttpLine> line, ConnectionContext& context)
     : line_(std::move(line)), context_(context) {

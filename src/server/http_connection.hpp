@@ -1,12 +1,15 @@
 #pragma once
 
-#include "server/connection_context.hpp"
-#include "server/file_reader.hpp"
+#include "server/clients.hpp"
 #include "server/file_workers.hpp"
 #include "server/http_line.hpp"
+#include "server/logs.hpp"
 #include "server/site.hpp"
+#include "server/traffic.hpp"
 
 #include <atomic>
+#include <chrono>
+#include <cstddef>
 #include <functional>
 #include <list>
 #include <memory>
@@ -14,6 +17,27 @@
 #include <string>
 
 namespace wholehand {
+
+class HttpConnection;
+
+/// State shared by all connections; outlives all their operations.
+struct ConnectionContext {
+  Site& site;
+  Clients& clients;
+  Traffic& traffic;
+  RateLimitedLog& log;
+  FileWorkers& pages;       ///< separate from recordings: the page with the stop button
+  FileWorkers& recordings;  ///< must not wait for their disk
+  FileWorkers& replays;     ///< separate from recordings: a replay must not wait for a download
+  /// Runs a task on the server's thread; called from any thread.
+  std::function<void(std::function<void()>)> post;
+  std::size_t max_clients = 16;
+  std::chrono::milliseconds disk_patience{};
+  std::chrono::milliseconds report_patience{};
+  std::size_t connections = 0;           ///< open plain HTTP connections
+  std::size_t upgrading = 0;             ///< being upgraded to a WebSocket
+  std::list<HttpConnection*> idle = {};  ///< waiting for a request, longest first
+};
 
 /// Answers one browser over HTTP until the connection ends or becomes a WebSocket. Chooses who
 /// makes each answer, and limits how long that may take. Server's thread only. It touches no file:

@@ -1,6 +1,4 @@
-#include "server/http_socket.hpp"
-
-#include "server/websocket_accept.hpp"
+#include "server/sockets.hpp"
 
 #include <array>
 #include <boost/asio/steady_timer.hpp>

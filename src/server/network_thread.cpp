@@ -1,7 +1,6 @@
 #include "server/network_thread.hpp"
 
-#include "server/asio.hpp"
-#include "server/http_socket.hpp"
+#include "server/sockets.hpp"
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>

@@ -1,11 +1,10 @@
 #include "server/server.hpp"
 
 #include "realtime/monotonic_clock.hpp"
-#include "server/async_log.hpp"
 #include "server/clients.hpp"
-#include "server/connection_context.hpp"
 #include "server/event_mailbox.hpp"
 #include "server/http_connection.hpp"
+#include "server/logs.hpp"
 #include "server/network_thread.hpp"
 #include "server/site.hpp"
 #include "server/udp_bridge.hpp"

@@ -3,9 +3,7 @@
 #include "core/expected.hpp"
 #include "core/tick_record.hpp"
 #include "server/backend.hpp"
-#include "server/commissioning_facts.hpp"
 #include "server/controls_arbiter.hpp"
-#include "server/replay_service.hpp"
 
 #include <chrono>
 #include <cstdint>

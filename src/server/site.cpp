@@ -2,16 +2,104 @@
 
 #include "core/printable.hpp"
 #include "server/http_text.hpp"
-#include "server/static_files.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 
 namespace wholehand {
 
+namespace fs = std::filesystem;
+
 namespace {
+
+constexpr const char* kBinary = "application/octet-stream";
+/// Length of the hash that Vite puts before a file extension.
+constexpr std::size_t kHash = 8;
+
+std::string_view extension(std::string_view path) {
+  const std::size_t dot = path.rfind('.');
+  const std::size_t slash = path.rfind('/');
+  if (dot == std::string_view::npos || (slash != std::string_view::npos && dot < slash)) return {};
+  return path.substr(dot + 1);
+}
+
+/// MIME type by file extension; "application/octet-stream" when unknown.
+const char* mimeType(std::string_view path) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 22> kTypes = {{
+      {"html", "text/html; charset=utf-8"},
+      {"js", "text/javascript; charset=utf-8"},
+      {"mjs", "text/javascript; charset=utf-8"},
+      {"css", "text/css; charset=utf-8"},
+      {"json", "application/json"},
+      {"map", "application/json"},
+      {"webmanifest", "application/manifest+json"},
+      {"wasm", "application/wasm"},
+      {"svg", "image/svg+xml"},
+      {"png", "image/png"},
+      {"jpg", "image/jpeg"},
+      {"webp", "image/webp"},
+      {"ico", "image/x-icon"},
+      {"woff2", "font/woff2"},
+      {"woff", "font/woff"},
+      {"txt", "text/plain; charset=utf-8"},
+      {"md", "text/plain; charset=utf-8"},
+      {"mp3", "audio/mpeg"},
+      {"ogg", "audio/ogg"},
+      {"wav", "audio/wav"},
+      {"glb", "model/gltf-binary"},
+      {"h5", "application/x-hdf5"},
+  }};  // tflite, binarypb and data are opaque bytes
+  const std::string_view ending = extension(path);
+  const auto* found = std::find_if(kTypes.begin(), kTypes.end(),
+                                   [&](const auto& type) { return type.first == ending; });
+  return found == kTypes.end() ? kBinary : found->second;
+}
+
+/// True when the bundler put a content hash into the name ("assets/main-B2xk9_aQ.js"). Such a file
+/// never changes.
+bool nameHasHash(std::string_view path) {
+  if (!path.starts_with("/assets/")) return false;
+  const std::size_t slash = path.rfind('/');
+  const std::string_view name = path.substr(slash + 1);
+  const std::string_view ending = extension(name);
+  if (ending.empty() || name.size() < ending.size() + kHash + 3) return false;
+  const std::string_view stem = name.substr(0, name.size() - ending.size() - 1);
+  return stem[stem.size() - kHash - 1] == '-';
+}
+
+/// Full path of a file within a folder, from a decoded path ("/assets/a.js"; a folder stands for
+/// its index.html). Empty when there is none, when a segment begins with a dot, or when a symbolic
+/// link leads out of the folder.
+std::optional<std::string> fileWithin(const std::string& folder, std::string_view path) {
+  if (folder.empty() || path.find("/.") != std::string_view::npos) return std::nullopt;
+  std::error_code error;
+  const fs::path root = fs::canonical(folder, error);
+  if (error) return std::nullopt;
+  fs::path file = fs::canonical(root / fs::path(path).relative_path(), error);
+  if (error) return std::nullopt;
+  if (fs::is_directory(file, error)) file = fs::canonical(file / "index.html", error);
+  if (error || !fs::is_regular_file(file, error)) return std::nullopt;
+  const auto [end, ignored] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
+  if (end != root.end()) return std::nullopt;
+  return file.string();
+}
+
+/// Entity tag from the file's size and modification time.
+std::string entityTag(const std::string& file) {
+  std::error_code error;
+  const auto size = fs::file_size(file, error);
+  if (error) return {};
+  const auto time = fs::last_write_time(file, error).time_since_epoch().count();
+  return fmt::format("\"{:x}-{:x}\"", size, time);
+}
 
 constexpr std::string_view kRecordings = "/api/recordings";
 constexpr std::string_view kReplay = "/replay/";  ///< after a recording's name
@@ -87,6 +175,37 @@ bool needsToken(std::string_view path) {
 }
 
 }  // namespace
+
+HttpAnswer plainRefusal(int status, const char* reason, const char* why) {
+  HttpAnswer a;
+  a.status = status;
+  a.content_type = "text/html; charset=utf-8";
+  a.body = plainPage(reason, std::string("<p>") + why + "</p>");
+  a.refused = reason;
+  return a;
+}
+
+// Uses the colours and fonts of the game's pages.
+std::string plainPage(std::string_view title, std::string_view body_html) {
+  return fmt::format(R"(<!doctype html>
+<html lang="en"><head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{0} · Wholehand</title>
+<style>
+:root {{ color-scheme: light dark; --ink: #16202a; --paper: #f6f4ef; --line: #c9c4b8; --blue: #1f5fa8; }}
+@media (prefers-color-scheme: dark) {{
+  :root {{ --ink: #eef1f4; --paper: #12181f; --line: #3a4653; --blue: #8fc1ff; }} }}
+body {{ margin: 0; min-height: 100vh; display: grid; place-items: center; background: var(--paper);
+  color: var(--ink); font: 1.25rem/1.5 system-ui, sans-serif; }}
+main {{ max-width: 36rem; padding: 2rem; border-left: 6px solid var(--blue); }}
+h1 {{ margin: 0 0 .5rem; font-size: 2.25rem; line-height: 1.15; }}
+a {{ color: var(--blue); }}
+code {{ font-size: 1.1rem; overflow-wrap: anywhere; }}
+pre {{ padding: .75rem 1rem; border: 1px solid var(--line); border-radius: 8px; overflow: auto; }}
+</style></head><body><main><h1>{0}</h1>{1}</main></body></html>
+)",
+                     title, body_html);
+}
 
 std::string_view HttpRequest::path() const {
   return std::string_view(target).substr(0, target.find_first_of("?#"));

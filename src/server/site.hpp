@@ -2,7 +2,6 @@
 
 #include "server/access.hpp"
 #include "server/backend.hpp"
-#include "server/replay_service.hpp"
 
 #include <functional>
 #include <string>

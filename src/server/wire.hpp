@@ -3,7 +3,6 @@
 #include "core/expected.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "server/backend.hpp"
-#include "server/commissioning_facts.hpp"
 #include "server/roles.hpp"
 
 #include <cstddef>
@@ -64,7 +63,7 @@ struct UdpAccess {
 [[nodiscard]] Bytes welcomeMessage(std::uint32_t client, bool controls,
                                    const std::string& program_version,
                                    const UdpAccess& access = {});
-/// Holder of the controls, as told to one client.
+/// Holder of the controls, as reported to one client.
 struct ControlsFacts {
   bool held_by_you = false, held = false;
   Role your_role = Role::kUnsaid, holder_role = Role::kUnsaid;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/game_orders.hpp"
+#include "server/backend.hpp"
 
 #include <map>
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/tick_record.hpp"
-#include "server/game_orders.hpp"
+#include "server/backend.hpp"
 #include "station/body_orders.hpp"
 
 #include <array>
@@ -14,8 +14,8 @@
 namespace wholehand {
 
 /// Knows which bodies of a game are in the world, and their shapes: from the orders handed to the
-/// loop, and from what the events of its records say became of them. For pictures, and to refuse at
-/// the door what the loop would refuse; the loop itself does not depend on it. Any thread.
+/// loop, and from what the events of its records say became of them. For pictures, and to refuse
+/// early what the loop would refuse; the loop itself does not depend on it. Any thread.
 class GameBodyTracker {
  public:
   GameBodyTracker() { reset(); }

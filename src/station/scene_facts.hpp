@@ -5,7 +5,8 @@
 
 namespace wholehand {
 
-/// What clients are told of these models; session, version, choices and recording are the caller's.
+/// What is reported to clients of these models; session, version, choices and recording are the
+/// caller's.
 [[nodiscard]] SceneFacts sceneFacts(const Models& models, double period_s);
 
 }  // namespace wholehand

@@ -1,8 +1,8 @@
 #include "station/session_files.hpp"
 
+#include "core/printable.hpp"
 #include "files/durable_file.hpp"
 #include "files/text_file.hpp"
-#include "station/file_name.hpp"
 #include "telemetry/recording.hpp"
 
 #include <fmt/chrono.h>
@@ -16,8 +16,20 @@
 #include <fstream>
 
 namespace wholehand {
+
 namespace fs = std::filesystem;
+
 namespace {
+
+/// Bytes from 0x80 on are parts of characters; printable() has removed all invalid ones.
+bool stays(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+
+bool beginsCharacter(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+}
 
 constexpr const char* kExtension = ".h5";
 constexpr std::uintmax_t kLargestNote_bytes = 65536;  // ours are about 200 bytes
@@ -50,6 +62,24 @@ void readNote(const fs::path& recording, RecordingEntry& entry) {
 }
 
 }  // namespace
+
+std::string fileNamePart(std::string_view text, std::size_t most_bytes) {
+  std::string out;
+  for (const char c : printable(text, most_bytes)) {
+    if (stays(c)) {
+      out += c;
+    } else if (!out.empty() && out.back() != '-') {
+      out += '-';
+    }
+  }
+  if (out.size() > most_bytes) {
+    std::size_t end = most_bytes;
+    while (end > 0 && !beginsCharacter(out[end])) --end;
+    out.resize(end);
+  }
+  while (!out.empty() && out.back() == '-') out.pop_back();
+  return out;
+}
 
 std::string utcNow() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));

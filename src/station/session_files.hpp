@@ -4,12 +4,19 @@
 #include "server/backend.hpp"
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace wholehand {
+
+/// Makes a part of a file name that every file system accepts: letters (of any script), digits and
+/// _ stay, each run of other characters becomes one -, and at most `most_bytes` bytes of whole
+/// characters are kept. Empty when no character of the text can stay.
+[[nodiscard]] std::string fileNamePart(std::string_view text, std::size_t most_bytes = 60);
 
 /// Current UTC time, ISO 8601, to the second.
 [[nodiscard]] std::string utcNow();

@@ -1,10 +1,1712 @@
 #include "station/station.hpp"
 
-#include "station/station_core.hpp"
+#include "assembly/run.hpp"
+#include "assembly/run_files.hpp"
+#include "exercise/load_exercise.hpp"
+#include "patient/steered_player.hpp"
+#include "registry/body_registry.hpp"
+#include "renderer/live_settings.hpp"
+#include "runtime/interrupt_scope.hpp"
+#include "safety/supervisor.hpp"
+#include "server/logs.hpp"
+#include "station/game_body_tracker.hpp"
+#include "station/profiles.hpp"
+#include "station/reports.hpp"
+#include "station/scene_facts.hpp"
+#include "station/session_files.hpp"
+#include "telemetry/disk_room.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <exception>
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace wholehand {
+
+namespace fs = std::filesystem;
+
+using StationClock = std::chrono::steady_clock;
+
+/// Implementation of Station. Says which thread may call what.
+class Station::Core {
+ public:
+  explicit Core(StationConfig config)
+      : config_(std::move(config)),
+        files_(config_.recordings_folder),
+        profiles_(config_.profiles_folder),
+        log_(config_.log) {}
+
+  Expected<Done> load();
+  Expected<StationOutcome> run(bool arm_at_once, double duration_s);
+  void quit();
+  void order(const Order& order, const std::function<void(OrderReply)>& done);
+  [[nodiscard]] LoopStatus status() const;
+  [[nodiscard]] bool latest(TickRecord& record) const;
+  [[nodiscard]] std::string reportFolder(const std::string& name, std::string& why);
+
+  [[nodiscard]] std::shared_ptr<const SceneFacts> scene() const {
+    const std::lock_guard lock(mutex_);
+    return scene_;
+  }
+  [[nodiscard]] std::vector<RecordingEntry> recordings() const {
+    return files_.kept() ? files_.list(recordingBeingWritten()) : std::vector<RecordingEntry>{};
+  }
+  [[nodiscard]] std::string recordingPath(const std::string& name) const {
+    return files_.path(name, recordingBeingWritten());
+  }
+
+  [[nodiscard]] const Models& models() const { return models_; }  // main thread
+  void addSink(std::function<void(const TickRecord&)> sink) { sinks_.push_back(std::move(sink)); }
+
+ private:
+  [[nodiscard]] std::string recordingBeingWritten() const {
+    const std::lock_guard lock(mutex_);
+    return being_written_;
+  }
+  /// Number of the order by which run() arms at once; a stop before run() cancels it.
+  static constexpr std::uint64_t kFirstArming = 1;
+  /// Limit of queued tasks. It bounds how long a client that floods the station can delay others.
+  static constexpr std::size_t kMostTasks = 8;
+
+  /// Longest time that an order may wait behind others.
+  static constexpr std::chrono::seconds kLongestWait{3};
+
+  /// An order that waits for the main thread.
+  struct Task {
+    Order order;
+    std::uint64_t asked = 0;  ///< its number
+    StationClock::time_point asked_at;
+    bool starts = false;          ///< it is about to start the device, or goes on to that
+    bool refused_before = false;  ///< while it waited, an earlier order of its client was refused
+    std::chrono::duration<double> waited_s{0.0};  ///< behind others, once its turn has come
+    Profile profile;                              ///< of the moment when it was asked
+    std::uint64_t person = 0;                     ///< likewise, person_
+    std::function<void(OrderReply)> done;
+  };
+
+  /// What a person set, and by which order.
+  struct Setting {
+    double value = 0.0;
+    std::uint64_t asked = 0;
+  };
+
+  // Main thread.
+  OrderReply arm(const Task& task, const std::string& record, std::uint64_t duration_ticks,
+                 bool for_client);
+  OrderReply armForClient(const Task& task);
+  OrderReply armUnasked(const Task& task, std::uint64_t duration_ticks);
+  [[nodiscard]] std::string newRecording();
+  bool renewSession();
+  OrderReply startSession(std::unique_ptr<Player> player, const Task& task,
+                          const std::string& record, std::uint64_t duration_ticks, bool for_client);
+  [[nodiscard]] Expected<std::unique_ptr<Rig>> makeRig(std::unique_ptr<Player> player) const;
+  [[nodiscard]] Expected<std::unique_ptr<Run>> prepareRun(std::unique_ptr<Player> player,
+                                                          const std::vector<double>& parameters,
+                                                          RunPlan plan) const;
+  OrderReply adopt(std::unique_ptr<Run>& run, const Task& task,
+                   const std::vector<double>& parameters, std::optional<double> place);
+  void restoreStatus(LoopStatus before, const Task& task, bool had_latest,
+                     std::unique_ptr<Run> unused);
+  OrderReply sessionRuns(OrderReply reply, const std::string& record);
+  [[nodiscard]] std::uint64_t ticksLeft() const;
+  [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
+                                                const Task& task) const;
+  OrderReply rehearseNext(const Models& models, Task task, std::optional<Rehearsal>& passed);
+  [[nodiscard]] OrderReply filesOf(const Order& order, ModelFiles& files) const;
+  OrderReply loadExercise(const Task& task);
+  /// @param profile whose values hold from then on; null: those that hold, unless the hand changes
+  OrderReply load(const Task& task, const ModelFiles& files, const Profile* profile);
+  OrderReply carryOutTask(Task& task);
+  OrderReply saveProfile(const Task& task);
+  OrderReply loadProfile(const Task& task);
+  [[nodiscard]] OrderReply refuseParameters(const Profile& profile, const Models& models) const;
+  void stopGently(bool goes_on = false);
+  /// @param goes_on a load continues the rendering: no ending that a person must see
+  void finishSession(bool goes_on = false);
+  bool discardUnjoined(RunOutcome& ended);
+  void refreshStatus();
+  void publishScene(const std::string& recording);
+  void runTask();
+  void watchSession();
+  void endTasks();
+  [[nodiscard]] std::vector<double> parametersAtStart() const;
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const Models& models) const;
+  [[nodiscard]] std::string title() const;
+  bool forgetLatest();
+  /// Position in the level at which the player began to rest; empty: start at the beginning.
+  [[nodiscard]] std::optional<double> placeOfRest() const;
+  // Any thread.
+  [[nodiscard]] OrderReply stillDo(const Task& task) const;  ///< mayStillDo(), which it locks for
+  OrderReply orderBodies(const Order& order);
+  // Any thread, mutex_ held.
+  [[nodiscard]] bool superseded(const Order& order);
+  [[nodiscard]] OrderReply mayStillDo(const Task& task) const;
+  [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
+  void takeStop(const Order& order, std::uint64_t asked);
+  [[nodiscard]] bool rested() const;
+  OrderReply enqueue(const Order& order, std::uint64_t asked,
+                     const std::function<void(OrderReply)>& done);
+  [[nodiscard]] double valueOf(const PublishedParameter& parameter) const;
+  [[nodiscard]] Profile profileNow() const;
+  [[nodiscard]] static Profile profileOf(const Models& models);
+  void changePerson(const Task& task, const Profile* profile);
+  OrderReply carryOut(const Order& order, std::uint64_t asked);
+  void catchUp(const std::vector<double>& parameters, std::optional<double> place);
+  OrderReply steer(Steering by);
+  void sendUnsent();
+  OrderReply setParameter(const Order& order);
+  OrderReply push(const Command& command);
+  OrderReply act(const Command& command);
+  OrderReply handOver(CheckedOrders& checked);
+  OrderReply keep(CheckedOrders& checked, std::uint32_t claim);
+  bool takeBack(const Command& removal);
+  void noteJoined(const Order& order);
+  void dropKept();
+  void handOverKept();
+  void beginRegistry();
+  void orderRegistered(CheckedOrders& orders);
+  void keepSlotsApart(CheckedOrders& orders);
+  void followRegistry(const TickRecord& record);
+  void publishRegistered();
+  void beginStop(bool at_once);
+  [[nodiscard]] StationClock::time_point now() const {
+    return config_.now ? config_.now() : StationClock::now();
+  }
+  void showRehearsal();
+
+  void keepLatest(const TickRecord& record);
+  void nameSafety(LoopStatus& status) const;
+  void restartLevel();
+  void say(const std::string& line) const { log_.write(line); }
+
+  StationConfig config_;
+  Models models_;
+  std::vector<std::function<void(const TickRecord&)>> sinks_;
+  SessionFiles files_;
+  Profiles profiles_;
+  std::string profile_;  ///< last profile loaded or saved, while it applies; empty: none
+  mutable AsyncLog log_;
+  std::unique_ptr<SafetyLog> safety_;   ///< set by load()
+  std::optional<Rehearsal> rehearsed_;  ///< rehearsal of the loaded rig
+  std::uint64_t arming_ = 0;
+  mutable std::atomic<std::uint32_t> rehearsed_ticks_{0};   ///< of a rehearsal under way
+  std::string record_path_, began_utc_, recorded_profile_;  ///< of the running session
+  std::string being_written_;  ///< recording that scene_ names; guarded by mutex_
+  bool told_of_loss_ = false;  ///< its loss of ticks was reported
+  StationClock::time_point status_at_;
+  std::optional<StationClock::time_point> ends_at_;  ///< end of a run with a duration
+  StationOutcome outcome_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Task> tasks_;
+  bool quit_ = false;
+  // Orders are numbered as they arrive. A stop that follows an order to arm or to load cancels the
+  // start, however far it has got.
+  std::uint64_t orders_ = kFirstArming;
+  std::uint64_t stop_asked_ = 0;
+  std::uint32_t rest_ending_ = 0;  ///< ending of the newest rest; 0: none since the last arming
+  /// Order::number of the newest stop since somebody asked to arm, by client and kind: the same
+  /// again is a repetition.
+  std::map<std::tuple<std::uint32_t, OrderType, bool>, std::uint32_t> stops_;
+  bool armed_for_client_ = false;        ///< else armed by the program itself
+  bool joined_ = false;                  ///< somebody takes part in the session, or in the next one
+  bool left_alone_ = false;              ///< whoever took part has left
+  bool keep_recording_ = false;          ///< somebody took part before the session was to end
+  bool renewing_ = false;                ///< the session ends, and the program arms the next one
+  StationClock::time_point began_at_;    ///< of the running session
+  std::uint32_t claim_ = 0;              ///< newest claim on the controls
+  bool over_ = false;                    ///< no more orders are carried out
+  bool owner_alive_ = true;              ///< latest value; passed to a session that begins
+  std::optional<Command> unsent_steer_;  ///< the command queue was full
+  std::shared_ptr<const SceneFacts> scene_;
+  LoopStatus status_;
+  GameBodyTracker tracker_;
+  BodyRegistry registry_;
+  std::shared_ptr<const RegisteredBodies> registered_;  ///< as published; null: none
+  std::uint64_t registered_version_ = 0, registered_moves_ = 0;
+  StationClock::time_point registered_at_;
+  std::vector<CheckedOrders> kept_;                  ///< shapes and spawns for the next arming
+  std::uint32_t kept_claim_ = 0;                     ///< of the client that ordered them
+  Help help_ = Help::kUnsaid;                        ///< help that pages give the player
+  std::uint64_t help_asked_ = 0;                     ///< order that set it
+  std::map<std::string, Setting> asked_parameters_;  ///< persist as long as the person
+  std::uint64_t person_ = 0;                         ///< counts persons and hands that were loaded
+  Profile loaded_;                                   ///< what is loaded, without name and values
+
+  std::mutex report_mutex_;
+  mutable std::mutex latest_mutex_;
+  TickRecord latest_;
+  int level_done_ = -1;  ///< index of that event in the loaded exercise; -1: none
+  std::optional<StationClock::time_point> level_done_at_;
+  bool has_latest_ = false;  ///< latest_ is of this session
+
+  std::unique_ptr<Run> live_;  ///< last member: its threads use the members above
+};
+
+namespace {
+
+constexpr auto kPoll = std::chrono::milliseconds(20);
+
+/// Orders that are queued for the main thread.
+bool takesTime(OrderType type) {
+  return type == OrderType::kArm || type == OrderType::kLoadExercise ||
+         type == OrderType::kSaveProfile || type == OrderType::kLoadProfile;
+}
+
+/// Most commands of bodies that wait for the loop: the shapes of one body with the most pieces and
+/// vertices. The loop takes eight in a tick, so that an aim waits for 36 ms at most.
+constexpr std::size_t kMostWaiting = 288;
+
+OrderReply busy(std::size_t waiting, const char* where) {
+  return refused(Refusal::kBusy,
+                 fmt::format("{} commands wait for {} already, at most {} may: nothing of this "
+                             "message was handed over; say it again",
+                             waiting, where, kMostWaiting));
+}
+
+/// Commands that are not for the registry.
+std::size_t forLoop(const CheckedOrders& orders) {
+  const auto for_loop = [&](const Command& command) {
+    return orders.shapes || !isRegistered(command.index);
+  };
+  return std::count_if(orders.commands.begin(), orders.commands.end(), for_loop);
+}
+
+/// Most commands that the registry lets wait for the loop: an aim waits 8 ms for them at most.
+constexpr std::size_t kMostAhead = 64;
+constexpr auto kMovesEvery = std::chrono::milliseconds(50);
+
+std::string reasonOf(OrderRefusal refusal, const Command& command) {
+  switch (refusal) {
+    case OrderRefusal::kSlotTaken:
+      return fmt::format("body {} is registered already: remove it first", command.index);
+    case OrderRefusal::kBudget:
+      return command.type == CommandType::kSpawn
+                 ? fmt::format("body {}: {} are registered, which is the most: remove some first",
+                               command.index, kMostRegistered)
+                 : fmt::format("body {}: as many bodies move as budget.awake allows",
+                               command.index);
+    case OrderRefusal::kNotTheGames:
+      return fmt::format("body {}: a target is for bodies of owner Game", command.index);
+    case OrderRefusal::kNoSuchShapes:
+      return fmt::format("body {}: shape set {} was not prepared in this session: prepare it first",
+                         command.index, spawnOrderOf(command).shape_set);
+    case OrderRefusal::kSilent:
+      return fmt::format("body {}: the game is silent", command.index);
+    default:
+      return fmt::format("body {}: no body of generation {:.0f} is registered", command.index,
+                         command.value);
+  }
+}
+
+std::string stem(const std::string& path) {
+  return std::filesystem::path(path).stem().string();
+}
+
+std::string sideName(const HandModel& hand) {
+  return hand.side == Side::kLeft ? "left" : "right";
+}
+
+constexpr auto kStatusEvery = std::chrono::milliseconds(200);
+constexpr const char* kLevelDone = "level_done";  // event that ends a level (docs/exercises.md)
+constexpr auto kStopWithin = std::chrono::seconds(10);
+constexpr double kLongestRun_s = 1e9;  // limit of the clock's range
+constexpr auto kLogWithin = std::chrono::seconds(1);
+
+std::vector<std::string> stemsIn(const std::string& folder) {
+  std::vector<std::string> stems;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() == ".toml") stems.push_back(it->path().stem().string());
+  }
+  std::sort(stems.begin(), stems.end());
+  return stems;
+}
+
+}  // namespace
+
+// Orders that wait for the station's main thread, and what must hold when their turn has come.
+
+// Whether an order that waited, or that takes time, may take effect now: asked again in the moment
+// of starting. What its client may do was judged when it asked; here it is that all of it still
+// holds.
+OrderReply Station::Core::mayStillDo(const Task& task) const {
+  const Order& order = task.order;
+  if (quit_) return refused(Refusal::kEnding, "the program is ending");
+  if (task.refused_before) {
+    return refused(Refusal::kRefusedBefore,
+                   "what this client asked for before was refused: look why, then ask again");
+  }
+  if (task.waited_s > kLongestWait) {
+    return refused(Refusal::kWaitedTooLong,
+                   fmt::format("it waited {:.1f} s behind other orders, at most {} s are allowed: "
+                               "look, then ask again",
+                               task.waited_s.count(), kLongestWait.count()));
+  }
+  if (order.asker && !order.asker->connected) {
+    return refused(Refusal::kNotHolder, "the client that asked is gone");
+  }
+  const bool lost = order.asker && order.asker->claim != order.claim;
+  if (order.claim != 0 && (lost || order.claim < claim_)) {
+    return refused(Refusal::kNotHolder, "this client has lost the controls since it asked");
+  }
+  if (!task.starts) return {true, ""};
+  if (stop_asked_ > task.asked || InterruptScope::interrupted()) {
+    return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
+  }
+  return refuseUnseen(order.endings_seen);
+}
+
+OrderReply Station::Core::stillDo(const Task& task) const {
+  const std::lock_guard lock(mutex_);
+  return mayStillDo(task);
+}
+
+// An order to arm is valid for the state that its person saw: any ending since then cancels it.
+OrderReply Station::Core::refuseUnseen(std::uint32_t seen) const {
+  if (seen == status_.endings) return {true, ""};
+  if (seen == 0) {
+    return refused(Refusal::kOtherVersion,
+                   "the order does not say which stop it has seen (Arm.endings_seen, "
+                   "docs/protocol.md): bring client and program to the same version");
+  }
+  return refused(Refusal::kStopNotSeen,
+                 fmt::format("it was stopped after this was asked (ending {}, the order has seen "
+                             "{}): look why, then arm again",
+                             status_.endings, seen));
+}
+
+// Refuses what would be refused when its turn comes, as things are now.
+OrderReply Station::Core::enqueue(const Order& order, std::uint64_t asked,
+                                  const std::function<void(OrderReply)>& done) {
+  Task task;
+  task.order = order;
+  task.asked = asked;
+  task.asked_at = now();
+  task.starts = order.type == OrderType::kArm;
+  if (order.type == OrderType::kLoadExercise) task.order.endings_seen = status_.endings;
+  if (order.type == OrderType::kSaveProfile) task.profile = profileNow();
+  task.person = person_;
+  task.done = done;
+  OrderReply may = mayStillDo(task);
+  if (!may.accepted) return may;
+  if (task.starts) stops_.clear();
+  tasks_.push_back(std::move(task));
+  wake_.notify_all();
+  return may;
+}
+
+// The order whose turn it is. The others see whether it was refused: what its client asked for next
+// builds on it.
+void Station::Core::runTask() {
+  Task task;
+  {
+    std::unique_lock lock(mutex_);
+    wake_.wait_for(lock, kPoll, [this] { return quit_ || !tasks_.empty(); });
+    if (tasks_.empty()) return;
+    task = std::move(tasks_.front());
+    tasks_.pop_front();
+  }
+  OrderReply reply;
+  try {
+    reply = carryOutTask(task);
+  } catch (const std::exception& error) {  // a running loop continues
+    reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
+    say("an order " + reply.reason);
+  }
+  if (!reply.accepted && task.order.client != 0) {
+    const std::lock_guard lock(mutex_);
+    for (Task& next : tasks_) next.refused_before |= next.order.client == task.order.client;
+  }
+  task.done(reply);
+}
+
+OrderReply Station::Core::carryOutTask(Task& task) {
+  task.waited_s = now() - task.asked_at;
+  if (OrderReply may = stillDo(task); !may.accepted) return may;
+  if (task.order.type == OrderType::kArm) return armForClient(task);
+  if (task.order.type == OrderType::kSaveProfile) return saveProfile(task);
+  if (task.order.type == OrderType::kLoadProfile) return loadProfile(task);
+  return loadExercise(task);
+}
+
+// Answers every waiting task, so that no client waits for ever.
+void Station::Core::endTasks() {
+  std::deque<Task> tasks;
+  {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+    tasks.swap(tasks_);
+  }
+  for (const Task& task : tasks) task.done(refused(Refusal::kEnding, "the program is ending"));
+}
+
+// Orders and queries of clients: any thread.
+
+void Station::Core::quit() {
+  const std::lock_guard lock(mutex_);
+  quit_ = true;
+  wake_.notify_all();
+}
+
+void Station::Core::beginStop(bool at_once) {
+  if (!live_) return;
+  status_.run_state = RunState::kRampingDown;
+  if (at_once) {
+    live_->requestEmergencyStop();
+  } else {
+    live_->requestGentleStop();
+  }
+}
+
+OrderReply Station::Core::push(const Command& command) {
+  if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
+  if (!live_->tryCommand(command)) {
+    return refused(Refusal::kTooMany, "too many commands at once; try again");
+  }
+  return {true, ""};
+}
+
+// A level that is begun again is not done any more.
+OrderReply Station::Core::act(const Command& command) {
+  OrderReply pushed = push(command);
+  const auto action = static_cast<ExerciseAction>(command.index);
+  if (pushed.accepted && (action == ExerciseAction::kRestart || action == ExerciseAction::kNext)) {
+    const std::lock_guard lock(latest_mutex_);
+    level_done_at_.reset();
+  }
+  return pushed;
+}
+
+// Steering must reach the loop even when its queue is full of aims: the latest request is retried
+// with every record.
+OrderReply Station::Core::steer(Steering by) {
+  if (!live_ && renewing_) {  // from the first tick of the next session
+    status_.steering = by;
+    return {true, ""};
+  }
+  if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
+  if (config_.make_device)
+    return refused(Refusal::kOther, "the person at the device moves the hand");
+  Command command;
+  command.type = CommandType::kSteer;
+  command.index = static_cast<std::int32_t>(by);
+  unsent_steer_ = command;
+  sendUnsent();
+  status_.steering = by;
+  return {true, ""};
+}
+
+void Station::Core::sendUnsent() {
+  if (live_ && unsent_steer_ && live_->tryCommand(*unsent_steer_)) unsent_steer_.reset();
+}
+
+OrderReply Station::Core::setParameter(const Order& order) {
+  const auto& parameters = scene_->parameters;
+  const auto found = std::find_if(parameters.begin(), parameters.end(),
+                                  [&](const auto& p) { return p.name == order.name; });
+  if (found == parameters.end()) {
+    return refused(Refusal::kUnknownParameter, "there is no parameter \"" + order.name + "\"");
+  }
+  if (!(order.value >= found->lower && order.value <= found->upper)) {
+    return refused(Refusal::kOutOfRange,
+                   fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
+                               order.value, found->lower, found->upper, found->unit));
+  }
+  if (live_) {
+    Command command;
+    command.type = CommandType::kParameter;
+    command.index = static_cast<std::int32_t>(found - parameters.begin());
+    command.value = order.value;
+    if (OrderReply pushed = push(command); !pushed.accepted) return pushed;
+  }
+  return {true, ""};
+}
+
+// The default unless a person set a value, in the range that holds now.
+double Station::Core::valueOf(const PublishedParameter& parameter) const {
+  const auto asked = asked_parameters_.find(parameter.name);
+  if (asked == asked_parameters_.end()) return parameter.initial;
+  const double value = asked->second.value;
+  return value >= parameter.lower && value <= parameter.upper ? value : parameter.initial;
+}
+
+// An earlier holder's order must not take effect after one of the current holder.
+bool Station::Core::superseded(const Order& order) {
+  const bool stops = order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop;
+  if (!stops && order.claim != 0 && order.claim < claim_) return true;
+  claim_ = std::max(claim_, order.claim);
+  return false;
+}
+
+// Whether the last ending is a rest, and which one.
+bool Station::Core::rested() const {
+  const RunState now = status_.run_state;
+  return status_.endings == rest_ending_ &&
+         (now == RunState::kRampingDown || now == RunState::kStopped);
+}
+
+// Takes effect and is published even when nothing renders: an order to arm may be under way.
+void Station::Core::takeStop(const Order& order, std::uint64_t asked) {
+  stop_asked_ = asked;
+  // A rest applies to a rendering loop, or continues a rest; it does not replace another stop.
+  const bool rests = order.rest && (rested() || status_.run_state == RunState::kRendering);
+  // Repetitions count once: else nobody could name the last ending while a client repeats its stop.
+  const auto [last, first] =
+      stops_.try_emplace({order.client, order.type, order.rest}, order.number);
+  if (first || last->second != order.number) ++status_.endings;
+  last->second = order.number;
+  rest_ending_ = rests ? status_.endings : 0;
+  if (!live_ && status_.run_state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
+  beginStop(order.type == OrderType::kEmergencyStop);
+}
+
+void Station::Core::order(const Order& order, const std::function<void(OrderReply)>& done) {
+  if (order.bodies) return done(orderBodies(order));
+  OrderReply reply{true, ""};
+  {
+    const std::lock_guard lock(mutex_);
+    const std::uint64_t asked = ++orders_;
+    const bool takes_time = takesTime(order.type);
+    if (superseded(order)) {
+      reply = refused(Refusal::kNotHolder, "another client holds the controls by now");
+    } else if (!takes_time) {
+      reply = carryOut(order, asked);
+    } else if (over_) {
+      reply = refused(Refusal::kEnding, "the program is ending");
+    } else if (tasks_.size() >= kMostTasks) {
+      reply = refused(Refusal::kTooMany, "too many orders wait already; try again");
+    } else {
+      reply = enqueue(order, asked, done);
+      if (reply.accepted) {
+        noteJoined(order);
+        return;
+      }
+    }
+    if (reply.accepted) noteJoined(order);
+  }
+  done(reply);
+}
+
+// What the program orders by itself is nobody's part.
+void Station::Core::noteJoined(const Order& order) {
+  const bool own = order.type == OrderType::kOwnerAlive || order.type == OrderType::kUnattended ||
+                   (order.type == OrderType::kSteer && order.steering != Steering::kPerson);
+  if (own) return;
+  joined_ = true;
+  left_alone_ = false;
+}
+
+OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
+  Command command;
+  switch (order.type) {
+    case OrderType::kStop:
+    case OrderType::kEmergencyStop:
+      takeStop(order, asked);
+      break;
+    case OrderType::kSetParameter: {
+      OrderReply set = setParameter(order);
+      if (set.accepted) asked_parameters_[order.name] = {order.value, asked};
+      return set;
+    }
+    case OrderType::kSetHelp:
+      help_ = order.help;
+      help_asked_ = asked;
+      break;
+    case OrderType::kAim:
+      if (order.aim.size() != static_cast<int>(scene_->device.axes.size()) ||
+          !allFinite(order.aim)) {
+        return refused(
+            Refusal::kNotAPosture,
+            fmt::format("an aim has {} finite values, one an axis", scene_->device.axes.size()));
+      }
+      command.type = CommandType::kAim;
+      command.aim = order.aim;
+      command.index = static_cast<std::int32_t>(order.help);
+      return push(command);
+    case OrderType::kSteer:
+      return steer(order.steering);
+    case OrderType::kAction:
+      command.type = CommandType::kAction;
+      command.index = static_cast<std::int32_t>(order.action);
+      return act(command);
+    case OrderType::kOwnerAlive:
+      owner_alive_ = order.value != 0.0;
+      if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
+      live_->setOwnerAlive(owner_alive_);
+      break;
+    case OrderType::kUnattended:
+      if (!live_ || status_.run_state != RunState::kRendering) break;
+      if (!armed_for_client_) {
+        left_alone_ = joined_;
+        break;
+      }
+      say("nobody has held the controls or ordered anything for long: the session ends");
+      takeStop(order, asked);
+      break;
+    case OrderType::kAttended:  // noteJoined()
+      break;
+    case OrderType::kAnswer:
+    case OrderType::kHoldToMove:
+      return refused(Refusal::kNotHere, "no device is commissioned here");
+    case OrderType::kArm:
+    case OrderType::kLoadExercise:
+    case OrderType::kSaveProfile:
+    case OrderType::kLoadProfile:    // a queued task, as those above
+    case OrderType::kPrepareShapes:  // orderBodies()
+    case OrderType::kOrderBodies:
+      break;
+  }
+  return {true, ""};
+}
+
+LoopStatus Station::Core::status() const {
+  LoopStatus status;
+  bool live = false;
+  {
+    const std::lock_guard lock(mutex_);
+    live = live_ != nullptr;
+    status = status_;
+    status.rested = rested();
+    status.help = help_;
+    status.registered = registered_;
+    for (const auto& parameter : scene_->parameters) {
+      status.parameters.push_back(valueOf(parameter));
+    }
+  }
+  nameSafety(status);
+  status.rehearsed_ticks = rehearsed_ticks_;
+  status.bodies = tracker_.bodies();
+  if (config_.device_status) status.device = config_.device_status();
+  const std::lock_guard lock(latest_mutex_);
+  // While nothing runs, the published values are those of the next session.
+  if (has_latest_ && live) {
+    const auto count = std::min<std::size_t>(latest_.parameter_count, status.parameters.size());
+    std::copy_n(latest_.parameters.begin(), count, status.parameters.begin());
+  }
+  return status;
+}
+
+// The supervisor's state is ahead of the thread that waits for a session's end.
+void Station::Core::nameSafety(LoopStatus& status) const {
+  if (!safety_) return;
+  status.safety_state = safety_->state();
+  // Likewise the loop, which stops by itself after a signal.
+  if (InterruptScope::interrupted() && status.run_state == RunState::kRendering) {
+    status.run_state = RunState::kRampingDown;
+  }
+  {
+    // Before the session's first record, the newest one is of the session before.
+    const std::lock_guard lock(latest_mutex_);
+    if (!has_latest_ && status.run_state == RunState::kRendering) return;
+  }
+  const SafetyTransition fault = safety_->fault();
+  if (fault.to != SafetyState::kFaulted) return;
+  status.latched = status.latched | fault.faults;
+  status.fault_axis = fault.axis;
+  status.fault_value = fault.value;
+  status.fault_limit = fault.limit;
+  if (status.run_state == RunState::kRendering) status.run_state = RunState::kRampingDown;
+}
+
+// Telemetry thread.
+void Station::Core::keepLatest(const TickRecord& record) {
+  safety_->add(record);
+  tracker_.see(record);
+  {
+    const std::lock_guard lock(mutex_);
+    sendUnsent();
+    followRegistry(record);
+    joined_ = joined_ || record.moved_by == Mover::kPerson;
+  }
+  const std::lock_guard lock(latest_mutex_);
+  latest_ = record;
+  has_latest_ = true;
+  for (int i = 0; i < record.exercise.event_count; ++i) {
+    const ExerciseEvent& event = record.exercise.events[i];
+    if (event.type == level_done_) level_done_at_ = StationClock::now();
+  }
+}
+
+bool Station::Core::latest(TickRecord& record) const {
+  const std::lock_guard lock(latest_mutex_);
+  if (has_latest_) record = latest_;
+  return has_latest_;
+}
+
+std::string Station::Core::reportFolder(const std::string& name, std::string& why) {
+  const std::lock_guard lock(report_mutex_);  // two concurrent requests share one result
+  const std::string recording = recordingPath(name);
+  if (recording.empty()) {
+    why = "there is no recording of that name";
+    return {};
+  }
+  if (name == scene()->recording) {
+    why = "it is still being recorded";
+    return {};
+  }
+  std::string folder = recording.substr(0, recording.size() - 3) + "-report";
+  const std::string identity = identityOf(recording);
+  if (isReportOf(folder, identity)) return folder;
+  if (!config_.make_report) {
+    why = "this program makes no reports";
+    return {};
+  }
+  unmarkReport(folder);
+  if (auto made = config_.make_report(recording, folder); !made) {
+    why = format(made.errors());
+    return {};
+  }
+  // Replaced meanwhile: the next one who asks has the report made again.
+  if (identityOf(recording) == identity) markReport(folder, identity);
+  return folder;
+}
+
+// Orders of a game to its bodies: checked here, handed to the loop. Any thread.
+
+// Numbers are checked and shapes prepared before any lock is taken.
+OrderReply Station::Core::orderBodies(const Order& order) {
+  const GameBudget budget = scene()->scene.game;
+  if (budget.slots == 0) {
+    return refused(
+        Refusal::kNoBodies,
+        "this scene takes no bodies of a game: load an exercise whose file has [budget], "
+        "as game-scene");
+  }
+  CheckedOrders checked = checkOrders(*order.bodies, budget);
+  const std::lock_guard lock(mutex_);
+  ++orders_;
+  if (superseded(order)) {
+    return refused(Refusal::kNotHolder, "another client holds the controls by now");
+  }
+  return live_ ? handOver(checked) : keep(checked, order.claim);
+}
+
+// Shapes and spawns wait for the next arming. mutex_ held, no session.
+OrderReply Station::Core::keep(CheckedOrders& checked, std::uint32_t claim) {
+  if (claim != kept_claim_) dropKept();
+  kept_claim_ = claim;
+  for (const Command& command : checked.commands) {
+    if (checked.shapes || command.type == CommandType::kSpawn ||
+        command.type == CommandType::kRemove) {
+      continue;
+    }
+    return refused(Refusal::kNothingArmed,
+                   "nothing is armed: shapes and spawns are kept for the next arming, and Remove "
+                   "takes a kept spawn back; arm before anything else");
+  }
+  std::erase_if(checked.commands, [&](const Command& command) {
+    if (command.type != CommandType::kRemove || isRegistered(command.index)) return false;
+    if (!takeBack(command)) {
+      checked.refused.push_back(
+          {checked.item_of_slot[command.index], command.index, OrderRefusal::kWrongGeneration,
+           fmt::format("slot {}: no spawn of generation {:.0f} is kept for the next arming",
+                       command.index, command.value)});
+    }
+    return true;
+  });
+  std::size_t waiting = 0;
+  for (const CheckedOrders& kept : kept_) waiting += kept.commands.size();
+  if (forLoop(checked) + waiting > kMostWaiting) return busy(waiting, "the next arming");
+  orderRegistered(checked);
+  keepSlotsApart(checked);
+  tracker_.refuseBusy(checked);
+  tracker_.note(checked);
+  OrderReply reply = replyFor(std::move(checked.refused));
+  if (!checked.commands.empty()) kept_.push_back(std::move(checked));
+  return reply;
+}
+
+bool Station::Core::takeBack(const Command& removal) {
+  for (CheckedOrders& kept : kept_) {
+    const auto erased = std::erase_if(kept.commands, [&](const Command& command) {
+      return command.type == CommandType::kSpawn && command.index == removal.index &&
+             command.value == removal.value;
+    });
+    if (erased == 0) continue;
+    tracker_.withdraw(removal.index);
+    return true;
+  }
+  return false;
+}
+
+void Station::Core::dropKept() {
+  if (!kept_.empty()) tracker_.reset();
+  kept_.clear();
+  registry_.clear();
+  publishRegistered();
+}
+
+// Into the empty queue of a session that begins. They are forgotten once it runs.
+void Station::Core::handOverKept() {
+  if (kept_claim_ != claim_) {  // of an earlier holder of the controls
+    kept_.clear();
+    registry_.clear();
+  }
+  for (const CheckedOrders& kept : kept_) {
+    tracker_.note(kept);
+    for (const Command& command : kept.commands) {
+      if (command.type == CommandType::kSpawn) registry_.leaveToOthers(command.index);
+      (void)push(command);  // there is room
+    }
+  }
+}
+
+// All commands of a message, or none: a set of shapes must not arrive in part.
+OrderReply Station::Core::handOver(CheckedOrders& checked) {
+  if (status_.run_state != RunState::kRendering) {
+    return refused(Refusal::kStillStopping,
+                   "the loop stops: arm again, then prepare shapes and spawn again");
+  }
+  if (forLoop(checked) + live_->waitingCommands() > kMostWaiting) {
+    return busy(live_->waitingCommands(), "the loop");
+  }
+  orderRegistered(checked);
+  keepSlotsApart(checked);
+  tracker_.refuseBusy(checked);
+  tracker_.note(checked);
+  for (const Command& command : checked.commands) {
+    if (OrderReply pushed = push(command); !pushed.accepted) return pushed;  // there was room
+  }
+  return replyFor(std::move(checked.refused));
+}
+
+// Bodies of a game beyond the slots of the loop. All with mutex_ held.
+
+void Station::Core::beginRegistry() {
+  const auto& names = models_.exercise->description().event_names;
+  const auto found = std::find(names.begin(), names.end(), "refused");
+  const auto refused = found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  registry_.begin(models_.hand, models_.device, models_.scene.game,
+                  static_cast<int>(models_.scene.bodies.size()), refused);
+}
+
+// Takes the orders to registered bodies out of the message: they are not for the loop.
+void Station::Core::orderRegistered(CheckedOrders& orders) {
+  std::erase_if(orders.commands, [&](const Command& command) {
+    if (orders.shapes || !isRegistered(command.index)) return false;
+    OrderRefusal refusal = OrderRefusal::kNone;
+    if (command.type == CommandType::kSpawn) {
+      const SpawnOrder spawn = spawnOrderOf(command);
+      const auto shapes = tracker_.shapesOf(spawn.shape_set);
+      refusal = shapes ? registry_.add(spawn, shapes->radius_m) : OrderRefusal::kNoSuchShapes;
+    } else {
+      refusal = registry_.obey(command);
+    }
+    if (refusal != OrderRefusal::kNone) {
+      orders.refused.push_back(
+          {orders.item_of_slot[command.index], command.index, refusal, reasonOf(refusal, command)});
+    }
+    return true;
+  });
+  publishRegistered();
+}
+
+// A game that also names slots: none that a registered body has, and no shapes of one.
+void Station::Core::keepSlotsApart(CheckedOrders& orders) {
+  if (orders.shapes && registry_.usesShapes(orders.shape_set)) {
+    orders.refused.push_back({0, -1, OrderRefusal::kShapesBusy,
+                              fmt::format("shape set {} belongs to a registered body: remove the "
+                                          "body first, or use another set",
+                                          orders.shape_set)});
+    orders.commands.clear();
+    orders.shapes.reset();
+    return;
+  }
+  std::erase_if(orders.commands, [&](const Command& command) {
+    if (command.type != CommandType::kSpawn) return false;
+    if (!registry_.holds(command.index)) {
+      registry_.leaveToOthers(command.index);
+      return false;
+    }
+    orders.refused.push_back(
+        {orders.item_of_slot[command.index], command.index, OrderRefusal::kSlotTaken,
+         fmt::format("slot {} holds a registered body: name another slot", command.index)});
+    return true;
+  });
+}
+
+// Telemetry thread.
+void Station::Core::followRegistry(const TickRecord& record) {
+  if (!live_) return;
+  registry_.see(record);
+  auto& waiting = registry_.forLoop();
+  while (!waiting.empty() && live_->waitingCommands() < kMostAhead) {
+    if (waiting.front().type == CommandType::kSpawn) tracker_.noteSpawn(waiting.front());
+    if (!live_->tryCommand(waiting.front())) break;
+    waiting.pop_front();
+  }
+  publishRegistered();
+}
+
+// A change of place or state is reported at once, mere motion 20 times a second.
+void Station::Core::publishRegistered() {
+  const StationClock::time_point now = StationClock::now();
+  const bool moved = registry_.moves() != registered_moves_ && now - registered_at_ > kMovesEvery;
+  if (registry_.version() == registered_version_ && !moved) return;
+  registered_version_ = registry_.version();
+  registered_moves_ = registry_.moves();
+  registered_at_ = now;
+  auto all = std::make_shared<RegisteredBodies>();
+  for (const RegisteredBody& body : registry_.bodies()) {
+    auto shapes = tracker_.shapesOf(body.shape_set);
+    if (shapes) all->push_back({body, std::move(shapes)});
+  }
+  registered_ = std::move(all);
+}
+
+// A therapist's settings per patient, kept across restarts: on the station's main thread.
+
+Profile Station::Core::profileOf(const Models& models) {
+  Profile profile;
+  profile.device = models.device.name;
+  profile.side = sideName(models.hand);
+  profile.hand = stem(models.files.hand);
+  profile.exercise = models.exercise ? stem(models.files.exercise) : "";
+  profile.level = models.files.level;
+  return profile;
+}
+
+Profile Station::Core::profileNow() const {
+  Profile profile = loaded_;
+  profile.help = help_;
+  for (const PublishedParameter& parameter : scene_->parameters) {
+    profile.parameters[parameter.name] = valueOf(parameter);
+  }
+  return profile;
+}
+
+// Of the earlier person nothing stays: neither values nor help nor the right to rest. What was set
+// after the order to change was given stays. A limit goes up only for who may set it.
+void Station::Core::changePerson(const Task& task, const Profile* profile) {
+  ++person_;
+  rest_ending_ = 0;
+  if (help_asked_ < task.asked) help_ = profile != nullptr ? profile->help : Help::kUnsaid;
+  std::map<std::string, Setting> next;
+  if (profile != nullptr) {
+    for (const auto& [name, value] : profile->parameters) next[name] = {value, task.asked};
+  }
+  for (const PublishedParameter& parameter : scene_->parameters) {
+    const auto set = asked_parameters_.find(parameter.name);
+    const auto found = next.find(parameter.name);
+    const double coming = found == next.end() ? parameter.initial : found->second.value;
+    const bool later = set != asked_parameters_.end() && set->second.asked > task.asked;
+    const bool keeps_limit = isEffortLimit(parameter.name) && !task.order.may_raise_limits &&
+                             valueOf(parameter) < coming;
+    if (later) {
+      next[parameter.name] = set->second;
+    } else if (keeps_limit) {
+      next[parameter.name] = {valueOf(parameter), task.asked};
+    }
+  }
+  asked_parameters_ = std::move(next);
+}
+
+OrderReply Station::Core::saveProfile(const Task& task) {
+  Profile profile = task.profile;
+  profile.name = task.order.name;
+  if (profile.exercise.empty()) {
+    return refused(Refusal::kOther, "a profile needs an exercise; load one first");
+  }
+  const WaitingFor disk("the disk: a profile");
+  if (auto saved = profiles_.save(profile); !saved) {
+    return refused(Refusal::kOther, format(saved.errors()));
+  }
+  say("profile " + profile.name + " is saved");
+  if (task.person == person_) profile_ = profile.name;
+  publishScene(record_path_);
+  return {true, ""};
+}
+
+// Only while disarmed: a person must not suddenly feel another person's limits.
+OrderReply Station::Core::loadProfile(const Task& task) {
+  if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then load the profile");
+  const WaitingFor disk("the disk: a profile");
+  const Expected<Profile> profile = profiles_.load(task.order.name);
+  if (!profile) return refused(Refusal::kUnknownProfile, format(profile.errors()));
+  if (profile->device != models_.device.name) {
+    return refused(Refusal::kOtherProfile,
+                   fmt::format("the profile {} is for the device {}, this is {}", profile->name,
+                               profile->device, models_.device.name));
+  }
+  Order named;
+  named.name = profile->exercise;
+  named.hand = profile->hand;
+  named.level = profile->level;
+  ModelFiles files;
+  if (OrderReply known = filesOf(named, files); !known.accepted) {
+    known.reason = fmt::format("the profile {}: {}", profile->name, known.reason);
+    return known;
+  }
+  const Expected<Models> models = loadModels(files);
+  if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
+  if (sideName(models->hand) != profile->side) {
+    return refused(
+        Refusal::kOtherProfile,
+        fmt::format("the profile {} is for a {} hand, its hand {} is a {} one", profile->name,
+                    profile->side, profile->hand, sideName(models->hand)));
+  }
+  if (OrderReply fits = refuseParameters(*profile, *models); !fits.accepted) return fits;
+  return this->load(task, files, &*profile);
+}
+
+OrderReply Station::Core::refuseParameters(const Profile& profile, const Models& models) const {
+  const SceneFacts facts = sceneFacts(models, config_.rig.period_s);
+  for (const auto& parameter : profile.parameters) {
+    const std::string& name = parameter.first;  // clang 14 cannot capture structured bindings
+    const double value = parameter.second;
+    const auto known = std::find_if(facts.parameters.begin(), facts.parameters.end(),
+                                    [&](const PublishedParameter& p) { return p.name == name; });
+    if (known == facts.parameters.end()) {
+      return refused(Refusal::kUnknownParameter,
+                     fmt::format("the profile {} sets {}, which the exercise {} does not have",
+                                 profile.name, name, profile.exercise));
+    }
+    if (!(value >= known->lower && value <= known->upper)) {
+      return refused(
+          Refusal::kOutOfRange,
+          fmt::format("the profile {} sets {} = {}, which must be in [{}, {}] {}", profile.name,
+                      name, value, known->lower, known->upper, known->unit));
+    }
+  }
+  return {true, ""};
+}
+
+// From an order to arm to a running loop: all on the station's main thread.
+
+std::vector<double> Station::Core::parametersAtStart() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<double> values;
+  for (const PublishedParameter& parameter : scene_->parameters) {
+    values.push_back(valueOf(parameter));
+  }
+  return values;
+}
+
+// Rehearses the loaded models before their first force, as long as the order may start the device.
+Expected<Rehearsal> Station::Core::rehearsalOf(const Models& models, const AxisPosition& start,
+                                               const Task& task) const {
+  RehearsalOptions options = config_.rehearsal;
+  options.cancelled = [this, &task] {
+    ++rehearsed_ticks_;
+    return !stillDo(task).accepted;
+  };
+  options.fill_pool = config_.make_device != nullptr;  // a simulated one may be late
+  options.status = [this](const std::string& what) { say("rehearsal: measuring " + what); };
+  auto rehearsal = rehearse(models, start, config_.rig, options);
+  rehearsed_ticks_ = 0;
+  if (rehearsal) say("rehearsal " + describe(*rehearsal));
+  return rehearsal;
+}
+
+// Rehearses the next models while the loop renders; a stop cancels it, and they are loaded
+// unrehearsed.
+OrderReply Station::Core::rehearseNext(const Models& models, Task task,
+                                       std::optional<Rehearsal>& passed) {
+  task.starts = true;
+  auto rehearsal = rehearsalOf(models, makePlayer(models)->start(), task);
+  if (!rehearsal && stillDo(task).accepted) {
+    return refused(Refusal::kRehearsalFailed, format(rehearsal.errors()));
+  }
+  if (rehearsal) passed = std::move(*rehearsal);
+  return {true, ""};
+}
+
+OrderReply Station::Core::arm(const Task& task, const std::string& record,
+                              std::uint64_t duration_ticks, bool for_client) {
+  if (live_) {
+    const bool ends = status().run_state != RunState::kRendering;
+    return ends ? refused(Refusal::kStillStopping,
+                          "it is still going to neutral; arm again when it is there")
+                : refused(Refusal::kArmedAlready, "it is armed already");
+  }
+  std::unique_ptr<Player> player = makePlayer(models_);
+  std::optional<Expected<Rehearsal>> rehearsal;
+  if (config_.rehearse && !rehearsed_) rehearsal = rehearsalOf(models_, player->start(), task);
+  if (OrderReply may = stillDo(task); !may.accepted) return may;
+  if (rehearsal && !*rehearsal) {
+    return refused(Refusal::kRehearsalFailed, format(rehearsal->errors()));
+  }
+  if (rehearsal) rehearsed_ = std::move(**rehearsal);  // valid until something else is loaded
+  return startSession(std::move(player), task, record, duration_ticks, for_client);
+}
+
+// A real device, which a person holds, or a simulated one, moved by a virtual patient or a client.
+Expected<std::unique_ptr<Rig>> Station::Core::makeRig(std::unique_ptr<Player> player) const {
+  if (!config_.make_device) {
+    auto steered = std::make_unique<SteeredPlayer>(std::move(player), models_.device);
+    return buildRig(models_, std::move(steered), config_.rig);
+  }
+  auto device = config_.make_device(models_.device);
+  if (!device) return device.errors();
+  return buildRig(models_, std::move(*device), config_.rig);
+}
+
+// All but enabled.
+Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player> player,
+                                                         const std::vector<double>& parameters,
+                                                         RunPlan plan) const {
+  auto rig = makeRig(std::move(player));
+  if (!rig) return rig.errors();
+  (*rig)->renderer->startParametersAt(parameters);
+  if (!plan.record.empty()) {
+    const double period_s = config_.rig.period_s;
+    const std::string room =
+        roomNotice(plan.record, period_s, static_cast<double>(plan.duration_ticks) * period_s);
+    if (!room.empty()) say(room);
+  }
+  plan.real_time_required = config_.real_time_required;
+  if (rehearsed_) plan.rehearsed = rehearsed_->passed;
+  return Run::prepare(std::move(*rig), std::move(plan));
+}
+
+// Publishes the new session before its first record; if it cannot start, publishes the last one
+// again.
+OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Task& task,
+                                       const std::string& record, std::uint64_t duration_ticks,
+                                       bool for_client) {
+  RunPlan plan;
+  plan.title = title();
+  plan.profile = profile_;
+  plan.seed = config_.seed + arming_;
+  plan.record = record;
+  plan.duration_ticks = duration_ticks;
+  plan.black_box = blackBoxPath(record);
+  plan.interrupts = &InterruptScope::shared();
+  plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
+  plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
+  const std::optional<double> place = placeOfRest();
+  const bool had_latest = forgetLatest();
+  LoopStatus before;
+  {
+    const std::lock_guard lock(mutex_);
+    before = status_;
+    ++status_.session;
+    armed_for_client_ = for_client;
+  }
+  publishScene(record);
+  const std::vector<double> parameters = parametersAtStart();
+  auto prepared = prepareRun(std::move(player), parameters, std::move(plan));
+  ++arming_;
+  std::unique_ptr<Run> unused;
+  OrderReply reply;
+  if (prepared) {
+    unused = std::move(*prepared);
+    reply = adopt(unused, task, parameters, place);
+    if (reply.accepted) {
+      auto begun = live_->begin();
+      if (begun) return sessionRuns(std::move(reply), record);
+      reply = stillDo(task);  // a stop came while the device was enabled
+      if (reply.accepted) reply = refused(Refusal::kCannotStart, format(begun.errors()));
+    }
+  } else {
+    reply = refused(Refusal::kCannotStart, format(prepared.errors()));
+  }
+  restoreStatus(std::move(before), task, had_latest, std::move(unused));
+  return reply;
+}
+
+// Restores the published state after a session that never began, and destroys its run.
+void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_latest,
+                                  std::unique_ptr<Run> unused) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (live_) unused = std::move(live_);
+    before.endings = status_.endings;
+    if (stop_asked_ > task.asked && before.run_state == RunState::kDisarmed) {
+      before.run_state = RunState::kStopped;
+    }
+    status_ = before;
+    tracker_.reset();
+    for (const CheckedOrders& kept : kept_) tracker_.note(kept);  // they wait for the next one
+    registry_.end();
+  }
+  unused.reset();  // closes its recording outside the lock, so that no client waits for it
+  publishScene("");
+  const std::lock_guard lock(latest_mutex_);
+  has_latest_ = had_latest;
+}
+
+OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& record) {
+  for (const SetupLine& line : live_->setup()) {
+    if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
+  }
+  record_path_ = record;
+  began_utc_ = utcNow();
+  recorded_profile_ = profile_;
+  told_of_loss_ = false;
+  {
+    const std::lock_guard lock(mutex_);
+    kept_.clear();
+  }
+  ++outcome_.sessions;
+  return reply;
+}
+
+// From here on, a stop reaches the session, also before its first tick. One whose order may not be
+// carried out any more, as after a stop during its construction, is discarded and not published.
+OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
+                                const std::vector<double>& parameters,
+                                std::optional<double> place) {
+  const std::lock_guard lock(mutex_);
+  if (OrderReply may = mayStillDo(task); !may.accepted) return may;
+  live_ = std::move(run);
+  const bool takes_bodies = models_.scene.game.slots > 0;
+  tracker_.reset(takes_bodies ? models_.exercise->description().event_names
+                              : std::vector<std::string>{});
+  stops_.clear();
+  status_.latched = Fault::kNone;
+  const bool steered = renewing_ && status_.steering == Steering::kPerson;
+  status_.steering = Steering::kVirtualPatient;
+  unsent_steer_.reset();
+  left_alone_ = false;
+  began_at_ = now();
+  status_.run_state = RunState::kRendering;
+  rest_ending_ = 0;
+  catchUp(parameters, place);
+  if (steered) (void)steer(Steering::kPerson);
+  if (takes_bodies) {
+    beginRegistry();
+    handOverKept();
+  }
+  return {true, ""};
+}
+
+// Sends the session what was ordered during its construction.
+void Station::Core::catchUp(const std::vector<double>& parameters, std::optional<double> place) {
+  live_->setOwnerAlive(owner_alive_);
+  if (place) {
+    Command begin;
+    begin.type = CommandType::kAction;
+    begin.index = static_cast<std::int32_t>(ExerciseAction::kBeginAt);
+    begin.value = *place;
+    (void)push(begin);  // its queue is still empty
+  }
+  for (std::size_t i = 0; i < std::min(parameters.size(), scene_->parameters.size()); ++i) {
+    const double value = valueOf(scene_->parameters[i]);
+    if (value == parameters[i]) continue;
+    Command command;
+    command.type = CommandType::kParameter;
+    command.index = static_cast<std::int32_t>(i);
+    command.value = value;
+    (void)push(command);
+  }
+}
+
+std::optional<double> Station::Core::placeOfRest() const {
+  const int value = models_.exercise ? models_.exercise->description().resume_value : -1;
+  {
+    const std::lock_guard lock(mutex_);
+    if (value < 0 || !rested()) return std::nullopt;
+  }
+  const std::lock_guard lock(latest_mutex_);
+  if (!has_latest_ || value >= latest_.exercise.value_count) return std::nullopt;
+  return latest_.exercise.values[value];
+}
+
+// Remaining ticks of a run with an end; 0: no end.
+std::uint64_t Station::Core::ticksLeft() const {
+  if (!ends_at_) return 0;
+  const double left_s = std::chrono::duration<double>(*ends_at_ - StationClock::now()).count();
+  return static_cast<std::uint64_t>(std::max(1.0, std::round(left_s / config_.rig.period_s)));
+}
+
+OrderReply Station::Core::armForClient(const Task& task) {
+  if (!config_.record.empty()) {
+    return arm(task, pathOfSession(config_.record, outcome_.sessions + 1), ticksLeft(), true);
+  }
+  const std::string record = newRecording();
+  OrderReply reply = arm(task, record, ticksLeft(), true);
+  if (!reply.accepted) files_.giveBack(record);
+  return reply;
+}
+
+// The first session, which no client asked for, and those that follow it while nobody takes part.
+// Without a disk it runs unrecorded: there is nobody to whom a refusal could be reported.
+OrderReply Station::Core::armUnasked(const Task& task, std::uint64_t duration_ticks) {
+  const std::string record = config_.record.empty() ? newRecording() : config_.record;
+  OrderReply reply = arm(task, record, duration_ticks, false);
+  if (reply.accepted || !config_.record.empty()) return reply;
+  files_.giveBack(record);
+  if (record.empty() || reply.refusal != Refusal::kCannotStart) return reply;
+  const std::string why = reply.reason;
+  reply = arm(task, "", duration_ticks, false);
+  if (reply.accepted) say("what follows is not recorded: " + why);
+  return reply;
+}
+
+// Takes the name of a new recording; empty when none can be made.
+std::string Station::Core::newRecording() {
+  if (!files_.kept()) return {};
+  auto named = files_.nameNew(profile_, scene()->exercise_name, models_.files.level);
+  if (!named) {
+    say("what follows is not recorded: " + format(named.errors()));
+    return {};
+  }
+  return *named;
+}
+
+// Lifecycle of sessions: all on the station's main thread.
+
+Expected<Done> Station::Core::load() {
+  Expected<Models> models = loadModels(config_.files);
+  if (!models) return models.errors();
+  const auto gains = checkGains(*models, config_.rig.period_s, config_.rig.measured);
+  if (!gains) return gains.errors();
+  if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) return no;
+  models_ = std::move(*models);
+  DeviceModel watched = models_.device;
+  watched.watch = watchLimits(watched, config_.make_device == nullptr);
+  safety_ = std::make_unique<SafetyLog>(
+      std::move(watched), config_.rig.period_s,
+      [this](const SafetyTransition& transition) { say(describe(transition)); });
+  publishScene("");
+  return Done{};
+}
+
+void Station::Core::publishScene(const std::string& recording) {
+  auto facts = std::make_shared<SceneFacts>(sceneFacts(models_, config_.rig.period_s));
+  facts->program_version = config_.program_version;
+  facts->exercises = {};
+  for (const ExerciseFile& file : listExercises(config_.config_folder + "/exercises")) {
+    facts->exercises.push_back(file.name);
+  }
+  facts->hands = stemsIn(config_.config_folder + "/hands");
+  facts->profiles = profiles_.list();
+  facts->profile = profile_;
+  facts->recording = fs::path(recording).filename().string();
+  Profile loaded = profileOf(models_);
+  const std::lock_guard lock(mutex_);
+  facts->session = status_.session;
+  scene_ = std::move(facts);
+  loaded_ = std::move(loaded);
+  being_written_ = recording;
+}
+
+std::unique_ptr<Player> Station::Core::makePlayer(const Models& models) const {
+  std::unique_ptr<Player> player;
+  if (models.exercise) player = models.exercise->makePlayer(config_.seed + arming_);
+  if (!player) player = config_.make_player(models);
+  return player;
+}
+
+std::string Station::Core::title() const {
+  if (!models_.exercise) return models_.scene.name;
+  return fmt::format("{}, level {}", models_.exercise->description().name, models_.files.level);
+}
+
+// Forgets the record of the previous session; true if there was one.
+bool Station::Core::forgetLatest() {
+  const auto names =
+      models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
+  const auto found = std::find(names.begin(), names.end(), kLevelDone);
+  const std::lock_guard lock(latest_mutex_);
+  level_done_at_.reset();
+  level_done_ = found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  return std::exchange(has_latest_, false);
+}
+
+void Station::Core::finishSession(bool goes_on) {
+  std::unique_ptr<Run> over;
+  live_->finish();
+  RunOutcome ended = live_->outcome();
+  for (const std::string& failure : ended.failures) {
+    say(failure + "; it was switched off, the loop ran on");
+  }
+  if (!ended.black_box.empty()) say("black box: " + ended.black_box);
+  ended.black_box.clear();  // already reported
+  refreshStatus();
+  const std::uint64_t missing =
+      record_path_.empty() ? 0 : ended.dropped_records + ended.dropped_writes;
+  if (missing > 0) {
+    say(fmt::format("the recording holds {} of {} ticks: {}", ended.written,
+                    ended.written + missing, record_path_));
+  }
+  const bool discarded = discardUnjoined(ended);
+  files_.note(record_path_, title(), recorded_profile_, began_utc_,
+              static_cast<double>(ended.summary.ticks) * config_.rig.period_s, missing);
+  outcome_.faulted = outcome_.faulted || ended.faulted;
+  // Clients to whom the end is reported find the recording in the list.
+  if (discarded || !record_path_.empty()) publishScene("");
+  {
+    // Its world is destroyed outside the lock, so that no order waits for it.
+    const std::lock_guard lock(mutex_);
+    status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
+    status_.latched = ended.counters.latched;
+    const bool rest = status_.endings == rest_ending_ && !ended.faulted;
+    if (!goes_on) ++status_.endings;
+    rest_ending_ = rest ? status_.endings : 0;  // ending of a session that rests
+    over = std::move(live_);
+    registry_.end();
+    registry_.clear();
+    publishRegistered();
+    tracker_.reset();
+  }
+  over.reset();
+  if (discarded && goes_on) {  // nobody's session has no results
+    --outcome_.sessions;
+    return;
+  }
+  outcome_.last = EndedSession{outcome_.sessions, std::move(ended), safety_->transitions(),
+                               rehearsed_, record_path_};
+  if (config_.ended) config_.ended(*outcome_.last);
+  record_path_.clear();
+}
+
+// After the last tick. Removes the recording that the program made of its own accord and that
+// nobody took part in. What faulted is kept.
+bool Station::Core::discardUnjoined(RunOutcome& ended) {
+  bool joined = false, asked_for = false;
+  {
+    const std::lock_guard lock(mutex_);
+    joined = std::exchange(keep_recording_, false) || joined_;
+    joined_ = joined_ && renewing_;  // whoever joins while it ends is in the next one, too
+    asked_for = armed_for_client_ || !config_.record.empty();
+  }
+  if (joined || asked_for || ended.faulted || record_path_.empty()) return false;
+  files_.remove(record_path_);
+  record_path_.clear();
+  ended.written = 0;
+  return true;
+}
+
+// Ends a session that the program armed and that nobody has joined for long, or that everybody has
+// left, and arms the next one. False when it is not yet time.
+bool Station::Core::renewSession() {
+  Task again;
+  {
+    const std::lock_guard lock(mutex_);
+    const bool alone = !joined_ && now() - began_at_ >= config_.renew_after;
+    if (armed_for_client_ || !config_.record.empty() || !(alone || left_alone_) ||
+        status_.run_state != RunState::kRendering) {
+      return false;
+    }
+    again.order.type = OrderType::kArm;
+    again.order.endings_seen = status_.endings;
+    again.asked = orders_;
+    again.starts = true;
+    renewing_ = true;
+    keep_recording_ = std::exchange(joined_, false);
+  }
+  stopGently(true);
+  OrderReply reply;
+  {
+    const std::lock_guard lock(mutex_);
+    reply = any(status_.latched) ? refused(Refusal::kStopCame, "it ended by a fault")
+                                 : mayStillDo(again);
+  }
+  if (reply.accepted) reply = armUnasked(again, ticksLeft());
+  const std::lock_guard lock(mutex_);
+  renewing_ = false;
+  if (!reply.accepted) ++status_.endings;
+  return true;
+}
+
+void Station::Core::stopGently(bool goes_on) {
+  if (!live_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    beginStop(false);
+  }
+  const auto until = StationClock::now() + kStopWithin;
+  while (live_->running() && StationClock::now() < until) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  finishSession(goes_on);
+}
+
+// Resolves the files that an order names, without reading them.
+OrderReply Station::Core::filesOf(const Order& order, ModelFiles& files) const {
+  files = models_.files;
+  if (!order.name.empty()) {
+    const auto known = listExercises(config_.config_folder + "/exercises");
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const ExerciseFile& f) { return f.name == order.name; });
+    if (found == known.end()) {
+      return refused(Refusal::kUnknownExercise, "there is no exercise \"" + order.name + "\"");
+    }
+    files.exercise = found->path;
+    files.level = 1;
+  }
+  if (!order.hand.empty()) {
+    const auto known = stemsIn(config_.config_folder + "/hands");
+    if (std::find(known.begin(), known.end(), order.hand) == known.end()) {
+      return refused(Refusal::kUnknownHand, "there is no hand \"" + order.hand + "\"");
+    }
+    files.hand = config_.config_folder + "/hands/" + order.hand + ".toml";
+  }
+  if (order.level > 0) files.level = order.level;
+  return {true, ""};
+}
+
+OrderReply Station::Core::loadExercise(const Task& task) {
+  ModelFiles files;
+  if (OrderReply known = filesOf(task.order, files); !known.accepted) return known;
+  return load(task, files, nullptr);
+}
+
+OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const Profile* profile) {
+  const WaitingFor disk("the disk: what is to be loaded");
+  Expected<Models> models = loadModels(files);
+  if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
+  const auto gains = checkGains(*models, config_.rig.period_s, config_.rig.measured);
+  if (!gains) return refused(Refusal::kCannotLoad, format(gains.errors()));
+  if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) {
+    return refused(Refusal::kNotStable, format(no));
+  }
+  const bool had_session = live_ != nullptr;
+  const bool rendered =
+      had_session && live_->running() && status().run_state == RunState::kRendering;
+  std::optional<Rehearsal> rehearsal;
+  if (config_.rehearse && rendered) {  // a load that cannot be rendered stops nothing
+    OrderReply passed = rehearseNext(*models, task, rehearsal);
+    if (!passed.accepted) return passed;
+  }
+  if (OrderReply may = stillDo(task); !may.accepted) return may;
+  stopGently(true);
+  const bool other_person = profile != nullptr || files.hand != models_.files.hand;
+  if (other_person) profile_ = profile != nullptr ? profile->name : "";
+  models_ = std::move(*models);
+  rehearsed_ = std::move(rehearsal);
+  forgetLatest();
+  Task start = task;
+  start.starts = true;
+  bool again = false;
+  {
+    // Rendering continues only if it was on until now and nobody stopped it; a stop or a fault
+    // remains.
+    const std::lock_guard lock(mutex_);
+    if (other_person) changePerson(task, profile);
+    dropKept();  // checked against the scene of before
+    again = rendered && mayStillDo(start).accepted && !any(status_.latched);
+    if (had_session && !again) ++status_.endings;
+  }
+  publishScene("");
+  if (!again) return {true, ""};
+  OrderReply reply = armForClient(start);
+  if (!reply.accepted) {
+    const std::lock_guard lock(mutex_);
+    ++status_.endings;
+  }
+  return reply;
+}
+
+void Station::Core::showRehearsal() {
+  if (!rehearsed_) return;
+  const Percentiles& cpu =
+      rehearsed_->pool ? rehearsed_->pool->summary.cpu : rehearsed_->summary.cpu;
+  status_.rehearsal_p50_us = cpu.p50_ns * 1e-3;
+  status_.rehearsal_p999_us = cpu.p999_ns * 1e-3;
+  status_.rehearsal_max_us = cpu.max_ns * 1e-3;
+}
+
+void Station::Core::refreshStatus() {
+  const TickSummary summary = live_->summary();
+  const std::uint64_t dropped = live_->droppedRecords();
+  const std::uint64_t bytes = live_->recordedBytes();
+  RunState state;
+  {
+    const std::lock_guard lock(mutex_);
+    status_.ticks = summary.ticks;
+    status_.missed_deadlines = summary.missed_deadlines;
+    status_.dropped_records = dropped;
+    status_.cpu_p50_us = summary.cpu.p50_ns * 1e-3;
+    status_.cpu_p99_us = summary.cpu.p99_ns * 1e-3;
+    status_.cpu_p999_us = summary.cpu.p999_ns * 1e-3;
+    status_.cpu_max_us = summary.cpu.max_ns * 1e-3;
+    status_.fault_ticks = summary.faults;
+    showRehearsal();
+    status_.recording_bytes = bytes;
+    state = status_.run_state;
+  }
+  if (dropped > 0 && !std::exchange(told_of_loss_, true) && !record_path_.empty()) {
+    say(lossNotice(summary.time_s, record_path_));
+  }
+  if (config_.status) config_.status(state, summary);
+}
+
+// Where nobody steers, the virtual patient plays a finished level again, also one that a person
+// finished and left.
+void Station::Core::restartLevel() {
+  if (config_.make_device) return;
+  {
+    const std::lock_guard lock(latest_mutex_);
+    if (!level_done_at_ || StationClock::now() - *level_done_at_ < config_.repeat_after) return;
+  }
+  const std::lock_guard lock(mutex_);
+  if (status_.steering != Steering::kVirtualPatient) return;
+  Command again;
+  again.type = CommandType::kAction;
+  again.index = static_cast<std::int32_t>(ExerciseAction::kRestart);
+  (void)act(again);
+}
+
+void Station::Core::watchSession() {
+  if (!live_) return;
+  if (!live_->running()) {
+    finishSession();
+    return;
+  }
+  if (renewSession()) return;
+  restartLevel();
+  if (StationClock::now() < status_at_) return;
+  refreshStatus();
+  status_at_ = StationClock::now() + kStatusEvery;
+}
+
+Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s) {
+  const InterruptScope interrupts;
+  const auto duration_ticks = static_cast<std::uint64_t>(
+      std::llround(std::clamp(duration_s, 0.0, kLongestRun_s) / config_.rig.period_s));
+  if (arm_at_once && !InterruptScope::interrupted()) {
+    Task first;
+    first.order.type = OrderType::kArm;
+    first.order.endings_seen = 1;
+    first.asked = kFirstArming;
+    first.starts = true;
+    const OrderReply reply = armUnasked(first, duration_ticks);
+    // Whoever stopped may arm.
+    const bool stopped = reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
+    if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {
+      return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};
+    }
+  }
+  const std::chrono::duration<double> within(std::clamp(duration_s, 0.0, kLongestRun_s));
+  const auto until =
+      StationClock::now() + std::chrono::duration_cast<StationClock::duration>(within);
+  if (duration_ticks > 0 && arm_at_once) ends_at_ = until;
+  bool ending = false;
+  while (!ending) {
+    runTask();
+    watchSession();
+    const std::lock_guard lock(mutex_);
+    outcome_.interrupted = InterruptScope::interrupted();
+    const bool over = duration_ticks > 0 && (arm_at_once ? !live_ : StationClock::now() >= until);
+    ending = outcome_.interrupted || quit_ || over;
+  }
+  stopGently();
+  endTasks();
+  log_.flush(kLogWithin);
+  return outcome_;
+}
 
 std::string pathOfSession(const std::string& path, std::uint64_t number) {
   if (number < 2 || path.empty()) return path;

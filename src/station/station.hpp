@@ -84,7 +84,7 @@ struct StationOutcome {
 /// before the ramp to neutral; an emergency stop ramps at once. After either, and after a fault,
 /// nothing pushes until somebody arms. A refused order to arm changes nothing.
 ///
-/// Every session is recorded from its first tick, or clients are told that it is not (an empty
+/// Every session is recorded from its first tick, or it is reported that it is not (an empty
 /// SceneFacts::recording). A session that run() armed is a demonstration until somebody takes part:
 /// takes the controls, steers, or orders anything. One that nobody joined within renew_after ends,
 /// its recording is removed, and the program arms again: recorded for ever, it would write 14 GB a

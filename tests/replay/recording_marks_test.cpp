@@ -1,5 +1,4 @@
-#include "replay/recording_marks.hpp"
-
+#include "replay/recording_series.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,6 @@
 #include "replay/recording_series.hpp"
 
 #include "replay/recording_report.hpp"
-#include "replay/series_channels.hpp"
 #include "replay/series_reader.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"

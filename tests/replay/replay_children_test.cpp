@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
 /// Answers each question with its process id, in eight characters, after the head of an answer
-/// (src/replay/answering.hpp): "WRA1", status 200, JSON, eight bytes.
+/// (src/replay/replay_children.hpp): "WRA1", status 200, JSON, eight bytes.
 constexpr const char* kSaysItsId =
     "while read -r words; do echo \"$$ $2 $words\" >> \"$(dirname \"$0\")/asked\"\n"
     "printf 'WRA1\\310\\000\\001\\000\\010\\000\\000\\000\\000\\000\\000\\000%8d' $$; done";

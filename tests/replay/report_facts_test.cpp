@@ -1,7 +1,5 @@
 #include "replay/engineering_facts.hpp"
-#include "replay/grip_log.hpp"
 #include "replay/therapy_facts.hpp"
-#include "replay/touch_log.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>

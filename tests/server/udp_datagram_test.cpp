@@ -1,6 +1,6 @@
 #include "server/udp_datagram.hpp"
 
-#include "server/udp_peer.hpp"
+#include "server/udp_host.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>

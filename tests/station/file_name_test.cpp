@@ -1,5 +1,3 @@
-#include "station/file_name.hpp"
-
 #include "core/printable.hpp"
 #include "station/session_files.hpp"
 #include "support/folder.hpp"

@@ -1,7 +1,6 @@
 // The process that makes reports, played by small shell scripts: it is called as
 // `program report RECORDING --out FOLDER`.
-#include "station/report_child.hpp"
-
+#include "station/reports.hpp"
 #include "support/folder.hpp"
 #include "support/watched_main.hpp"
 

@@ -4,7 +4,7 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "assembly/program_version.hpp"
 #include "core/printable.hpp"
-#include "replay/answering.hpp"
+#include "replay/replay_children.hpp"
 #include "resimulation/resimulation.hpp"
 #include "telemetry/recording.hpp"
 

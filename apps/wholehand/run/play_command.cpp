@@ -20,7 +20,7 @@
 #include "runtime/interrupt_scope.hpp"
 #include "server/server.hpp"
 #include "server/udp_bridge.hpp"
-#include "station/report_child.hpp"
+#include "station/reports.hpp"
 #include "station/station.hpp"
 
 #include <fmt/format.h>

@@ -18,7 +18,7 @@
 #include "patient/scripted_player.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "safety/supervisor.hpp"
-#include "server/async_log.hpp"
+#include "server/logs.hpp"
 #include "telemetry/disk_room.hpp"
 
 #include <CLI/CLI.hpp>

@@ -2,7 +2,6 @@
 
 #include "commissioning/operator.hpp"
 #include "server/backend.hpp"
-#include "server/commissioning_facts.hpp"
 
 #include <condition_variable>
 #include <cstdint>

@@ -1,8 +1,9 @@
 #pragma once
 
-#include "server/asio.hpp"
+#include "server/http_line.hpp"
 #include "server/websocket_stream.hpp"
 
+#include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/fields.hpp>
 #include <boost/beast/http/message.hpp>
@@ -11,7 +12,16 @@
 #include <memory>
 #include <string>
 
+// What the sources share that hold a socket. Only they include this file, Boost.Asio or
+// Boost.Beast, since both are slow to compile.
 namespace wholehand {
+
+namespace net = boost::asio;
+using Tcp = boost::asio::ip::tcp;
+using ErrorCode = boost::system::error_code;
+
+/// Opens an HTTP line over a connected socket, on the socket's thread.
+[[nodiscard]] std::unique_ptr<HttpLine> openHttpLine(Tcp::socket socket);
 
 using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 
