@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestName = 60;
-const std::vector<std::string> kHelps = {"full", "some", "none"};  // from Help::kFull
+const std::vector<std::string> kHelpNames = {"full", "some", "none"};  // from Help::kFull
 
 bool isNamePart(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -32,14 +32,14 @@ Diagnostic notAName(const std::string& name) {
 std::string helpLine(Help help) {
   if (help == Help::kUnsaid) return {};
   const auto index = static_cast<std::size_t>(help) - static_cast<std::size_t>(Help::kFull);
-  return "help = \"" + kHelps.at(index) + "\"\n";
+  return "help = \"" + kHelpNames.at(index) + "\"\n";
 }
 
 // Older profiles have no such key.
 Help readHelp(TomlTable& root) {
   if (!root.has("help")) return Help::kUnsaid;
-  const auto found = std::find(kHelps.begin(), kHelps.end(), root.choice("help", kHelps));
-  return static_cast<Help>(static_cast<int>(Help::kFull) + (found - kHelps.begin()));
+  const auto found = std::find(kHelpNames.begin(), kHelpNames.end(), root.choice("help", kHelpNames));
+  return static_cast<Help>(static_cast<int>(Help::kFull) + (found - kHelpNames.begin()));
 }
 
 }  // namespace
