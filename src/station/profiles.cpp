@@ -38,7 +38,8 @@ std::string helpLine(Help help) {
 // Older profiles have no such key.
 Help readHelp(TomlTable& root) {
   if (!root.has("help")) return Help::kUnsaid;
-  const auto found = std::find(kHelpNames.begin(), kHelpNames.end(), root.choice("help", kHelpNames));
+  const auto found =
+      std::find(kHelpNames.begin(), kHelpNames.end(), root.choice("help", kHelpNames));
   return static_cast<Help>(static_cast<int>(Help::kFull) + (found - kHelpNames.begin()));
 }
 
