@@ -146,7 +146,7 @@ TEST_F(InputLog, AnyTick_ComesBackBitForBit) {
   auto random = seededRandom(4103);
   for (std::uint64_t i = 0; i < 2000; ++i) {
     TickRecord record = tickAt(i, random);
-    record.faults = static_cast<Fault>(random() % (1U << kFaultBits));
+    record.faults = static_cast<Fault>(random() % (1ULL << kFaultBits));
     record.elapsed_periods = static_cast<std::uint32_t>(i % 7 == 0 ? random() : 1);
     expectComesBack(record);
   }

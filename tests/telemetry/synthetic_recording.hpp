@@ -66,7 +66,7 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
   r.tick = tick;
   r.time_s = static_cast<double>(tick) * 1e-3;
   r.elapsed_periods = 1 + static_cast<std::uint32_t>(tick % 50 == 49);
-  r.faults = static_cast<Fault>(random() % (1U << kFaultBits));
+  r.faults = static_cast<Fault>(random() % (1ULL << kFaultBits));
   r.lateness_ns = whole(100000);
   r.wall_ns = whole(200000);
   r.cpu_ns = whole(150000);
