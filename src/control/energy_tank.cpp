@@ -80,6 +80,7 @@ EnergyTankState fullTank(const EnergyTankConfig& config) noexcept {
   state.velocity = AxisVelocity(config.axes);
   state.avatar = AxisEffort(config.axes);
   state.sent.fill(AxisEffort(config.axes));
+  state.pushed.fill(AxisEffort(config.axes));
   return state;
 }
 
@@ -90,11 +91,10 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
                            int elapsed_periods, double period_s) noexcept {
   EnergyTankStep out{state, AxisEffort(config.axes)};
   const double elapsed_s = elapsed_periods * period_s;
-  const auto sent = [&state](int ticks_ago) -> const AxisEffort& {
-    return state.sent[(state.newest + kRing - ticks_ago) % kRing];
-  };
-  const AxisEffort& acted = sent(config.delay_ticks);
-  const AxisEffort& before = sent(config.delay_ticks + 1);
+  const auto at = [&state](int ticks_ago) { return (state.newest + kRing - ticks_ago) % kRing; };
+  const AxisEffort& acted = state.sent[at(config.delay_ticks)];
+  const AxisEffort& before = state.sent[at(config.delay_ticks + 1)];
+  const AxisEffort& pushed = state.pushed[at(config.delay_ticks)];
   double given_by_hand = 0.0;
   for (int i = 0; i < config.axes; ++i) {
     const double wall = i < wall_stored.size() ? wall_stored[i] : 0.0;
@@ -108,7 +108,7 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
       const double given = to_person + state.avatar[i] * (q_s[i] - state.q_s[i]);
       const double energy =
           std::clamp(state.energy[i] - given, -config.capacity[i], config.capacity[i]);
-      given_by_hand += to_person;
+      given_by_hand += to_person - pushed[i] * dx;
       out.state.velocity[i] = v;
       out.state.energy[i] = energy;
       if (energy < 0.0 && v != 0.0) {
@@ -129,11 +129,12 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
 }
 
 EnergyTankState recordSent(const EnergyTankState& state, const AxisEffort& sent,
-                           const AxisEffort& avatar_effort,
-                           const AxisEffort& effort_limit) noexcept {
+                           const AxisEffort& avatar_effort, const AxisEffort& effort_limit,
+                           const AxisEffort& pushed) noexcept {
   EnergyTankState out = state;
   out.newest = (state.newest + 1) % kRing;
   out.sent[out.newest] = sent;
+  out.pushed[out.newest] = pushed.size() > 0 ? pushed : AxisEffort(sent.size());
   for (int i = 0; i < sent.size(); ++i) {
     out.avatar[i] = std::clamp(avatar_effort[i], -effort_limit[i], effort_limit[i]);
   }

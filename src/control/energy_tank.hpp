@@ -21,9 +21,9 @@ namespace wholehand {
 /// neither avatar nor world passive; it never exceeds what they hold by more than its capacity:
 ///   H ← H − Σ (f Δq_m + (S − S⁻) + h − b v² kT) + W,    within −Ĥ .. Ĥ + K
 ///
-/// K: energy that avatar and world hold. W: energy that gravity, an exercise or a game put into
-/// the world since the last tick. What the world loses by friction only lowers the upper end; what
-/// it makes by itself never raises H.
+/// K: energy that avatar and world hold. W: energy that others put in since the last tick: gravity
+/// and a game into the world, an exercise that pushes into the hand. What the world loses by
+/// friction only lowers the upper end; what it makes by itself never raises H.
 ///
 /// f: effort that acted on the device since the last tick, output delay included, the device's
 /// weight excluded.
@@ -72,6 +72,7 @@ struct EnergyTankState {
   AxisVelocity velocity;                               ///< v
   AxisEffort avatar;                                   ///< a since the last tick
   std::array<AxisEffort, kMostDelayTicks + 2> sent{};  ///< without the device's weight; ring buffer
+  std::array<AxisEffort, kMostDelayTicks + 2> pushed{};  ///< of it, an exercise's push
   int newest = 0;
   bool fresh = true;  ///< no previous tick
 };
@@ -97,9 +98,11 @@ advanceTank(const EnergyTankState& state, const AxisPosition& q_m, const AxisPos
 /// Records the effort that was sent and the effort on the avatar. Once a tick, after advanceTank().
 /// @param sent without the device's own weight
 /// @param avatar_effort f_s, Eq. (2) @param effort_limit f̂, in force now
+/// @param pushed of `sent`, what an exercise pushes by itself: not a wall; size 0: none
 [[nodiscard]] WHOLEHAND_RT EnergyTankState recordSent(const EnergyTankState& state,
                                                       const AxisEffort& sent,
                                                       const AxisEffort& avatar_effort,
-                                                      const AxisEffort& effort_limit) noexcept;
+                                                      const AxisEffort& effort_limit,
+                                                      const AxisEffort& pushed = {}) noexcept;
 
 }  // namespace wholehand

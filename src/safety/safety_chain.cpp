@@ -46,6 +46,22 @@ AxisEnergy wallStored(const TickRecord& record) noexcept {
   return out;
 }
 
+// What an exercise pushes by itself: the effort sent beyond what would have been sent without it.
+// Walls are springs: they belong to what the loop stores.
+AxisEffort pushedByExercise(const TickRecord& record, const AxisEffort& sent) noexcept {
+  const ExerciseRecord& exercise = record.exercise;
+  AxisEffort out(sent.size());
+  for (int i = 0; i < out.size(); ++i) {
+    const double push = i < exercise.effort.size() ? exercise.effort[i] : 0.0;
+    const bool wall = i < exercise.wall_active.size() && exercise.wall_active[i];
+    if (push == 0.0 || wall || !std::isfinite(record.rendered[i])) continue;
+    const double limit = record.effort_limit[i];
+    const double without = std::clamp(record.rendered[i] - push, -limit, limit);
+    out[i] = std::clamp(sent[i] - without, std::min(push, 0.0), std::max(push, 0.0));
+  }
+  return out;
+}
+
 StopAsked stopOf(Fault faults, Fault latched) noexcept {
   if (any(latched)) return StopAsked::kPlain;
   if (!any(faults & Fault::kStopRequested)) return StopAsked::kNone;
@@ -190,8 +206,8 @@ AxisEffort SafetyChain::withinLimits(TickRecord& record) const noexcept {
 }
 
 void SafetyChain::noteSentInTank(const TickRecord& record) noexcept {
-  tank_ =
-      recordSent(tank_, difference(record.sent, config_.neutral), record.f_s, record.effort_limit);
+  const AxisEffort sent = difference(record.sent, config_.neutral);
+  tank_ = recordSent(tank_, sent, record.f_s, record.effort_limit, pushedByExercise(record, sent));
   if (ramp_.authority < 1.0) {
     tank_.energy = config_.tank.capacity;
     tank_.hand = config_.tank.hand_capacity + bodies_.energy().held_j;

@@ -212,6 +212,31 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
   EXPECT_NEAR(effort, -2.0, 0.01);
 }
 
+TEST(EnergyTank, ExerciseThatPushesTheHand_IsNotTheWorldsEnergy) {
+  // The same push by an exercise gives 2 J in 10 s. The hand's tank, 50 mJ, stays as it was: the
+  // power limit bounds an exercise. A spring of the loop that pushes beside it is charged.
+  DeviceModel device = oneAxisDevice(0.8);
+  device.axes[0].effort_limit = 20.0;
+  device.output_delay_ticks = 3;
+  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
+  Loop loop;
+  loop.k_pm = 1e-9;
+  const CouplingGains gains = gainsOfAxis(loop);
+  for (const double beside_n : {0.0, 0.5}) {
+    EnergyTankState tank = fullTank(config);
+    const int ticks = beside_n == 0.0 ? 10000 : 500;
+    for (int k = 0; k < ticks; ++k) {
+      const AxisPosition q(1, 1e-4 * k);
+      tank =
+          advanceTank(tank, q, q, {}, {}, gains, config, AxisEffort(1, 20.0), 1, kPeriod_s).state;
+      tank = recordSent(tank, AxisEffort(1, 2.0 + beside_n), AxisEffort(1), AxisEffort(1, 20.0),
+                        AxisEffort(1, 2.0));
+    }
+    const double gone_s = kPeriod_s * (ticks - 1 - 3);
+    EXPECT_NEAR(tank.hand, config.hand_capacity - beside_n * 0.1 * gone_s, 1e-4);
+  }
+}
+
 TEST(EnergyTank, OneCountOfTheEncoder_MakesAFiftiethOfTheLimitAtMost) {
   // Empty, at the worst debt: a count δ within a tick, at every rate.
   DeviceModel device = oneAxisDevice(0.8);

@@ -6,6 +6,7 @@
 #include "support/folder.hpp"
 #include "support/says.hpp"
 #include "support/seed.hpp"
+#include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,6 +23,7 @@ DriverLocation builtAt(const std::string& name, const std::string& settings = {}
 
 ConformanceOptions with(DriverLocation driver, const std::string& only,
                         double longest_check_s = 30.0) {
+  seesRealTime();
   ConformanceOptions options;
   options.driver = std::move(driver);
   options.only = only;
@@ -249,7 +251,7 @@ TEST(Conformance, GoodRails_FailNothing) {
 TEST(Conformance, FrameAndItsFirmware_FailNothingThatMoves) {
   const std::vector<std::string> carriers = everyCarrier();
   const FirmwareProcess firmware(carriers[seed() % carriers.size()]);
-  ConformanceOptions options = with(builtAt("frame"), "motion.", 15.0);
+  ConformanceOptions options = with(builtAt("frame"), "motion.");
   options.driver.locator = firmware.locator();
   options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}, {"z", 0.25, 0.0}};
   EXPECT_EQ(failures(conform(options)), "") << firmware.locator();

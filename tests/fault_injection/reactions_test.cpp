@@ -78,6 +78,7 @@ TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_GivesNoMoreThanTheLimit) {
     Witness witness(config);
     for (int k = 0; k < 500; ++k) {
       const TickRecord& r = bench.tick();
+      EXPECT_FALSE(any(r.faults & Fault::kWorldGivesEnergy));  // the exercise does
       if (any(r.faults & kStopping)) break;  // pushed along, a finger may pass its speed limit
       witness.see(r);
       ++ticks;
