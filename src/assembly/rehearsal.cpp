@@ -75,6 +75,7 @@ class Attempt {
     out.limit_us = 1e-3 * limit_ns_;
     out.bodies = static_cast<int>(touched_.size());
     out.bodies_touched = static_cast<int>(std::count(touched_.begin(), touched_.end(), true));
+    out.unsettled = static_cast<double>(unsettled_) / std::max<double>(1, costs_.size());
     explainSlowTicks(out);
     return out;
   }
@@ -146,6 +147,7 @@ class Attempt {
       cost.body = body;
     }
     costs_.push_back(cost);
+    if (any(record_.faults & Fault::kContactsUnsettled)) ++unsettled_;
     if (static_cast<double>(cost.cpu_ns) <= limit_ns_) return;
     ++too_slow_;
     slow_ns_ += static_cast<double>(cost.cpu_ns);
@@ -219,7 +221,7 @@ class Attempt {
   std::vector<TickCost> costs_;
   std::vector<bool> touched_;
   std::uint64_t ticks_ = 0;
-  std::size_t too_slow_ = 0;
+  std::size_t too_slow_ = 0, unsettled_ = 0;
   double slow_ns_ = 0.0;
 };
 
@@ -322,11 +324,19 @@ Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
 
 std::string describe(const Rehearsal& r) {
   const std::string pool = r.pool ? "; with " + describe(*r.pool) : "";
+  const std::string unsettled =
+      r.unsettled > 0.0
+          ? fmt::format(
+                "; contact forces do not settle in {:.1f} % of the ticks: what is heavy "
+                "sinks into what is light below it",
+                100.0 * r.unsettled)
+          : "";
   return fmt::format(
       "{:.0f} µs CPU at the median, {:.0f} p99.9, {:.0f} at most ({:.0f} allowed), mostly {}; "
-      "up to {} contacts, {} of {} bodies touched{}",
+      "up to {} contacts, {} of {} bodies touched{}{}",
       1e-3 * r.summary.cpu.p50_ns, 1e-3 * r.summary.cpu.p999_ns, 1e-3 * r.summary.cpu.max_ns,
-      r.limit_us, stageName(r.slowest), r.summary.contacts_max, r.bodies_touched, r.bodies, pool);
+      r.limit_us, stageName(r.slowest), r.summary.contacts_max, r.bodies_touched, r.bodies,
+      unsettled, pool);
 }
 
 }  // namespace wholehand

@@ -144,6 +144,26 @@ TEST(Rehearsal, WorldThatBreaks_IsRefusedByTheBodyAndTheFault) {
   EXPECT_TRUE(says(why, "non-finite effort"));
 }
 
+TEST(Rehearsal, WeightsTooDifferentToSettle_AreNamed) {
+  for (const double top_kg : {0.02, 1000.0}) {
+    Models models = load(shippedFiles());
+    models.scene.bodies = {fixedBox({0.5, 0.0, -0.3}, {0.4, 0.4, 0.02})};
+    for (int k = 0; k < 12; ++k) {
+      SceneBody cube = fixedBox({0.5, 0.0, -0.27 + 0.04 * k}, {0.04, 0.04, 0.04});
+      cube.name = "cube " + std::to_string(k);
+      cube.fixed = false;
+      cube.mass_kg = k == 11 ? top_kg : 0.02;
+      cube.inertia_kg_m2 = cube.mass_kg * 0.04 * 0.04 / 6.0 * Eigen::Matrix3d::Identity();
+      models.scene.bodies.push_back(cube);
+    }
+    RehearsalOptions any;
+    any.most_of_period = 100.0;
+    const Rehearsal r = orThrow(rehearse(models, origin(models), {}, any));
+    EXPECT_EQ(r.unsettled > 0.0, top_kg > 1.0) << describe(r);
+    EXPECT_EQ(says(describe(r), "do not settle"), top_kg > 1.0);
+  }
+}
+
 TEST(Rehearsal, Cancelled_EndsWithTheTickAndSaysSo) {
   const Models models = bar();
   RehearsalOptions options;
