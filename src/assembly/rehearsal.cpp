@@ -75,7 +75,8 @@ class Attempt {
     out.limit_us = 1e-3 * limit_ns_;
     out.bodies = static_cast<int>(touched_.size());
     out.bodies_touched = static_cast<int>(std::count(touched_.begin(), touched_.end(), true));
-    out.unsettled = static_cast<double>(unsettled_) / std::max<double>(1, costs_.size());
+    out.unsettled =
+        static_cast<double>(unsettled_) / static_cast<double>(std::max(1, untouched_ticks_));
     explainSlowTicks(out);
     return out;
   }
@@ -147,7 +148,11 @@ class Attempt {
       cost.body = body;
     }
     costs_.push_back(cost);
-    if (any(record_.faults & Fault::kContactsUnsettled)) ++unsettled_;
+    untouched_ = untouched_ && record_.contact_count == 0;
+    if (untouched_) {
+      ++untouched_ticks_;
+      if (any(record_.faults & Fault::kContactsUnsettled)) ++unsettled_;
+    }
     if (static_cast<double>(cost.cpu_ns) <= limit_ns_) return;
     ++too_slow_;
     slow_ns_ += static_cast<double>(cost.cpu_ns);
@@ -221,7 +226,9 @@ class Attempt {
   std::vector<TickCost> costs_;
   std::vector<bool> touched_;
   std::uint64_t ticks_ = 0;
-  std::size_t too_slow_ = 0, unsettled_ = 0;
+  std::size_t too_slow_ = 0;
+  bool untouched_ = true;
+  int untouched_ticks_ = 0, unsettled_ = 0;
   double slow_ns_ = 0.0;
 };
 
@@ -327,8 +334,8 @@ std::string describe(const Rehearsal& r) {
   const std::string unsettled =
       r.unsettled > 0.0
           ? fmt::format(
-                "; contact forces do not settle in {:.1f} % of the ticks: what is heavy "
-                "sinks into what is light below it",
+                "; before the hand touches anything, contact forces do not settle in {:.1f} % of "
+                "the ticks: what is heavy sinks into what is light below it",
                 100.0 * r.unsettled)
           : "";
   return fmt::format(

@@ -45,7 +45,7 @@ struct Rehearsal {
   std::string heaviest;                 ///< body most touched in them; empty: none
   int heaviest_contacts = 0;            ///< largest simultaneous number of its contacts
   int bodies = 0, bodies_touched = 0;
-  double unsettled = 0.0;  ///< share of ticks in which contact forces did not settle
+  double unsettled = 0.0;  ///< share of ticks before a touch whose forces did not settle
   int attempts = 0;
   std::optional<PoolMeasurement> pool;    ///< with the slots of a game filled; empty: not done
   std::optional<RehearsalPassed> passed;  ///< permission for arm()
