@@ -131,7 +131,7 @@ public static class Golden
         var message = new ByteBuffer(bytes);
         if (!Wholehand.Words.IsMessage(message, bytes.Length)) return Payload.NONE;
         Payload kind = Message.GetRootAsMessage(message).PayloadType;
-        return kind == Payload.Welcome || kind == Payload.Commissioning || kind == Payload.Acknowledge ? kind : Payload.NONE;
+        return kind == Payload.Welcome || kind == Payload.Commissioning ? kind : Payload.NONE;
     }
 
     private static Welcome WelcomeOf(byte[] bytes)
