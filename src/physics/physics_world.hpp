@@ -43,6 +43,8 @@ struct ContactList {
   std::array<Contact, kMaxContacts> points{};
 };
 
+class BodyPool;
+
 /// A physics engine with one hand and the bodies of one scene in it. The interface exposes nothing
 /// of the engine. SI units, radians, world frame (docs/equations.md). Every engine guarantees the
 /// following, which tests/physics/engine_conformance verifies:
@@ -85,6 +87,9 @@ class PhysicsWorld {
   /// Self-contact forces of the last step. They act on q_s and so on the felt effort; no record
   /// holds them.
   WHOLEHAND_RT virtual void selfForces(SelfForces& forces) const noexcept = 0;
+
+  /// Bodies of a game; null in an engine that has none.
+  [[nodiscard]] virtual BodyPool* bodyPool() noexcept { return nullptr; }
 };
 
 }  // namespace wholehand

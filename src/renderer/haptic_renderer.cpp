@@ -29,7 +29,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
                                Exercise* exercise)
     : device_(device),
       world_(world),
-      pool_(scene.game.slots > 0 ? dynamic_cast<BodyPool*>(&world) : nullptr),
+      pool_(scene.game.slots > 0 ? world.bodyPool() : nullptr),
       exercise_(exercise),
       config_(config),
       safety_(config.safety, config.gains, scene, config.period_s),

@@ -165,7 +165,7 @@ Shape prismMesh() {
 std::vector<double> orderTimes_us() {
   const Models models = gameModels();
   const auto world = orThrow(buildWorld(defaultEngine(), models.hand, models.scene));
-  auto* pool = dynamic_cast<BodyPool*>(world.get());
+  BodyPool* const pool = world->bodyPool();
   if (pool == nullptr || !world->placeHand(AxisPosition(6))) throw std::runtime_error("no pool");
   int set = 0;
   for (const Shape& shape : {boxShape({0.04, 0.04, 0.04}), prismMesh()}) {

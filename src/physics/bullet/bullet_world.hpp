@@ -32,6 +32,7 @@ class BulletWorld final : public PhysicsWorld, public BodyPool {
   void contacts(ContactList& contacts) const noexcept override;
   void selfForces(SelfForces& forces) const noexcept override;
 
+  [[nodiscard]] BodyPool* bodyPool() noexcept override { return this; }
   void obey(const Command& command) noexcept override;
   void setGameAlive(bool alive) noexcept override;
   void report(PoolReport& report) noexcept override;
