@@ -6,19 +6,10 @@ find_package(PkgConfig REQUIRED)
 # Bullet in double precision only: in float the articulated-body algorithm freezes light links.
 # Its CMake config has relative include paths, hence pkg-config.
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
-# Folders of src/ that hold a physics engine (docs/engines.md).
-set(engine_modules physics/bullet physics/bullet_paper)
-option(WHOLEHAND_MUJOCO "Build the engine mujoco in" ON)
-if(WHOLEHAND_MUJOCO)
-  # Not by its CMake config: Debian's names a folder of headers that no package has.
-  find_library(mujoco_library mujoco)
-  find_path(mujoco_headers mujoco/mujoco.h)
-  if(NOT mujoco_library OR NOT mujoco_headers)
-    message(FATAL_ERROR "MuJoCo is not installed: apt-get install libmujoco-dev (./start does), "
-                        "or configure with -DWHOLEHAND_MUJOCO=OFF for a program without it")
-  endif()
-  mark_as_advanced(mujoco_library mujoco_headers)
-  list(APPEND engine_modules physics/mujoco)
+# Modules that hold a physics engine (docs/engines.md).
+set(engine_modules physics/bullet)
+if(WHOLEHAND_LAB)
+  list(APPEND engine_modules lab)
 endif()
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)

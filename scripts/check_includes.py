@@ -116,7 +116,8 @@ def faults_of_installation(root):
 
 
 def sources(folder):
-    return sorted(p for p in folder.rglob("*") if p.suffix in (".hpp", ".cpp", ".h", ".cc"))
+    return sorted(p for p in folder.rglob("*") if p.suffix in (".hpp", ".cpp", ".h", ".cc")
+                  and "tests" not in p.relative_to(folder).parts)
 
 
 def check(root, rules):

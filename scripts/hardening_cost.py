@@ -14,7 +14,7 @@ import sys
 from tick_cost import DATA, PROGRAM, ROOT, SCENES, count, load, page, total
 
 WITHOUT = ROOT / "build/unhardened"
-KEPT = ["CMAKE_BUILD_TYPE", "CMAKE_CXX_COMPILER", "CMAKE_CXX_FLAGS_RELEASE", "WHOLEHAND_MUJOCO"]
+KEPT = ["CMAKE_BUILD_TYPE", "CMAKE_CXX_COMPILER", "CMAKE_CXX_FLAGS_RELEASE", "WHOLEHAND_LAB"]
 
 
 def run(*command):

@@ -211,7 +211,7 @@ answer_at_once() {
     argument=${argument%%=*}
     case $argument in
       -h | --help)
-        say "usage: ./start [options of \`wholehand run\`]: installs what is missing, builds, opens the cocktail bar."
+        say "usage: ./start [--lab] [options of \`wholehand run\`]: installs what is missing, builds, opens the cocktail bar."
         if [[ -x $root/build/release/wholehand ]]; then exec "$root/build/release/wholehand" run --help; fi
         say 'What each option does is told once the program is built, by ./start --help, and by docs/program.md:'
         # shellcheck disable=SC2086

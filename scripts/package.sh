@@ -17,9 +17,9 @@ one_at_a_time
 install_packages run package
 pages_are_current || { install_node && build_web; }
 if [[ ! -f build/release/build.ninja ]]; then
-  configure release -DWHOLEHAND_BUILD_TESTS=OFF
+  configure release -DWHOLEHAND_BUILD_TESTS=OFF -DWHOLEHAND_LAB=OFF
 else
-  configure release # finds what was installed since
+  configure release -DWHOLEHAND_LAB=OFF # finds what was installed since
 fi
 build release wholehand wholehand_python
 make_packages

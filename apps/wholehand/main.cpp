@@ -173,7 +173,7 @@ void addSweep(CLI::App& app, SweepOptions& o, int& code) {
   s->add_flag("--array", o.array, "Only the share of this task of a Slurm job array")
       ->excludes(share);
   s->footer(
-      "Under mpirun each rank takes its share. Killed or interrupted, the same command goes on.\n"
+      "Killed or interrupted, the same command goes on.\n"
       "Exit code 0: done; 2: bad input; 3: a process died; 130: interrupted.");
   s->callback([&o, &code] { code = sweepCommand(o); });
 }

@@ -24,14 +24,20 @@ struct Engine {
   bool takes_game_bodies = false;       ///< its world is a BodyPool
 };
 
-/// All engines, the default first. The only place that names them.
+/// How to build the program with what is in lab/.
+inline constexpr const char* kLabRemedy =
+    "it is in the lab: configure with -DWHOLEHAND_LAB=ON (./check --full does)";
+/// Engines of lab/, which defines this; without the lab their names, and nothing built in.
+[[nodiscard]] std::vector<Engine> labEngines();
+/// All engines, the default first, then those of the lab.
 [[nodiscard]] const std::vector<Engine>& engines();
 /// Name of the default engine.
 [[nodiscard]] const std::string& defaultEngine();
 /// Names of all engines, including those not built in.
 [[nodiscard]] std::vector<std::string> engineNames();
 
-/// Why no person may be attached to that engine; empty: allowed, or no such engine.
+/// Why no person may be attached to that engine, or that it is not built in; empty: allowed, or no
+/// such engine.
 [[nodiscard]] Diagnostics refuseForPersons(const std::string& engine,
                                            const std::vector<Engine>& among = engines());
 

@@ -19,6 +19,7 @@ BINARY = pathlib.Path(os.environ.get("WHOLEHAND_BINARY", SOURCE / "build/release
 sys.path.insert(0, str(BINARY.parent / "python"))  # as built: with what flatc makes of the schema
 from wholehand.recording import Recording  # noqa: E402
 
+LAB = os.environ.get("WHOLEHAND_LAB") == "1"  # the program has what lab/ adds
 SEED = int(os.environ.get("WHOLEHAND_SEED", "1"))
 CONFIG = SOURCE / "config"
 MOTION = SOURCE / "data/human-motion/reach-grasp-00.csv"

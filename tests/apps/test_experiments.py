@@ -1,10 +1,11 @@
-"""`wholehand experiment grasping|timing|engines|exercise|cocktail-bar`: what they write, how they are stopped."""
+"""`wholehand experiment grasping|timing|exercise|cocktail-bar`: what they write, how they are stopped."""
 import json
 import os
 import signal
 import time
+import unittest
 
-from app import CONFIG, DONE, FULL, HANG_S, INTERRUPTED, AppTest, expect_known_sentences, main, report_data
+from app import CONFIG, DONE, FULL, HANG_S, INTERRUPTED, LAB, AppTest, expect_known_sentences, main, report_data
 
 
 class Grasping(AppTest):
@@ -154,57 +155,13 @@ class Admission(AppTest):
                     1, "not admitted at 8000 Hz", "budget.awake = 24")
 
 
-class Engines(AppTest):
-    def test_keys_of_the_results_slow(self):
-        self.expect(self.run_app("experiment", "engines", "--hold", "0.2", "--rates-hz", "1000,2000", "--json", "e.json",
-                                 "--out", "out"),
-                    DONE, "bullet's tick over bullet-paper's", "at 1000 Hz", "at 2000 Hz")
-        results = json.loads((self.folder / "e.json").read_text())
-        engines = {engine["engine"]: engine for engine in results["engines"]}
-        self.assertEqual(next(iter(engines)), "bullet")
-        self.assertIn("bullet-paper", engines)
-        for name, engine in engines.items():
-            self.assertIs(engine["faulted"], False, name)
-            for scene in ("free", "fixed", "held", "resting"):
-                cost = engine["cpu_us"][scene]
-                self.assertGreater(cost["p50"], 0.0)
-                self.assertLessEqual(cost["p50"], cost["p999"])
-        bullet, paper = engines["bullet"], engines["bullet-paper"]
-        for name in set(engines) - {"bullet-paper", "bullet-paper-gears"}:  # what docs/engines.md says of engines for persons
-            self.assertIs(engines[name]["held"], True, name)
-            self.assertLessEqual(engines[name]["virtual_work_error"], 0.01, name)
-            self.assertLessEqual(engines[name]["felt_error"], 0.01, name)
-            self.assertLessEqual(engines[name]["coupling_error_rad"], 1e-9, name)
-        # The paper's own way leaves the synergy under contact, and its forces are not those that are felt.
-        self.assertGreater(paper["coupling_error_rad"], 1e-4)
-        self.assertGreater(paper["virtual_work_error"], 10 * bullet["virtual_work_error"])
-        ratios = results["default_over_paper"]
-        for scene, ratio in ratios.items():
-            self.assertAlmostEqual(ratio, bullet["cpu_us"][scene]["p50"] / paper["cpu_us"][scene]["p50"], places=9)
-        self.assertLess(ratios["held"], 1.0)  # CPU times, tick by tick in turn
-        one, two = results["rates"]
-        self.assertEqual((one["rate_hz"], two["rate_hz"]), (1000, 2000))
-        self.assertEqual(one["engines"], results["engines"])
-        for slow, fast in zip(one["engines"], two["engines"]):
-            name = slow["engine"]
-            if name not in ("bullet", "mujoco"):
-                self.assertIsNone(slow["stiffness"], name)  # is for no person
-                continue
-            found, bound = (slow["stiffness"][key] for key in ("largest_stable_n_m", "certificate_bound_n_m"))
-            self.assertAlmostEqual(bound, 1.0 / (1e-3 * 1.5), delta=0.03 * bound)  # b / (T (1/2 + n))
-            self.assertAlmostEqual(found, bound, delta=0.1 * bound, msg=name)
-            self.assertGreaterEqual(fast["stiffness"]["largest_stable_n_m"], 1.75 * found, name)
-        page = report_data(self.folder / "out/engines.html")
-        expect_known_sentences(self, page)
-        self.assertEqual(len(page["charts"]), 4)
-        self.assertEqual(len(page["tables"]), 2)
-        for chart in page["charts"]:
-            self.assertEqual([line["name"] for line in chart["lines"]], list(engines))
-
-    def test_bad_input_is_refused(self):
-        self.expect_refused(self.run_app("experiment", "engines", "--hold", "0"), "--hold")
-        self.expect_refused(self.run_app("experiment", "engines", "--rates-hz", "100"), "--rates-hz")
-        self.expect_refused(self.run_app("experiment", "engines", "--out", "/proc/e"), "/proc")
+class Lab(AppTest):
+    @unittest.skipIf(LAB, "the lab is built")
+    def test_what_is_in_the_lab_is_refused_with_the_remedy(self):
+        for arguments in (("experiment", "engines"), ("run", "--simulated-clock", "--engine", "mujoco"),
+                          ("experiment", "grasping", "--engine", "bullet-paper", "--only", "pinch sphere", "--out", "out")):
+            self.expect_refused(self.run_app(*arguments), arguments[-1] if arguments[-1] == "mujoco" else "engine",
+                                "is not built into this program", "-DWHOLEHAND_LAB=ON")
 
 
 class Exercise(AppTest):

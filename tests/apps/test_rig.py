@@ -1,6 +1,5 @@
 """wholehand.rig: the renderer inside Python. Same bits as the program, honest errors, arrays without copies."""
 import os
-import re
 import subprocess
 import sys
 import threading
@@ -8,7 +7,7 @@ import time
 import unittest
 
 import numpy
-from app import BINARY, CONFIG, HANG_S, MOTION, SOURCE, AppTest, main
+from app import BINARY, CONFIG, HANG_S, LAB, MOTION, SOURCE, AppTest, main
 
 import wholehand
 from wholehand.environment import ReachEnvironment, Reaching
@@ -62,7 +61,7 @@ class SameBits(AppTest):
         self.expect_as_recorded(rig, recording)
 
     def test_every_engine_and_rate_is_that_of_the_program(self):
-        for options in (("--engine", "mujoco"), ("--rate-hz", 2000)):
+        for options in ([("--engine", "mujoco")] if LAB else []) + [("--rate-hz", 2000)]:
             with self.subTest(options):
                 recording = self.record("run.h5", "--motion", MOTION, *options, duration=3)
                 known = {"--engine": "engine", "--rate-hz": "rate_hz"}
@@ -197,7 +196,7 @@ class BadInputs(unittest.TestCase):
         for key in ("hand", "scene", "patient", "exercise", "motion", "rendering"):
             with self.assertRaisesRegex(BadInput, "no-such"):
                 Rig(**{key: "no-such"})
-        with self.assertRaisesRegex(BadInput, "engine.*(bullet|mujoco)"):
+        with self.assertRaisesRegex(BadInput, "engine.*bullet"):
             Rig(engine="no-such")
         with self.assertRaisesRegex(ValueError, "rate_hz = 5.*must be in"):
             Rig(rate_hz=5)
@@ -343,17 +342,6 @@ class Environment(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "action = .*must be 3 finite numbers"):
                 environment.step(bad)
         self.assertEqual(ReachEnvironment(Rig("desktop-3axis", scene="empty")).reset(seed=2)[0].shape, (9,))
-
-    def test_a_short_training_raises_the_reward_slow(self):
-        done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples/train_a_reach.py", "--generations", "6",
-                               "--seconds", "300"], capture_output=True, text=True, timeout=HANG_S,
-                              env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
-        self.assertEqual(done.returncode, 0, done.stderr)
-        curve = [float(reward) for reward in re.findall(r" s   reward +(-[\d.]+)", done.stdout)]
-        self.assertEqual(len(curve), 6, done.stdout)
-        self.assertGreater(numpy.mean(curve[-2:]), 0.5 * numpy.mean(curve[:2]), done.stdout)  # rewards are negative
-        learned, still = map(float, re.search(r"ends at ([\d.]+) mm; without a policy at ([\d.]+)", done.stdout).groups())
-        self.assertLess(learned, 0.5 * still, done.stdout)
 
 
 class Types(unittest.TestCase):

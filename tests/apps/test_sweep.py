@@ -12,7 +12,7 @@ import unittest
 
 import h5py
 
-from app import BAD_INPUT, BINARY, CONFIG, DONE, FAULT, FULL, HANG_S, INTERRUPTED, AppTest, Result, main
+from app import BAD_INPUT, BINARY, CONFIG, DONE, FAULT, FULL, HANG_S, INTERRUPTED, LAB, AppTest, Result, main
 
 GRID = """kind = "sweep"
 version = 1
@@ -74,6 +74,7 @@ class Sweep(AppTest):
             self.sweep("array.h5", "--array", env={**os.environ, **array})
         self.expect_alike("one", "two", "shares", "array")
 
+    @unittest.skipUnless(LAB, "of the lab")
     def test_ranks_of_mpi_write_the_same_bytes_slow(self):
         self.sweep("one.h5", "--processes", 1)
         ranks = subprocess.run(["mpirun", "--oversubscribe", "-n", "2", BINARY, "sweep", "grid.toml", "--out", "ranks.h5"],
@@ -299,6 +300,7 @@ class Sweep(AppTest):
                 self.wait_until(run, lambda: len(list((self.folder / f"{grid.stem}.h5.cells").glob("*.cells"))) > 0)
                 run.kill()
 
+    @unittest.skipUnless(LAB, "of the lab: it compares with ranks")
     def test_two_processes_are_nearly_twice_as_fast_slow(self):
         def wall_s(out, *start):
             shutil.rmtree(self.folder / f"{out}.cells", ignore_errors=True)

@@ -25,13 +25,15 @@ expect 'control must not include runtime/session.hpp' control/a.cpp '#include "r
 expect 'core must not include runtime/session.hpp' core/a.cpp '  #  include "runtime/session.hpp"'
 expect 'core must not include wholehand/device.h' core/a.cpp '#include <wholehand/device.h>'
 expect 'driver_abi must not include core/fine.hpp' driver_abi/wholehand/a.h '#include "core/fine.hpp"'
-expect 'only physics/bullet, physics/bullet_paper may include <btBulletDynamicsCommon.h>' physics/a.hpp \
+expect 'only physics/bullet, lab may include <btBulletDynamicsCommon.h>' physics/a.hpp \
   '#include <btBulletDynamicsCommon.h>'
 expect 'control knows no clock, thread or I/O' control/a.cpp '#include <thread>'
 expect "control has no 'virtual'" control/a.hpp 'struct A { virtual void f(); };'
-mkdir -p "$tree/src/assembly" "$tree/apps" "$tree/include/wholehand"
+mkdir -p "$tree/src/assembly" "$tree/apps" "$tree/lab" "$tree/include/wholehand"
 echo 'int a;' | tee "$tree/apps/a.hpp" >"$tree/include/wholehand/a.hpp"
 expect 'assembly must not include apps/a.hpp' assembly/a.cpp '#include "apps/a.hpp"'
+echo 'int a;' >"$tree/lab/a.hpp"
+expect 'assembly must not include lab/a.hpp' assembly/a.cpp '#include "lab/a.hpp"'
 expect 'assembly must not include wholehand/a.hpp' assembly/a.cpp '#include "wholehand/a.hpp"'
 expect 'is no file of ours' core/a.cpp '#include "fine.hpp"'
 expect 'its folder is not in scripts/include_rules.toml' new/a.cpp 'int a;'

@@ -104,6 +104,8 @@ afresh() { # no node, no npm, no pages, no network
 }
 without_pages='Going on without pages: the address below says how to build them.'
 
+if start --lab --level 2; then wrong "./start --lab went on without MuJoCo"; fi
+expect_line 'Missing packages: libmujoco-dev'
 afresh # no node, and none to be had
 went_on --level 2
 expect_line 'Missing packages: nodejs npm'

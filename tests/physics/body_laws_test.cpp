@@ -230,7 +230,7 @@ TEST_P(FreeSpin, KeepsItsAngularMomentumAndEnergy) {
   EXPECT_LE(momentum, 1e-6);
   EXPECT_LE(energy, 1e-3);
 }
-INSTANTIATE_TEST_SUITE_P(Engines, FreeSpin, testing::Values("bullet", "mujoco"),
+INSTANTIATE_TEST_SUITE_P(Engines, FreeSpin, testing::ValuesIn(builtEngines(true)),
                          [](const auto& tested) { return tested.param; });
 
 TEST(BodyLaws, WhatSlidesOverFlushPlanks_FeelsNoSeams) {

@@ -83,13 +83,10 @@ inline SceneModel weightless(std::vector<SceneBody> bodies) {
   return scene;
 }
 
-/// The engines that this program is built with and that are held to a group of laws.
-inline std::vector<std::string> builtEngines(bool contact_laws) {
-  std::vector<std::string> names;
-  for (const Engine& engine : engines()) {
-    const bool held = !contact_laws || boundsOf(engine.name).contact_laws;
-    if (engine.build && held) names.push_back(engine.name);
-  }
+/// Those that are held to the laws of contacts.
+inline std::vector<std::string> enginesOfContactLaws() {
+  std::vector<std::string> names = builtEngines();
+  std::erase_if(names, [](const auto& name) { return !boundsOf(name).contact_laws; });
   return names;
 }
 
@@ -111,14 +108,14 @@ class EngineTest : public testing::TestWithParam<std::string> {};
 }  // namespace wholehand::test
 
 /// A suite of laws that every engine keeps.
-#define WHOLEHAND_ENGINES(suite)                                                   \
-  class suite : public EngineTest {};                                              \
-  INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines(false)), \
+#define WHOLEHAND_ENGINES(suite)                                              \
+  class suite : public EngineTest {};                                         \
+  INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines()), \
                            [](const auto& one) { return testName(one.param); })
 
 /// A suite of laws of pressed, grasped and sliding contacts (Bounds::contact_laws,
 /// docs/engines.md).
-#define WHOLEHAND_ENGINES_OF_CONTACT_LAWS(suite)                                  \
-  class suite : public EngineTest {};                                             \
-  INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines(true)), \
+#define WHOLEHAND_ENGINES_OF_CONTACT_LAWS(suite)                                      \
+  class suite : public EngineTest {};                                                 \
+  INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(enginesOfContactLaws()), \
                            [](const auto& one) { return testName(one.param); })

@@ -137,7 +137,7 @@ TEST_P(FixedContact, HeldByAClosedHand_DoesTheVirtualWorkOfTheDrive) {
 /// Engines in which a contact's force reaches the axes within the step.
 class HeavierHand : public EngineTest {};
 INSTANTIATE_TEST_SUITE_P(Engines, HeavierHand, testing::ValuesIn([] {
-                           std::vector<std::string> names = builtEngines(false);
+                           std::vector<std::string> names = builtEngines();
                            std::erase(names, "bullet-paper");
                            return names;
                          }()),
@@ -281,7 +281,7 @@ TEST_P(EngineSlam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
   EXPECT_LT(depth_m, bounds.slammed_m);
 }
 INSTANTIATE_TEST_SUITE_P(Engines, EngineSlam,
-                         testing::Combine(testing::ValuesIn(builtEngines(true)),
+                         testing::Combine(testing::ValuesIn(enginesOfContactLaws()),
                                           testing::Values(0, 1, 2)),
                          [](const auto& one) {
                            return testName(std::get<0>(one.param)) + "_" +

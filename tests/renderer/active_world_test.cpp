@@ -131,7 +131,7 @@ TEST_P(ActiveWorld, GivesWhatTheTanksHoldTwice_ThenIsStopped) {
   figure("of so many motors stopped", stopped, ("of " + std::to_string(draws)).c_str());
   EXPECT_GT(stopped, 0);
 }
-INSTANTIATE_TEST_SUITE_P(Engines, ActiveWorld, testing::ValuesIn(engineNames()),
+INSTANTIATE_TEST_SUITE_P(Engines, ActiveWorld, testing::ValuesIn(builtEngines()),
                          [](const auto& tested) { return withoutHyphens(tested.param); });
 
 /// The largest speed at which friction at its limit drove a slip along a fixed wall, in the step

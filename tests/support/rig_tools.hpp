@@ -1,5 +1,6 @@
 #pragma once
 
+#include "assembly/engines.hpp"
 #include "assembly/models.hpp"
 #include "assembly/rig.hpp"
 #include "dynamics/articulated_body.hpp"
@@ -49,6 +50,17 @@ inline ModelFiles exerciseFiles(const std::string& exercise, int level = 1,
   files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/" + exercise + ".toml";
   files.level = level;
   return files;
+}
+
+/// The engines that this program is built with; all but the default one are in lab/.
+inline std::vector<std::string> builtEngines(bool for_persons = false) {
+  std::vector<std::string> names;
+  for (const Engine& engine : engines()) {
+    if (engine.build && !(for_persons && !engine.persons_refused_because.empty())) {
+      names.push_back(engine.name);
+    }
+  }
+  return names;
 }
 
 inline Models load(const ModelFiles& files) {

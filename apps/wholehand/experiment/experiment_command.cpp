@@ -1,5 +1,6 @@
 #include "apps/wholehand/experiment/experiment_command.hpp"
 
+#include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/options.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 
@@ -136,5 +137,11 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
   timing->callback([&] { code = timingCommand(experiment); });
   addBarExperiments(*e, bar, code);
 }
+
+#ifndef WHOLEHAND_LAB
+int enginesCommand(const ExperimentOptions& /*options*/) {
+  return refuse({{"", 0, "experiment", "engines", "is not built into this program", kLabRemedy}});
+}
+#endif
 
 }  // namespace wholehand

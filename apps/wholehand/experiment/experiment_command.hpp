@@ -33,7 +33,7 @@ struct ExperimentOptions {
 int graspingCommand(const ExperimentOptions& options);
 /// Reproduces the paper's Fig. 6.
 int timingCommand(const ExperimentOptions& options);
-/// Compares all built-in engines in the same scenes (docs/engines.md).
+/// Compares all built-in engines in the same scenes; refused without the lab (docs/engines.md).
 int enginesCommand(const ExperimentOptions& options);
 /// Measures the tick in scenes of increasing size.
 int complexityCommand(const ExperimentOptions& options);

@@ -29,27 +29,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A whole number of the environment; nothing where it is missing or no number.
-std::optional<int> environmentNumber(const char* name) {
-  const char* const text = std::getenv(name);
-  if (text == nullptr) return std::nullopt;
-  char* end = nullptr;
-  const long value = std::strtol(text, &end, 10);
-  if (end == text || *end != '\0' || value < 0 || value > 1'000'000) return std::nullopt;
-  return static_cast<int>(value);
-}
-
-/// The share of a rank that mpirun started (Open MPI, MPICH); nothing for a single program.
-std::optional<SweepShare> shareOfRank() {
-  constexpr std::array kNames{std::array{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
-                              std::array{"PMI_RANK", "PMI_SIZE"}};
-  for (const auto& [rank_name, size_name] : kNames) {
-    const auto rank = environmentNumber(rank_name), size = environmentNumber(size_name);
-    if (rank && size && *size > 0 && *rank < *size) return SweepShare{*rank, *size};
-  }
-  return std::nullopt;
-}
-
 Expected<SweepShare> shareOfArray() {
   const auto id = environmentNumber("SLURM_ARRAY_TASK_ID");
   const auto count = environmentNumber("SLURM_ARRAY_TASK_COUNT");
@@ -302,6 +281,21 @@ int tell(const SweepGrid& grid, const SweepOptions& options, bool share,
 }
 
 }  // namespace
+
+std::optional<int> environmentNumber(const char* name) {
+  const char* const text = std::getenv(name);
+  if (text == nullptr) return std::nullopt;
+  char* end = nullptr;
+  const long value = std::strtol(text, &end, 10);
+  if (end == text || *end != '\0' || value < 0 || value > 1'000'000) return std::nullopt;
+  return static_cast<int>(value);
+}
+
+#ifndef WHOLEHAND_LAB
+std::optional<SweepShare> shareOfRank() {
+  return std::nullopt;
+}
+#endif
 
 Expected<std::string> summarizeSweep(const std::string& path) {
   auto grid = loadSweepGrid(path);

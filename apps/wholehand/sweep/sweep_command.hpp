@@ -1,7 +1,9 @@
 #pragma once
 
 #include "core/expected.hpp"
+#include "experiments/sweep/sweep.hpp"
 
+#include <optional>
 #include <string>
 
 namespace wholehand {
@@ -14,6 +16,11 @@ struct SweepOptions {
   bool array = false;  ///< the share that Slurm's job array gives this task
   int processes = 0;   ///< 0: one for each core; with a share one
 };
+
+/// A whole number of the environment; nothing where it is missing or no number.
+[[nodiscard]] std::optional<int> environmentNumber(const char* name);
+/// The share of a rank that mpirun started; nothing for a single program, and without the lab.
+[[nodiscard]] std::optional<SweepShare> shareOfRank();
 
 /// Runs every cell of a grid (docs/sweeps.md). Returns the exit code.
 int sweepCommand(const SweepOptions& options);

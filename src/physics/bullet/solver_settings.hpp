@@ -28,12 +28,4 @@ struct SolverSettings {
                                         ///< finger pads
 };
 
-/// Newton's method instead of the hand's sweeps; its impulses decay more slowly (ADR 55).
-[[nodiscard]] inline SolverSettings solvedAtOnce() {
-  SolverSettings settings;
-  settings.at_once = true;
-  settings.warm_start = settings.friction_warm_start = 0.998;
-  return settings;
-}
-
 }  // namespace wholehand::bullet

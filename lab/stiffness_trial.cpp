@@ -1,4 +1,4 @@
-#include "experiments/stiffness_trial.hpp"
+#include "lab/stiffness_trial.hpp"
 
 #include "assembly/rig.hpp"
 #include "assembly/sampled_inertia.hpp"

@@ -1,4 +1,4 @@
-#include "physics/mujoco/model_text.hpp"
+#include "lab/mujoco/model_text.hpp"
 
 #include <Eigen/Geometry>
 

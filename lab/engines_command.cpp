@@ -3,7 +3,7 @@
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "core/printable.hpp"
-#include "experiments/engine_trial.hpp"
+#include "lab/engine_trial.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <fmt/format.h>

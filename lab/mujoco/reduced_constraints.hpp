@@ -1,7 +1,7 @@
 #pragma once
 
-#include "physics/mujoco/hand_map.hpp"
-#include "physics/mujoco/solver_settings.hpp"
+#include "lab/mujoco/hand_map.hpp"
+#include "lab/mujoco/solver_settings.hpp"
 
 #include <vector>
 

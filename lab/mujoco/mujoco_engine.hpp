@@ -1,8 +1,8 @@
 #pragma once
 
+#include "lab/mujoco/hand_map.hpp"
+#include "lab/mujoco/reduced_constraints.hpp"
 #include "model/scene/scene_model.hpp"
-#include "physics/mujoco/hand_map.hpp"
-#include "physics/mujoco/reduced_constraints.hpp"
 #include "physics/self_forces.hpp"
 
 #include <memory>

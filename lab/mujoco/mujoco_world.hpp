@@ -1,9 +1,9 @@
 #pragma once
 
 #include "dynamics/synergy.hpp"
+#include "lab/mujoco/solver_settings.hpp"
 #include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
-#include "physics/mujoco/solver_settings.hpp"
 #include "physics/physics_world.hpp"
 
 #include <memory>

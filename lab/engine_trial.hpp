@@ -2,7 +2,7 @@
 
 #include "assembly/models.hpp"
 #include "core/expected.hpp"
-#include "experiments/stiffness_trial.hpp"
+#include "lab/stiffness_trial.hpp"
 
 #include <array>
 #include <functional>

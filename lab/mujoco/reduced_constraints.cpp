@@ -1,4 +1,4 @@
-#include "physics/mujoco/reduced_constraints.hpp"
+#include "lab/mujoco/reduced_constraints.hpp"
 
 #include "dynamics/cholesky.hpp"
 

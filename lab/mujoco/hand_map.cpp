@@ -1,6 +1,6 @@
-#include "physics/mujoco/hand_map.hpp"
+#include "lab/mujoco/hand_map.hpp"
 
-#include "physics/mujoco/model_text.hpp"
+#include "lab/mujoco/model_text.hpp"
 
 #include <Eigen/Cholesky>
 

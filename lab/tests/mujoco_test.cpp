@@ -1,7 +1,7 @@
 // What is MuJoCo's alone: its errors and warnings, its room, and what it lacks.
+#include "lab/mujoco/engine_errors.hpp"
+#include "lab/mujoco/mujoco_world.hpp"
 #include "physics/engine_bench.hpp"
-#include "physics/mujoco/engine_errors.hpp"
-#include "physics/mujoco/mujoco_world.hpp"
 #include "support/says.hpp"
 
 #include <cmath>

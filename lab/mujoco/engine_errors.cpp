@@ -1,4 +1,4 @@
-#include "physics/mujoco/engine_errors.hpp"
+#include "lab/mujoco/engine_errors.hpp"
 
 #include <mujoco/mujoco.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "physics/bullet_paper/paper_body.hpp"
-#include "physics/bullet_paper/paper_hand.hpp"
+#include "lab/bullet_paper/paper_body.hpp"
+#include "lab/bullet_paper/paper_hand.hpp"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>

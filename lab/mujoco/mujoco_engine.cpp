@@ -1,10 +1,10 @@
-#include "physics/mujoco/mujoco_engine.hpp"
+#include "lab/mujoco/mujoco_engine.hpp"
 
+#include "lab/mujoco/engine_errors.hpp"
+#include "lab/mujoco/model_text.hpp"
 #include "physics/body_checks.hpp"
 #include "physics/free_rotation.hpp"
 #include "physics/hand_overlaps.hpp"
-#include "physics/mujoco/engine_errors.hpp"
-#include "physics/mujoco/model_text.hpp"
 
 #include <algorithm>
 #include <array>

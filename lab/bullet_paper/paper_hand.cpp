@@ -1,4 +1,4 @@
-#include "physics/bullet_paper/paper_hand.hpp"
+#include "lab/bullet_paper/paper_hand.hpp"
 
 #include "physics/bullet/bullet_types.hpp"
 

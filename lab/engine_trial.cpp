@@ -1,8 +1,8 @@
-#include "experiments/engine_trial.hpp"
+#include "lab/engine_trial.hpp"
 
-#include "experiments/engine_scenes.hpp"
 #include "experiments/grasp_observer.hpp"
 #include "experiments/grasp_script.hpp"
+#include "lab/engine_scenes.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "runtime/interrupt_scope.hpp"
 

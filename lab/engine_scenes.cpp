@@ -1,4 +1,4 @@
-#include "experiments/engine_scenes.hpp"
+#include "lab/engine_scenes.hpp"
 
 #include "experiments/grasp_script.hpp"
 #include "files/text_file.hpp"
