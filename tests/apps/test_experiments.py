@@ -158,10 +158,11 @@ class Admission(AppTest):
 class Lab(AppTest):
     @unittest.skipIf(LAB, "the lab is built")
     def test_what_is_in_the_lab_is_refused_with_the_remedy(self):
-        for arguments in (("experiment", "engines"), ("run", "--simulated-clock", "--engine", "mujoco"),
-                          ("experiment", "grasping", "--engine", "bullet-paper", "--only", "pinch sphere", "--out", "out")):
-            self.expect_refused(self.run_app(*arguments), arguments[-1] if arguments[-1] == "mujoco" else "engine",
-                                "is not built into this program", "-DWHOLEHAND_LAB=ON")
+        for engine in ("mujoco", "bullet-newton", "bullet-paper", "bullet-paper-gears"):
+            self.expect_refused(self.run_app("run", "--simulated-clock", "--no-web", "--engine", engine),
+                                f"--engine = {engine}: is not built into this program", "-DWHOLEHAND_LAB=ON")
+        self.expect_refused(self.run_app("experiment", "engines"), "is not built into this program",
+                            "-DWHOLEHAND_LAB=ON", lines=1)
 
 
 class Exercise(AppTest):
