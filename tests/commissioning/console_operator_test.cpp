@@ -82,12 +82,12 @@ TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
   const std::vector<std::pair<const char*, std::function<void(Page&)>>> ways = {
       {"let go", [](Page& p) { (void)p.hold(1, false); }},
       {"beats that stop", [](Page& p) { p.now_ns += HoldSwitch::kSilent_ns + 1; }},
-      {"a stop", [](Page& p) { EXPECT_TRUE(p.say(OrderType::kStop).accepted); }},
+      {"a stop", [](Page& p) { EXPECT_TRUE(p.say(orders::Stop{}).accepted); }},
       {"an emergency stop",
-       [](Page& p) { EXPECT_TRUE(p.say(OrderType::kEmergencyStop).accepted); }},
+       [](Page& p) { EXPECT_TRUE(p.say(orders::EmergencyStop{}).accepted); }},
       {"a leader that vanished or is silent",
-       [](Page& p) { (void)p.say(OrderType::kOwnerAlive, 0.0); }},
-      {"another leader", [](Page& p) { (void)p.say(OrderType::kSteer); }},
+       [](Page& p) { (void)p.say(orders::OwnerAlive{}, 0.0); }},
+      {"another leader", [](Page& p) { (void)p.say(orders::Steer{}); }},
       {"the end of the program", [](Page& p) { p.ended = true; }}};
   for (const auto& [name, lose] : ways) {
     Page page;
@@ -176,7 +176,7 @@ TEST(ConsoleOperator, OrdersOfASession_AreRefusedByName) {
 TEST(CommissioningRoles, OnlyTheTherapistWhoHoldsTheControls_AnswersAndHolds) {
   Standing holder;
   holder.holds = true;
-  for (const OrderType type : {OrderType::kAnswer, OrderType::kHoldToMove}) {
+  for (const orders::Any& type : {orders::Any(orders::Answer{}), orders::Any(orders::HoldToMove{})}) {
     Order order;
     order.type = type;
     EXPECT_TRUE(mayOrder(Role::kTherapist, order, holder).accepted);

@@ -35,7 +35,7 @@ Standing playing() {
 
 TEST(Roles, EmergencyStop_IsEverybodysAtAnyTime) {
   for (const Role role : {Role::kUnsaid, Role::kWatcher, Role::kPlayer, Role::kTherapist}) {
-    EXPECT_TRUE(mayOrder(role, orderOf(OrderType::kEmergencyStop), {}).accepted) << nameOf(role);
+    EXPECT_TRUE(mayOrder(role, Order{orders::EmergencyStop{}}, {}).accepted) << nameOf(role);
   }
 }
 
@@ -45,40 +45,40 @@ TEST(Roles, TherapistWhilePlayerHolds_MayAllButSteer) {
   EXPECT_EQ(allowed(Role::kTherapist, now),
             (std::vector{OrderType::kArm, OrderType::kStop, OrderType::kEmergencyStop,
                          OrderType::kLoadExercise, OrderType::kSetParameter, OrderType::kAction}));
-  EXPECT_EQ(mayOrder(Role::kTherapist, orderOf(OrderType::kAim), now).refusal, Refusal::kNotHolder);
+  EXPECT_EQ(mayOrder(Role::kTherapist, Order{orders::Aim{}}, now).refusal, Refusal::kNotHolder);
 }
 
 TEST(Roles, PlayerWhoIsLed_SteersRestsAndStopsOnly) {
   EXPECT_EQ(allowed(Role::kPlayer, playing()),
             (std::vector{OrderType::kStop, OrderType::kEmergencyStop, OrderType::kAim,
                          OrderType::kSteer, OrderType::kAction}));
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kSetHelp), playing()).refusal,
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::SetHelp{}}, playing()).refusal,
             Refusal::kTherapistOnly);
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kSetParameter), playing()).refusal,
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::SetParameter{}}, playing()).refusal,
             Refusal::kTherapistOnly);
 }
 
 TEST(Roles, Watcher_MayOnlyStop) {
   EXPECT_EQ(allowed(Role::kWatcher, playing()), (std::vector{OrderType::kEmergencyStop}));
-  EXPECT_EQ(mayOrder(Role::kWatcher, orderOf(OrderType::kAction), playing()).refusal,
+  EXPECT_EQ(mayOrder(Role::kWatcher, Order{orders::Action{}}, playing()).refusal,
             Refusal::kOnlyWatches);
 }
 
 TEST(Roles, PlayerAloneOnASimulatedDevice_BeginsButNeverAgainAfterAStop) {
   Standing now;
   now.holds = true;
-  EXPECT_TRUE(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).accepted);
-  EXPECT_TRUE(mayOrder(Role::kPlayer, orderOf(OrderType::kLoadExercise), now).accepted);
+  EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
+  EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::LoadExercise{}}, now).accepted);
   for (const RunState ended : {RunState::kStopped, RunState::kFaulted, RunState::kRampingDown}) {
     now.run_state = ended;
-    EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).refusal,
+    EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal,
               Refusal::kTherapistOnly);
   }
   now.run_state = RunState::kDisarmed;
   now.moves_person = true;
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).refusal,
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal,
             Refusal::kTherapistOnly);
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kLoadExercise), now).refusal,
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::LoadExercise{}}, now).refusal,
             Refusal::kTherapistOnly);
 }
 
@@ -86,11 +86,11 @@ TEST(Roles, PlayerAfterItsOwnRest_MayArmWhoeverLeads) {
   Standing now = playing();
   now.moves_person = true;
   now.run_state = RunState::kStopped;
-  EXPECT_FALSE(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).accepted);
+  EXPECT_FALSE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
   now.own_rest = true;
-  EXPECT_TRUE(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).accepted);
+  EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
   now.holds = false;  // by a press that takes the controls first
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).refusal, Refusal::kNotHolder);
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal, Refusal::kNotHolder);
 }
 
 TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
@@ -98,13 +98,13 @@ TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
   now.therapist_paused = true;
   for (const ExerciseAction action :
        {ExerciseAction::kResume, ExerciseAction::kNext, ExerciseAction::kRestart}) {
-    Order order = orderOf(OrderType::kAction);
+    Order order = Order{orders::Action{}};
     order.action = action;
     EXPECT_EQ(mayOrder(Role::kPlayer, order, now).refusal, Refusal::kTherapistPaused);
     EXPECT_TRUE(mayOrder(Role::kTherapist, order, now).accepted);
   }
   now.led = false;  // nobody is left who could end it
-  Order resume = orderOf(OrderType::kAction);
+  Order resume = Order{orders::Action{}};
   resume.action = ExerciseAction::kResume;
   EXPECT_TRUE(mayOrder(Role::kPlayer, resume, now).accepted);
 }

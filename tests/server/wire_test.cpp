@@ -273,7 +273,7 @@ std::string wireRefusalOf(const wire::Bytes& bytes) {
 }
 
 TEST(WireDecode, EveryOrder_IsUnderstood) {
-  std::vector<wire::ClientMessage> m;
+  std::vector<Order> m;
   for (const wire::Bytes& bytes : oneOfEach()) m.push_back(test::orThrow(wire::decode(bytes)));
   for (std::size_t i = 0; i < m.size(); ++i) EXPECT_EQ(m[i].id, i + 1);
   EXPECT_EQ(m[0].order.type, OrderType::kArm);

@@ -10,7 +10,7 @@ namespace {
 class RestOfAPlayer : public Bar {
  protected:
   Order rest() const {
-    Order order = of(OrderType::kStop);
+    Order order = of(orders::Stop{});
     order.rest = true;
     return order;
   }
@@ -26,13 +26,13 @@ TEST_F(RestOfAPlayer, OfWhatRenders_IsOneUntilItIsArmedAgain) {
   EXPECT_TRUE(rested()) << "the end of the session belongs to it";
   ASSERT_TRUE(ask(rest()).accepted);
   EXPECT_TRUE(rested()) << "pressed twice";
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_FALSE(rested());
 }
 
 TEST_F(RestOfAPlayer, FollowedByAStop_IsNoneAnyMore) {
-  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+  for (const orders::Any& stop : {orders::Any(orders::Stop{}), orders::Any(orders::EmergencyStop{})}) {
     if (!thread_.joinable()) run(true);
     ASSERT_TRUE(rendersOn());
     ASSERT_TRUE(ask(rest()).accepted);
@@ -42,7 +42,7 @@ TEST_F(RestOfAPlayer, FollowedByAStop_IsNoneAnyMore) {
     EXPECT_FALSE(rested());
     ASSERT_TRUE(ask(rest()).accepted);
     EXPECT_FALSE(rested()) << "a rest that comes after a stop does not undo it";
-    ASSERT_TRUE(ask(OrderType::kArm).accepted);
+    ASSERT_TRUE(ask(orders::Arm{}).accepted);
   }
 }
 
@@ -59,12 +59,12 @@ TEST_F(RestOfAPlayer, LimitSetMeanwhile_IsShownAndHoldsInTheNextSession) {
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(rest()).accepted);
   ASSERT_TRUE(becomes([&] { return station_->status().run_state == RunState::kStopped; }));
-  Order limit = of(OrderType::kSetParameter);
+  Order limit = of(orders::SetParameter{});
   limit.name = station_->scene()->parameters.front().name;
   limit.value = station_->scene()->parameters.front().lower;
   ASSERT_TRUE(ask(limit).accepted);
   EXPECT_EQ(station_->status().parameters.front(), limit.value);
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().parameters.front(), limit.value);
 }
@@ -115,7 +115,7 @@ class FinishedLevel : public InALevel {
     ASSERT_TRUE(becomes([&] { return value("done") == 1.0; }));
   }
   bool steer(Steering by) {
-    Order order = of(OrderType::kSteer);
+    Order order = of(orders::Steer{});
     order.steering = by;
     return ask(order).accepted;
   }
@@ -142,7 +142,7 @@ TEST_F(FinishedLevel, OfAPersonWhoLeaves_IsPlayedAgainByTheVirtualPatient) {
 TEST_F(FinishedLevel, BegunAgainByAPerson_IsNotBegunTwice) {
   playToItsEnd();
   ASSERT_TRUE(steer(Steering::kPerson));
-  Order restart = of(OrderType::kAction);
+  Order restart = of(orders::Action{});
   restart.action = ExerciseAction::kRestart;
   ASSERT_TRUE(ask(restart).accepted);
   ASSERT_TRUE(becomes([&] { return value("done") == 0.0; }));
@@ -167,13 +167,13 @@ TEST_F(RestInALevel, ArmedAgain_GoesOnWithTheDrinkThatWasBegun) {
   playToTheSecondDrink();
   ASSERT_TRUE(ask(rest()).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(value("drink"), 1.0);
   EXPECT_EQ(value("step"), 0.0);
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(value("drink"), 0.0) << "after a stop a level begins at its start";
 }
