@@ -8,20 +8,18 @@
 namespace wholehand {
 namespace {
 
-Order orderOf(OrderType type) {
-  Order order;
-  order.type = type;
-  return order;
-}
+const std::vector<std::string> kAll = {"Arm",          "Stop", "EmergencyStop", "LoadExercise",
+                                       "SetParameter", "Aim",  "Steer",         "Action"};
 
-const std::vector<OrderType> kAll = {
-    OrderType::kArm,          OrderType::kStop, OrderType::kEmergencyStop, OrderType::kLoadExercise,
-    OrderType::kSetParameter, OrderType::kAim,  OrderType::kSteer,         OrderType::kAction};
-
-std::vector<OrderType> allowed(Role role, const Standing& now) {
-  std::vector<OrderType> may;
-  for (const OrderType type : kAll) {
-    if (mayOrder(role, orderOf(type), now).accepted) may.push_back(type);
+std::vector<std::string> allowed(Role role, const Standing& now) {
+  std::vector<std::string> may;
+  for (const orders::Any& what :
+       {orders::Any(orders::Arm{}), orders::Any(orders::Stop{}),
+        orders::Any(orders::EmergencyStop{}), orders::Any(orders::LoadExercise{}),
+        orders::Any(orders::SetParameter{}), orders::Any(orders::Aim{}),
+        orders::Any(orders::Steer{}), orders::Any(orders::Action{})}) {
+    const Order order{what};
+    if (mayOrder(role, order, now).accepted) may.emplace_back(order.row().name);
   }
   return may;
 }
@@ -43,15 +41,14 @@ TEST(Roles, TherapistWhilePlayerHolds_MayAllButSteer) {
   Standing now = playing();
   now.holds = false;
   EXPECT_EQ(allowed(Role::kTherapist, now),
-            (std::vector{OrderType::kArm, OrderType::kStop, OrderType::kEmergencyStop,
-                         OrderType::kLoadExercise, OrderType::kSetParameter, OrderType::kAction}));
+            (std::vector<std::string>{"Arm", "Stop", "EmergencyStop", "LoadExercise",
+                                      "SetParameter", "Action"}));
   EXPECT_EQ(mayOrder(Role::kTherapist, Order{orders::Aim{}}, now).refusal, Refusal::kNotHolder);
 }
 
 TEST(Roles, PlayerWhoIsLed_SteersRestsAndStopsOnly) {
   EXPECT_EQ(allowed(Role::kPlayer, playing()),
-            (std::vector{OrderType::kStop, OrderType::kEmergencyStop, OrderType::kAim,
-                         OrderType::kSteer, OrderType::kAction}));
+            (std::vector<std::string>{"Stop", "EmergencyStop", "Aim", "Steer", "Action"}));
   EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::SetHelp{}}, playing()).refusal,
             Refusal::kTherapistOnly);
   EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::SetParameter{}}, playing()).refusal,
@@ -59,7 +56,7 @@ TEST(Roles, PlayerWhoIsLed_SteersRestsAndStopsOnly) {
 }
 
 TEST(Roles, Watcher_MayOnlyStop) {
-  EXPECT_EQ(allowed(Role::kWatcher, playing()), (std::vector{OrderType::kEmergencyStop}));
+  EXPECT_EQ(allowed(Role::kWatcher, playing()), (std::vector<std::string>{"EmergencyStop"}));
   EXPECT_EQ(mayOrder(Role::kWatcher, Order{orders::Action{}}, playing()).refusal,
             Refusal::kOnlyWatches);
 }
@@ -71,13 +68,11 @@ TEST(Roles, PlayerAloneOnASimulatedDevice_BeginsButNeverAgainAfterAStop) {
   EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::LoadExercise{}}, now).accepted);
   for (const RunState ended : {RunState::kStopped, RunState::kFaulted, RunState::kRampingDown}) {
     now.run_state = ended;
-    EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal,
-              Refusal::kTherapistOnly);
+    EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal, Refusal::kTherapistOnly);
   }
   now.run_state = RunState::kDisarmed;
   now.moves_person = true;
-  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal,
-            Refusal::kTherapistOnly);
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal, Refusal::kTherapistOnly);
   EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::LoadExercise{}}, now).refusal,
             Refusal::kTherapistOnly);
 }
@@ -98,14 +93,12 @@ TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
   now.therapist_paused = true;
   for (const ExerciseAction action :
        {ExerciseAction::kResume, ExerciseAction::kNext, ExerciseAction::kRestart}) {
-    Order order = Order{orders::Action{}};
-    order.action = action;
+    const Order order{orders::Action{action}};
     EXPECT_EQ(mayOrder(Role::kPlayer, order, now).refusal, Refusal::kTherapistPaused);
     EXPECT_TRUE(mayOrder(Role::kTherapist, order, now).accepted);
   }
   now.led = false;  // nobody is left who could end it
-  Order resume = Order{orders::Action{}};
-  resume.action = ExerciseAction::kResume;
+  const Order resume{orders::Action{ExerciseAction::kResume}};
   EXPECT_TRUE(mayOrder(Role::kPlayer, resume, now).accepted);
 }
 
@@ -113,8 +106,7 @@ TEST(Roles, ClientThatSaysNoRole_MayAllWithTheControlsAndStopWithout) {
   EXPECT_EQ(allowed(Role::kUnsaid, playing()), kAll);
   Standing now = playing();
   now.holds = false;
-  EXPECT_EQ(allowed(Role::kUnsaid, now),
-            (std::vector{OrderType::kStop, OrderType::kEmergencyStop}));
+  EXPECT_EQ(allowed(Role::kUnsaid, now), (std::vector<std::string>{"Stop", "EmergencyStop"}));
 }
 
 TEST(Roles, ClaimBeyondTheToken_Watches) {

@@ -71,7 +71,7 @@ TEST_F(UdpHost, GameWithoutWebSocket_MayAlsoTakeTheControlsAndSteer) {
   (void)host.takeCommands();
   for (const auto& message : words::oneOfEach()) arrive(kGame, board.datagram(message));
   std::vector<std::string> names;
-  for (const ReceivedCommand& s : host.takeCommands()) names.emplace_back(wire::nameOf(s.message));
+  for (const ReceivedCommand& s : host.takeCommands()) names.emplace_back(s.order.row().name);
   EXPECT_EQ(names,
             (std::vector<std::string>{"Stop", "EmergencyStop", "Aim", "Steer", "TakeControls",
                                       "ReleaseControls", "Heartbeat", "Rest"}));

@@ -52,7 +52,7 @@ TEST_F(UdpLink, LossDoublesAndDisorder_BringNoStaleStateAndNoStaleAim) {
     if (ms % 2 == 0) game.say(words::aim(++aimed, {0.1F}));
     tick();
     for (; judged + 1 < said.size(); ++judged) {
-      ASSERT_LT(said[judged].message.id, said[judged + 1].message.id);
+      ASSERT_LT(said[judged].order.id, said[judged + 1].order.id);
     }
   }
   ASSERT_TRUE(std::is_sorted(game.state_ticks.begin(), game.state_ticks.end()));

@@ -88,7 +88,7 @@ TEST_F(RolesTest, TherapistWhoTakesTheSteering_GetsItAndThePlayerIsTold) {
   // The player's aim does not go on: who steers is said anew (ADR 17).
   const auto steered = program.askedFor<orders::Steer>(1);
   ASSERT_EQ(steered.size(), 1U);
-  EXPECT_EQ(steered[0].order.steering, Steering::kVirtualPatient);
+  EXPECT_EQ(steered[0].order.as<orders::Steer>()->by, Steering::kVirtualPatient);
   EXPECT_TRUE(ask(*leads, releaseControls(2)).accepted);
   EXPECT_TRUE(ask(*plays, takeControls(4)).accepted);
 }
@@ -160,9 +160,8 @@ TEST_F(RolesTest, Rest_IsEndedByTheSamePlayerAndNobodyElses) {
   const auto leads = client("therapist");
   const auto plays = player();
   EXPECT_TRUE(ask(*plays, rest(2)).accepted);
-  const auto rests = program.askedFor<orders::Stop>(1);
+  const auto rests = program.askedFor<orders::Rest>(1);
   ASSERT_EQ(rests.size(), 1U);
-  EXPECT_TRUE(rests[0].order.rest);
   show(RunState::kStopped, 3, true);
   ASSERT_TRUE(comeFree()) << "its hand is off";
   const auto other = client("player");
@@ -181,14 +180,14 @@ TEST_F(RolesTest, ArmingByATherapistAfterAPlayerVanished_BringsTheEffortBack) {
   player().reset();  // its line is lost
   const auto silent = program.askedFor<orders::OwnerAlive>(1);
   ASSERT_EQ(silent.size(), 1U);
-  EXPECT_EQ(silent[0].order.value, 0.0);
+  EXPECT_FALSE(silent[0].order.as<orders::OwnerAlive>()->alive);
   const auto leads = client("therapist");
   EXPECT_TRUE(ask(*leads, setParameter(1, "lead_in_m", 0.25)).accepted);
   EXPECT_EQ(program.askedFor<orders::OwnerAlive>(2, 50ms).size(), 1U) << "only a start does";
   EXPECT_TRUE(ask(*leads, arm(2)).accepted);
   const auto alive = program.askedFor<orders::OwnerAlive>(2);
   ASSERT_EQ(alive.size(), 2U);
-  EXPECT_EQ(alive[1].order.value, 1.0);
+  EXPECT_TRUE(alive[1].order.as<orders::OwnerAlive>()->alive);
   EXPECT_LT(alive[1].at_ns, program.askedFor<orders::Arm>(1)[0].at_ns);
 }
 

@@ -142,8 +142,8 @@ TEST_F(WebSocketTest, Holder_IsToldToAllAndCommands) {
   EXPECT_TRUE(answer(*first).accepted);
   const auto set = program.askedFor<orders::SetParameter>(1);
   ASSERT_EQ(set.size(), 1U);
-  EXPECT_EQ(set[0].order.name, "lead_in_m");
-  EXPECT_EQ(set[0].order.value, 0.25);
+  EXPECT_EQ(set[0].order.as<orders::SetParameter>()->name, "lead_in_m");
+  EXPECT_EQ(set[0].order.as<orders::SetParameter>()->value, 0.25);
   first->say(setParameter(3, "lead_in_m", 2.0));  // the program refuses it
   const auto above = answer(*first);
   EXPECT_EQ(above.reason, "lead_in_m = 2: must be in [0, 1]");
@@ -158,7 +158,7 @@ TEST_F(WebSocketTest, Holder_IsToldToAllAndCommands) {
   EXPECT_TRUE(answer(*first).accepted);
   const auto steered = program.askedFor<orders::Steer>(1);
   ASSERT_EQ(steered.size(), 1U);
-  EXPECT_EQ(steered[0].order.steering, Steering::kVirtualPatient);
+  EXPECT_EQ(steered[0].order.as<orders::Steer>()->by, Steering::kVirtualPatient);
   EXPECT_EQ(controls.holder(), 0U);
 }
 
@@ -271,7 +271,7 @@ TEST_F(WebSocketTest, OversizedMessage_ClosesWith1009AndFreesTheControls) {
   client->sendFrame(8, frame->payload);
   const auto alive = program.askedFor<orders::OwnerAlive>(1);
   ASSERT_FALSE(alive.empty());
-  EXPECT_EQ(alive[0].order.value, 0.0);
+  EXPECT_FALSE(alive[0].order.as<orders::OwnerAlive>()->alive);
   EXPECT_EQ(refused("oversized"), 1.0);
   EXPECT_EQ(metric("dropped_clients_total{reason=\"oversized\"}"), 1.0);
   EXPECT_EQ(controls.holder(), 0U);
@@ -422,7 +422,7 @@ TEST_F(WebSocketTest, SilentHolder_LosesTheControlsUntilItTakesThemAnew) {
   const auto client = holder();
   auto alive = program.askedFor<orders::OwnerAlive>(1);
   ASSERT_GE(alive.size(), 1U);
-  EXPECT_EQ(alive[0].order.value, 0.0);
+  EXPECT_FALSE(alive[0].order.as<orders::OwnerAlive>()->alive);
   while (controls.holder() != 0) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(logged("was silent and lost the controls"));
   client->say(
@@ -434,7 +434,7 @@ TEST_F(WebSocketTest, SilentHolder_LosesTheControlsUntilItTakesThemAnew) {
   EXPECT_TRUE(answer(*client).accepted);
   alive = program.askedFor<orders::OwnerAlive>(2);
   ASSERT_GE(alive.size(), 2U);
-  EXPECT_EQ(alive[1].order.value, 1.0);
+  EXPECT_TRUE(alive[1].order.as<orders::OwnerAlive>()->alive);
 }
 
 TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
@@ -444,7 +444,7 @@ TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
   client.reset();
   const auto alive = program.askedFor<orders::OwnerAlive>(1);
   ASSERT_EQ(alive.size(), 1U);
-  EXPECT_EQ(alive.back().order.value, 0.0);
+  EXPECT_FALSE(alive.back().order.as<orders::OwnerAlive>()->alive);
   // Silence alone is noticed after 200 ms at the earliest.
   EXPECT_LE(alive.back().at_ns - gone_ns, 100'000'000);
   EXPECT_EQ(controls.holder(), 0U);  // free for the next one, its own reconnection say

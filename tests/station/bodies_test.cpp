@@ -55,23 +55,22 @@ class GameInAStation : public Bar {
     load(config);
     run(false);
   }
-  static Order bodies(OrderType type, BodyOrders orders, std::uint32_t claim = 0) {
-    Order order;
-    order.type = type;
+  template <class Kind>
+  static Order bodies(BodyOrders all, std::uint32_t claim = 0) {
+    Order order{Kind{{std::make_shared<const BodyOrders>(std::move(all))}}};
     order.claim = claim;
-    order.bodies = std::make_shared<const BodyOrders>(std::move(orders));
     return order;
   }
   static Order prepare(int set, std::vector<Shape> pieces) {
-    BodyOrders orders;
-    orders.shape_set = set;
-    orders.pieces = std::move(pieces);
-    return bodies(OrderType::kPrepareShapes, std::move(orders));
+    BodyOrders all;
+    all.shape_set = set;
+    all.pieces = std::move(pieces);
+    return bodies<orders::PrepareShapes>(std::move(all));
   }
   static Order say(std::vector<Command> commands, std::uint32_t claim = 0) {
-    BodyOrders orders;
-    orders.commands = std::move(commands);
-    return bodies(OrderType::kOrderBodies, std::move(orders), claim);
+    BodyOrders all;
+    all.commands = std::move(commands);
+    return bodies<orders::Spawn>(std::move(all), claim);  // the station reads the commands
   }
   /// State of a slot's body as clients are told; parked where there is none.
   SlotState stateOf(int slot) {
@@ -284,7 +283,7 @@ TEST_F(GameInAStation, WhatAnEarlierHolderKept_IsForgotten) {
   BodyOrders shapes;
   shapes.shape_set = 0;
   shapes.pieces = {ballShape(0.03)};
-  ASSERT_TRUE(ask(bodies(OrderType::kPrepareShapes, shapes, 1)).accepted);
+  ASSERT_TRUE(ask(bodies<orders::PrepareShapes>(shapes, 1)).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))}, 1)).accepted);
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}, 2));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
@@ -335,9 +334,7 @@ TEST_F(GameInAStation, MoreThanTheLoopTakes_IsAnsweredBusyAndTakenLater) {
 TEST_F(GameInAStation, WhileTheGameIsSilent_NothingIsSpawned) {
   runGame(true);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
-  Order silent = of(orders::OwnerAlive{});
-  silent.value = 0.0;
-  ASSERT_TRUE(ask(silent).accepted);
+  ASSERT_TRUE(ask(orders::OwnerAlive{false}).accepted);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted)
       << "the loop refuses it, by an event";

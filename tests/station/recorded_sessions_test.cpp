@@ -34,11 +34,7 @@ class Demonstration : public Bar {
   }
   virtual void change(StationConfig& /*config*/) {}
 
-  OrderReply steer(Steering by) {
-    Order order = of(orders::Steer{});
-    order.steering = by;
-    return ask(order);
-  }
+  OrderReply steer(Steering by) { return ask(orders::Steer{by}); }
   /// A page takes the steering as soon as it may.
   bool joins() {
     return becomes([this] { return steer(Steering::kPerson).accepted; });
@@ -286,14 +282,11 @@ TEST_F(Demonstration, DrawnScripts_LeaveNoSessionOfAPersonUnrecorded) {
         case 3:
           (void)ask(orders::Unattended{});
           break;
-        case 4: {
-          Order load = of(orders::LoadExercise{});
-          load.level = 1 + static_cast<int>(random() % 2);
-          (void)ask(load);
+        case 4:
+          (void)ask(orders::LoadExercise{.level = 1 + static_cast<int>(random() % 2)});
           break;
-        }
         case 5:
-          (void)ask(random() % 2 == 0 ? OrderType::kStop : OrderType::kEmergencyStop);
+          (void)ask(kStops[random() % 2]);
           break;
         default:
           ahead_s_ += 350;

@@ -169,10 +169,7 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   load(config);
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order;
-  order.type = OrderType::kLoadExercise;
-  order.name = "pile";
-  const OrderReply reply = ask(order);
+  const OrderReply reply = ask(orders::LoadExercise{.exercise = "pile"});
   ASSERT_FALSE(reply.accepted);
   EXPECT_NE(reply.reason.find("\"pile\""), std::string::npos) << reply.reason;
   EXPECT_NE(reply.reason.find("fewer than 3000 shapes"), std::string::npos) << reply.reason;
@@ -185,11 +182,10 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
 TEST_F(SafetyStates, OrdersThatCannotBe_AreRefused) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order aim{.type = OrderType::kAim, .aim = AxisPosition(6)};
-  aim.aim[2] = std::nan("");
+  orders::Aim aim{AxisPosition(6)};
+  aim.q[2] = std::nan("");
   EXPECT_FALSE(ask(aim).accepted);
-  EXPECT_FALSE(ask({.type = OrderType::kSetParameter, .name = "effort_limit_arm_n", .value = -1.0})
-                   .accepted);
+  EXPECT_FALSE(ask(orders::SetParameter{"effort_limit_arm_n", -1.0}).accepted);
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
 }
 

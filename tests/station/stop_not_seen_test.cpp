@@ -7,16 +7,8 @@ namespace {
 class StopNotSeen : public Bar {
  protected:
   std::uint32_t endings() { return station_->status().endings; }
-  Order arm(std::uint32_t seen) const {
-    Order order = of(orders::Arm{});
-    order.endings_seen = seen;
-    return order;
-  }
-  Order load(int level) const {
-    Order order = of(orders::LoadExercise{});
-    order.level = level;
-    return order;
-  }
+  static Order arm(std::uint32_t seen) { return {orders::Arm{seen}}; }
+  static Order load(int level) { return {orders::LoadExercise{.level = level}}; }
 };
 
 TEST_F(StopNotSeen, ArmThatNamesNone_IsRefusedWithTheRemedy) {
@@ -32,7 +24,7 @@ TEST_F(StopNotSeen, ArmThatNamesNone_IsRefusedWithTheRemedy) {
 
 // A person presses Stop before anything renders: the robot is about to start.
 TEST_F(StopNotSeen, StopWhileNothingRenders_IsShownAndUndoesWhatWasPressedBefore) {
-  for (const orders::Any& stop : {orders::Any(orders::Stop{}), orders::Any(orders::EmergencyStop{})}) {
+  for (const orders::Any& stop : kStops) {
     if (!thread_.joinable()) run(false);
     const std::uint32_t shown = endings();
     ASSERT_TRUE(ask(stop).accepted);

@@ -84,9 +84,8 @@ class WaitingOrders : public Bar {
   void hold() {
     released_ = std::promise<void>();
     auto reached = std::make_shared<std::promise<void>>();
-    Order unknown = of(orders::LoadExercise{});
-    unknown.name = "none-of-that-name";
-    station_->order(person().asks(unknown),
+    const orders::LoadExercise unknown{.exercise = "none-of-that-name"};
+    station_->order(person().asks(of(unknown)),
                     [reached, may = released_.get_future().share()](const OrderReply&) {
                       reached->set_value();
                       may.wait();
@@ -101,22 +100,10 @@ class WaitingOrders : public Bar {
     EXPECT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
     return reply;
   }
-  Order parameter(const char* name, double value) const {
-    Order order = of(orders::SetParameter{});
-    order.name = name;
-    order.value = value;
-    return order;
+  static Order parameter(const char* name, double value) {
+    return {orders::SetParameter{name, value}};
   }
-  Order profile(OrderType type, const char* name) const {
-    Order order = of(type);
-    order.name = name;
-    return order;
-  }
-  Order level(int number) const {
-    Order order = of(orders::LoadExercise{});
-    order.level = number;
-    return order;
-  }
+  static Order level(int number) { return {orders::LoadExercise{.level = number}}; }
   double value(const char* name) {
     const auto scene = station_->scene();
     for (std::size_t i = 0; i < scene->parameters.size(); ++i) {
@@ -308,9 +295,7 @@ TEST_F(WaitingOrders, SaveProfile_WritesTheValuesOfTheMomentWhenItWasAsked) {
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 8.0)).accepted);
   hold();
   auto saved = askLater(person().asks(of(orders::SaveProfile{"p-1"})));
-  Order help = of(orders::SetHelp{});
-  help.help = Help::kNone;
-  ASSERT_TRUE(ask(help).accepted);
+  ASSERT_TRUE(ask(orders::SetHelp{Help::kNone}).accepted);
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 12.0)).accepted);
   release();
   ASSERT_TRUE(saved.get().accepted);
@@ -324,9 +309,7 @@ TEST_F(WaitingOrders, SaveProfile_WritesTheValuesOfTheMomentWhenItWasAsked) {
 TEST_F(WaitingOrders, SaveProfileBehindAnotherPersons_KeepsTheHandAndClaimsNothing) {
   begin();
   ASSERT_TRUE(ask(of(orders::SaveProfile{"p-2"})).accepted);
-  Order other_hand = of(orders::LoadExercise{});
-  other_hand.hand = "woman-p05-left";
-  ASSERT_TRUE(ask(other_hand).accepted);
+  ASSERT_TRUE(ask(orders::LoadExercise{.hand = "woman-p05-left"}).accepted);
   hold();
   auto loaded = askLater(person().asks(of(orders::LoadProfile{"p-2"})));
   auto saved = askLater(person().asks(of(orders::SaveProfile{"p-1"})));
@@ -370,12 +353,10 @@ TEST_F(WaitingOrders, ChangeOfThePerson_SetsEverythingToItsDefault) {
       set[p.name] = uniform(random, p.lower, p.upper);
       ASSERT_TRUE(ask(parameter(p.name.c_str(), set[p.name])).accepted);
     }
-    Order help = of(orders::SetHelp{});
-    help.help = Help::kFull;
-    ASSERT_TRUE(ask(help).accepted);
+    ASSERT_TRUE(ask(orders::SetHelp{Help::kFull}).accepted);
     const bool therapist = random() % 2 == 0;
-    Order change = of(orders::LoadExercise{});
-    change.hand = hands[static_cast<std::size_t>(i) % hands.size()];
+    Order change =
+        of(orders::LoadExercise{.hand = hands[static_cast<std::size_t>(i) % hands.size()]});
     change.may_raise_limits = therapist;
     ASSERT_TRUE(ask(person().asks(change)).accepted);
     const auto after = station_->scene()->parameters;
@@ -388,8 +369,7 @@ TEST_F(WaitingOrders, ChangeOfThePerson_SetsEverythingToItsDefault) {
       if (limit && !therapist) set.erase(p.name);
     }
     if (!therapist) {  // for the next case
-      Order back = change;
-      back.hand = "adult-median-right";
+      Order back = of(orders::LoadExercise{.hand = "adult-median-right"});
       back.may_raise_limits = true;
       ASSERT_TRUE(ask(person().asks(back)).accepted);
     }
@@ -406,14 +386,10 @@ TEST_F(WaitingOrders, AnotherExerciseOfTheSamePerson_KeepsTheSettings) {
 TEST_F(WaitingOrders, RestOfTheEarlierPerson_IsNoRestOfTheNext) {
   begin(true);
   ASSERT_TRUE(rendersOn());
-  Order rest = of(orders::Stop{});
-  rest.rest = true;
-  ASSERT_TRUE(ask(rest).accepted);
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   ASSERT_TRUE(station_->status().rested);
-  Order other_hand = of(orders::LoadExercise{});
-  other_hand.hand = "woman-p05-left";
-  ASSERT_TRUE(ask(other_hand).accepted);
+  ASSERT_TRUE(ask(orders::LoadExercise{.hand = "woman-p05-left"}).accepted);
   EXPECT_FALSE(station_->status().rested);
 }
 
@@ -473,7 +449,7 @@ TEST_F(ArmOverALine, ThatStays_Starts) {
 TEST_F(WaitingOrders, StopsThatAreRepeated_CountOnceUntilSomebodyArms) {
   begin();
   const Person game = person(), other = person();
-  for (const orders::Any& stop : {orders::Any(orders::Stop{}), orders::Any(orders::EmergencyStop{})}) {
+  for (const orders::Any& stop : kStops) {
     const std::uint32_t shown = station_->status().endings;
     for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(game.asks(of(stop))).accepted);
     EXPECT_EQ(station_->status().endings, shown + 1);
@@ -494,13 +470,13 @@ TEST_F(WaitingOrders, StopThatIsPressedAgain_CountsAgain) {
   begin();
   const Person game = person();
   Order pressed = game.asks(of(orders::EmergencyStop{}));
-  pressed.number = 7;
+  pressed.id = 7;
   ASSERT_TRUE(ask(pressed).accepted);
   const Order late = person().asks(of(orders::Arm{}));  // sent now, and long on its way
   const std::uint32_t shown = station_->status().endings;
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(pressed).accepted);
   EXPECT_EQ(station_->status().endings, shown);
-  pressed.number = 8;
+  pressed.id = 8;
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(pressed).accepted);
   EXPECT_EQ(station_->status().endings, shown + 1);
   EXPECT_EQ(ask(late).refusal, Refusal::kStopNotSeen);
@@ -554,8 +530,8 @@ TEST_F(WaitingOrders, StopInEveryState_LeadsToNeutral) {
     const int state = static_cast<int>(random() % kStates);
     SCOPED_TRACE("state " + std::to_string(state));
     const Person stops = person();
-    Order stop = of(random() % 2 == 0 ? OrderType::kStop : OrderType::kEmergencyStop);
-    stop.rest = stop.type == OrderType::kStop && random() % 2 == 0;
+    Order stop = of(kStops[random() % 2]);
+    if (stop.is<orders::Stop>() && random() % 2 == 0) stop.what = orders::Rest{};
     OrderReply reply;
     const auto press = [&] { reply = ask(stops.asks(stop)); };
     if (state == kArming) while_it_is_built = press;
