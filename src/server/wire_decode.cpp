@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <type_traits>
 #include <utility>
 
 namespace wholehand::wire {
@@ -312,7 +314,7 @@ Expected<orders::Any> readAs(const void* table) {
   }
 }
 
-/// Readers by number in the schema, for every row of the table of orders that has one.
+/// Readers by number in the schema.
 template <class... Tables>
 constexpr auto readersOf() {
   std::array<Reader, static_cast<std::size_t>(fb::Order::MAX) + 1> readers{};
@@ -325,7 +327,8 @@ constexpr auto kReaders =
               fb::SaveProfile, fb::LoadProfile, fb::SetHelp, fb::Answer, fb::HoldToMove,
               fb::PrepareShapes, fb::Spawn, fb::Remove, fb::Teleport, fb::SetOwner,
               fb::BodyTargets>();
-static_assert(std::count(kReaders.begin(), kReaders.end(), nullptr) == 1, "of no order only");
+static_assert(std::count(kReaders.begin(), kReaders.end(), nullptr) == 1,
+              "every type but NONE has a reader");
 
 Expected<Order> decodeCommand(const fb::Command& c) {
   const auto type = static_cast<std::size_t>(c.order_type());

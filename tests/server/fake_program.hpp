@@ -105,6 +105,12 @@ class FakeProgram final : public ServerBackend {
       std::this_thread::sleep_for(1ms);
     }
   }
+  /// Of those that name bodies.
+  std::vector<Asked> askedForBodies(std::size_t count,
+                                    std::chrono::milliseconds within = kPatience) const {
+    return askedFor<orders::Spawn, orders::Remove, orders::Teleport, orders::SetOwner,
+                    orders::BodyTargets>(count, within);
+  }
 
   std::filesystem::path folder;
   /// Set before the server is opened; runs first in each of its ticks, and may in other threads.

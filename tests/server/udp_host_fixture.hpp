@@ -89,6 +89,7 @@ class UdpHost : public ::testing::Test {
       return (s.order.is<Kinds>() || ...);
     }));
   }
+  int gentleStops() const { return saidOf<orders::Stop, orders::Rest>(); }
 
   FakeBackend backend;
   ControlsArbiter controls;

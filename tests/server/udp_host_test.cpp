@@ -54,7 +54,7 @@ TEST_F(UdpHost, WhatMustArrive_IsNotTakenByDatagram) {
   settle();
   ASSERT_EQ(said.size(), 5U) << "every stop, an aim and a heartbeat";
   EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
-  EXPECT_EQ(saidOf<orders::Stop, orders::Rest>(), 2) << "a rest is one";
+  EXPECT_EQ(gentleStops(), 2) << "a rest is one";
   EXPECT_EQ(saidOf<orders::Aim>(), 1);
   EXPECT_EQ(ignored(UdpIgnored::kMessage), all.size() - 5);
 }
@@ -97,7 +97,7 @@ TEST_F(UdpHost, AddressThatHearsNothing_GetsNoMoreThanWasSent) {
   game.say(words::rest(10'001));
   settle();
   EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
-  EXPECT_EQ(saidOf<orders::Stop, orders::Rest>(), 2);
+  EXPECT_EQ(gentleStops(), 2);
 }
 
 TEST_F(UdpHost, LateStop_IsHandedOnOnce) {
@@ -109,10 +109,10 @@ TEST_F(UdpHost, LateStop_IsHandedOnOnce) {
   arrive(kGame, late);
   arrive(kElsewhere, late);
   settle();
-  EXPECT_EQ(saidOf<orders::Stop, orders::Rest>(), 1);
+  EXPECT_EQ(gentleStops(), 1);
   game.say(words::stop(5));  // repeated until a state shows it
   settle();
-  EXPECT_EQ(saidOf<orders::Stop, orders::Rest>(), 2);
+  EXPECT_EQ(gentleStops(), 2);
 }
 
 TEST_F(UdpHost, OneSilentDatagram_BringsOneHeader) {

@@ -51,7 +51,7 @@ TEST_F(BodiesTest, OnlyTheHolderOfTheControls_OrdersBodies) {
   ASSERT_TRUE(ask(*holds, takeControls(1)).accepted);
   for (const auto& order : orders(2)) EXPECT_TRUE(ask(*holds, order).accepted);
   EXPECT_EQ(program.askedFor<orders::PrepareShapes>(1).size(), 1U);
-  EXPECT_EQ(program.askedFor<orders::Spawn, orders::Remove, orders::Teleport, orders::SetOwner, orders::BodyTargets>(5).size(), 5U);
+  EXPECT_EQ(program.askedForBodies(5).size(), 5U);
   const auto refuses = [&](const char* role, fb::Refusal refusal) {
     const auto other = client(role);
     for (const auto& order : orders(1)) EXPECT_EQ(ask(*other, order).refusal, refusal) << role;
@@ -60,7 +60,7 @@ TEST_F(BodiesTest, OnlyTheHolderOfTheControls_OrdersBodies) {
   refuses("?role=player", fb::Refusal::NotHolder);
   refuses("?role=therapist", fb::Refusal::NotHolder);
   refuses("?role=watcher", fb::Refusal::OnlyWatches);
-  EXPECT_EQ(program.askedFor<orders::Spawn, orders::Remove, orders::Teleport, orders::SetOwner, orders::BodyTargets>(5).size(), 5U);
+  EXPECT_EQ(program.askedForBodies(5).size(), 5U);
 }
 
 TEST_F(BodiesTest, CountsThatNoSceneAllows_AreRefusedAndNothingIsAsked) {
@@ -76,7 +76,7 @@ TEST_F(BodiesTest, CountsThatNoSceneAllows_AreRefusedAndNothingIsAsked) {
     EXPECT_EQ(reply.refusal, fb::Refusal::Unreadable);
     EXPECT_NE(reply.reason.find("must be in [1, "), std::string::npos) << reply.reason;
   }
-  EXPECT_TRUE(program.askedFor<orders::Spawn, orders::Remove, orders::Teleport, orders::SetOwner, orders::BodyTargets>(1, 0ms).empty());
+  EXPECT_TRUE(program.askedForBodies(1, 0ms).empty());
 }
 
 TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsManyMessages) {

@@ -340,8 +340,7 @@ TEST_F(GameInAStation, WhileTheGameIsSilent_NothingIsSpawned) {
       << "the loop refuses it, by an event";
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(stateOf(0), SlotState::kParked);
-  silent.value = 1.0;
-  ASSERT_TRUE(ask(silent).accepted);
+  ASSERT_TRUE(ask(orders::OwnerAlive{true}).accepted);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0, 2))})).accepted);
   EXPECT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
