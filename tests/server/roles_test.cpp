@@ -109,6 +109,17 @@ TEST(Roles, ClientThatSaysNoRole_MayAllWithTheControlsAndStopWithout) {
   EXPECT_EQ(allowed(Role::kUnsaid, now), (std::vector<std::string>{"Stop", "EmergencyStop"}));
 }
 
+TEST(Roles, OrdersOfTheProgramItself_AreNoClients) {
+  for (const Order& order :
+       {Order{orders::OwnerAlive{true}}, Order{orders::Unattended{}}, Order{orders::Attended{}}}) {
+    for (const Role role : {Role::kUnsaid, Role::kPlayer, Role::kTherapist}) {
+      const OrderReply may = mayOrder(role, order, playing());
+      EXPECT_FALSE(may.accepted) << order.row().name;
+      EXPECT_TRUE(may.reason.starts_with(order.row().name)) << may.reason;
+    }
+  }
+}
+
 TEST(Roles, ClaimBeyondTheToken_Watches) {
   EXPECT_EQ(grantedRole(Role::kTherapist, Role::kPlayer), Role::kWatcher);
   EXPECT_EQ(grantedRole(Role::kTherapist, Role::kWatcher), Role::kWatcher);
