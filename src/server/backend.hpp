@@ -9,15 +9,19 @@
 #include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace wholehand {
@@ -211,61 +215,231 @@ struct LoopStatus {
   std::shared_ptr<const RegisteredBodies> registered;  ///< likewise
 };
 
-enum class OrderType {
-  kArm,
-  kStop,
-  kEmergencyStop,
-  kLoadExercise,
-  kSetParameter,
-  kAim,
-  kSteer,
-  kAction,
-  kOwnerAlive,  ///< value 1: the game that holds the controls is alive; 0: it went silent
-  kUnattended,  ///< nobody has held the controls or ordered anything for long; a loop armed by a
-                ///< client is to stop, another one that somebody joined is to begin anew
-  kAttended,    ///< somebody has taken the controls
-  kSaveProfile,
-  kLoadProfile,
-  kSetHelp,
-  kAnswer,         ///< answers a question of a commissioning
-  kHoldToMove,     ///< the hold-to-move key of a commissioning is pressed or released
-  kPrepareShapes,  ///< a game gives the shapes of bodies
-  kOrderBodies     ///< a game spawns, removes, teleports, hands over or moves bodies
-};
-
 /// A client, as its orders that wait see it. Any thread.
 struct Asker {
   std::atomic<bool> connected{true};
   std::atomic<std::uint32_t> claim{0};  ///< claim on the controls that it has now; 0: none
 };
 
-/// An order from a client. Its form is verified (finite numbers, known enums); the backend checks
-/// ranges and names.
+/// Orders, each with its own fields; names are those of the schema. Their form is verified (finite
+/// numbers, known enums); who carries them out checks ranges and names.
+namespace orders {
+
+struct Arm {
+  std::uint32_t endings_seen = 0;  ///< LoopStatus::endings as the client saw it; 0: unknown
+};
+struct Stop {};
+struct EmergencyStop {};
+struct LoadExercise {
+  std::string exercise, hand;  ///< empty: unchanged
+  int level = 0;               ///< 0: unchanged
+};
+struct SetParameter {
+  std::string name;
+  double value = 0.0;
+};
+struct Aim {
+  AxisPosition q;
+  Help by = Help::kUnsaid;
+};
+struct Steer {
+  Steering by = Steering::kVirtualPatient;
+};
+struct Action {
+  ExerciseAction act = ExerciseAction::kNext;
+};
+struct TakeControls {
+  std::string token;
+};
+struct ReleaseControls {};
+struct Heartbeat {};
+struct Rest {};  ///< a stop by the player, who may end it again
+struct SaveProfile {
+  std::string name;
+};
+struct LoadProfile {
+  std::string name;
+};
+struct SetHelp {
+  Help help = Help::kUnsaid;
+};
+struct Answer {
+  std::uint32_t question = 0;
+  std::string text;
+};
+struct HoldToMove {
+  std::uint32_t press = 0;
+  bool held = false;
+};
+/// Orders of a game to its bodies.
+struct OfBodies {
+  std::shared_ptr<const BodyOrders> bodies;  ///< never null in an order
+};
+struct PrepareShapes : OfBodies {};
+struct Spawn : OfBodies {};
+struct Remove : OfBodies {};
+struct Teleport : OfBodies {};
+struct SetOwner : OfBodies {};
+struct BodyTargets : OfBodies {};
+// Those that the program gives by itself.
+struct OwnerAlive {
+  bool alive = false;  ///< the game that holds the controls; false: it went silent
+};
+/// Nobody has held the controls or ordered anything for long: a loop armed by a client is to stop,
+/// another one that somebody joined is to begin anew.
+struct Unattended {};
+struct Attended {};  ///< somebody has taken the controls
+
+using Any = std::variant<Arm, Stop, EmergencyStop, LoadExercise, SetParameter, Aim, Steer, Action,
+                         TakeControls, ReleaseControls, Heartbeat, Rest, SaveProfile, LoadProfile,
+                         SetHelp, Answer, HoldToMove, PrepareShapes, Spawn, Remove, Teleport,
+                         SetOwner, BodyTargets, OwnerAlive, Unattended, Attended>;
+
+/// Index of a kind in Any.
+template <class Kind, class... Kinds>
+constexpr std::size_t indexIn(std::type_identity<std::variant<Kinds...>>) {
+  std::size_t index = 0;
+  (void)((std::is_same_v<Kind, Kinds> || (++index, false)) || ...);
+  return index;
+}
+template <class Kind>
+inline constexpr std::size_t kIndexOf = indexIn<Kind>(std::type_identity<Any>{});
+
+/// Who may give an order; mayOrder() judges by it.
+enum class Giver : std::uint8_t {
+  kAnyone,
+  kNotWatchers,
+  kHolder,            ///< who holds the controls
+  kHolderOrLeader,    ///< the same, or a therapist; no player while a therapist pauses
+  kBeginner,          ///< the same; a player where it may begin
+  kTherapist,         ///< a therapist; who states no role, with the controls
+  kHoldingTherapist,  ///< a therapist who holds the controls
+  kProgram            ///< no client
+};
+
+/// Thread that carries an order out.
+enum class Thread : std::uint8_t {
+  kDesk,    ///< the server's: who holds the controls
+  kCaller,  ///< the caller's, at once
+  kMain,    ///< the station's main one, in turn: it takes time
+  kLoop,    ///< the loop's, as commands
+  kConsole  ///< the one of a commissioning
+};
+
+enum class Pace : std::uint8_t {
+  kAnswered,  ///< within the limit of rate, with numbers that rise
+  kStreams,   ///< the same, at a high rate: nobody waits for the reply
+  kStops      ///< without limit and in any order
+};
+
+/// Whether an order may come by datagram: the next one supersedes it, or a game repeats it until
+/// the state shows its effect.
+enum class Datagram : std::uint8_t { kNever, kStandalone, kAlways };
+
+/// What holds for all orders of a kind.
+struct Row {
+  std::size_t kind;   ///< index in Any
+  std::uint8_t wire;  ///< number in the schema's union Order; 0: the program gives it by itself
+  const char* name;   ///< in the schema
+  Giver giver;
+  Thread thread;
+  Pace pace = Pace::kAnswered;
+  Datagram datagram = Datagram::kNever;
+  const char* doing = "";  ///< of what a player is told that it is for the therapist only
+};
+
+inline constexpr auto kTable = [] {
+  using enum Giver;
+  using enum Thread;
+  using enum Pace;
+  using enum Datagram;
+  constexpr const char* kLeading = "leading a commissioning";
+  return std::array<Row, std::variant_size_v<Any>>{{
+      {kIndexOf<Arm>, 1, "Arm", kBeginner, kMain, kAnswered, kNever, "starting"},
+      {kIndexOf<Stop>, 2, "Stop", kNotWatchers, kCaller, kStops, kAlways},
+      {kIndexOf<EmergencyStop>, 3, "EmergencyStop", kAnyone, kCaller, kStops, kAlways},
+      {kIndexOf<LoadExercise>, 4, "LoadExercise", kBeginner, kMain, kAnswered, kNever, "loading"},
+      {kIndexOf<SetParameter>, 5, "SetParameter", kTherapist, kLoop, kAnswered, kNever,
+       "setting a value"},
+      {kIndexOf<Aim>, 6, "Aim", kHolder, kLoop, kStreams, kAlways},
+      {kIndexOf<Steer>, 7, "Steer", kHolder, kLoop, kAnswered, kStandalone},
+      {kIndexOf<Action>, 8, "Action", kHolderOrLeader, kLoop},
+      {kIndexOf<TakeControls>, 9, "TakeControls", kNotWatchers, kDesk, kAnswered, kStandalone},
+      {kIndexOf<ReleaseControls>, 10, "ReleaseControls", kNotWatchers, kDesk, kAnswered,
+       kStandalone},
+      {kIndexOf<Heartbeat>, 11, "Heartbeat", kAnyone, kDesk, kStreams, kAlways},
+      {kIndexOf<Rest>, 12, "Rest", kNotWatchers, kCaller, kStops, kAlways},
+      {kIndexOf<SaveProfile>, 13, "SaveProfile", kTherapist, kMain, kAnswered, kNever, "a profile"},
+      {kIndexOf<LoadProfile>, 14, "LoadProfile", kTherapist, kMain, kAnswered, kNever, "a profile"},
+      {kIndexOf<SetHelp>, 15, "SetHelp", kTherapist, kCaller, kAnswered, kNever, "setting a value"},
+      {kIndexOf<Answer>, 16, "Answer", kHoldingTherapist, kConsole, kAnswered, kNever, kLeading},
+      {kIndexOf<HoldToMove>, 17, "HoldToMove", kHoldingTherapist, kConsole, kStreams, kNever,
+       kLeading},
+      {kIndexOf<PrepareShapes>, 18, "PrepareShapes", kHolder, kLoop},
+      {kIndexOf<Spawn>, 19, "Spawn", kHolder, kLoop},
+      {kIndexOf<Remove>, 20, "Remove", kHolder, kLoop},
+      {kIndexOf<Teleport>, 21, "Teleport", kHolder, kLoop},
+      {kIndexOf<SetOwner>, 22, "SetOwner", kHolder, kLoop},
+      {kIndexOf<BodyTargets>, 23, "BodyTargets", kHolder, kLoop, kStreams},
+      {kIndexOf<OwnerAlive>, 0, "OwnerAlive", kProgram, kCaller},
+      {kIndexOf<Unattended>, 0, "Unattended", kProgram, kCaller},
+      {kIndexOf<Attended>, 0, "Attended", kProgram, kCaller},
+  }};
+}();
+static_assert(std::all_of(kTable.begin(), kTable.end(),
+                          [](const Row& row) { return &row == &kTable[row.kind]; }));
+
+}  // namespace orders
+
 struct Order {
-  OrderType type = OrderType::kStop;
-  std::string name;    ///< parameter, exercise, profile; kAnswer: the answer
-  std::string hand;    ///< kLoadExercise; empty: unchanged
-  int level = 0;       ///< kLoadExercise; 0: unchanged
-  double value = 0.0;  ///< kSetParameter, kOwnerAlive
-  AxisPosition aim;    ///< kAim
-  Steering steering = Steering::kVirtualPatient;
-  ExerciseAction action = ExerciseAction::kNext;
-  Help help = Help::kUnsaid;  ///< kSetHelp, kAim
-  /// kAnswer: number of the question; kHoldToMove: number of the press; else Command.id: a stop
-  /// that a client repeats until it is answered keeps it.
-  std::uint32_t number = 0;
-  bool held = false;               ///< kHoldToMove
-  bool rest = false;               ///< kStop: the player rests, and may end the rest again
-  std::uint32_t endings_seen = 0;  ///< kArm: LoopStatus::endings as the client saw it; 0: unknown
-  std::shared_ptr<const BodyOrders> bodies;  ///< kPrepareShapes, kOrderBodies; never null there
+  orders::Any what = orders::Heartbeat{};
+  std::uint32_t id = 0;  ///< Command.id; a stop that a client repeats until it is answered keeps it
   /// Claim on the controls that the order belongs to (ControlsArbiter::claim). Two servers send
   /// orders independently, so an order or a loss of an earlier holder may arrive after an order of
   /// a later one. 0: no claim.
   std::uint32_t claim = 0;
   std::uint32_t client = 0;  ///< who asks (ControlsArbiter::Client); 0: the program itself
-  std::shared_ptr<const Asker> asker;  ///< of an order that waits; null: the program itself
-  bool may_raise_limits = false;       ///< who asks may set values
+  /// Of an order that waits; null: the program itself.
+  std::shared_ptr<const Asker> asker = nullptr;
+  bool may_raise_limits = false;  ///< who asks may set values
+
+  template <class Kind>
+  [[nodiscard]] bool is() const noexcept {
+    return std::holds_alternative<Kind>(what);
+  }
+  /// Null: another kind.
+  template <class Kind>
+  [[nodiscard]] const Kind* as() const noexcept {
+    return std::get_if<Kind>(&what);
+  }
+  [[nodiscard]] const orders::Row& row() const noexcept { return orders::kTable[what.index()]; }
+  /// A stop of any kind is accepted from every client at any time.
+  [[nodiscard]] bool stops() const noexcept { return row().pace == orders::Pace::kStops; }
+  [[nodiscard]] bool streams() const noexcept { return row().pace == orders::Pace::kStreams; }
 };
+
+/// Refuses an order that reached a thread which does not carry out its kind.
+inline OrderReply notHere(const Order& order) {
+  return refused(Refusal::kNotHere, std::string(order.row().name) + " is not carried out here");
+}
+
+/// Overload set for std::visit.
+template <class... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+template <class... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
+
+/// Orders of a game to its bodies; null: another order.
+[[nodiscard]] inline const BodyOrders* bodiesOf(const Order& order) {
+  return std::visit(
+      [](const auto& kind) -> const BodyOrders* {
+        if constexpr (requires { kind.bodies; }) return kind.bodies.get();
+        return nullptr;
+      },
+      order.what);
+}
 
 /// One recording.
 struct RecordingEntry {

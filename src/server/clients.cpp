@@ -217,11 +217,11 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
   const bool within_rate = withinRate(entry, message.size(), now_ns);
-  const auto decoded = text ? Expected<wire::ClientMessage>(Diagnostic{}) : wire::decode(message);
+  const auto decoded = text ? Expected<Order>(Diagnostic{}) : wire::decode(message);
   // Stops are exempt from the rate limit and from the order of command numbers.
   const bool stops = decoded && decoded->stops();
   // A page sends heartbeats from another thread than its orders: their numbers are unordered.
-  const bool beat = decoded && decoded->type == wire::ClientMessageType::kHeartbeat;
+  const bool beat = decoded && decoded->is<orders::Heartbeat>();
   if (entry->second.closing && !stops) return;
   if (!within_rate && !stops) {
     refuseForRate(entry, decoded ? &*decoded : nullptr, now_ns);
@@ -255,7 +255,7 @@ void Clients::refuseUnread(Entry entry, std::uint32_t command, const char* count
 
 // A client that waits for an answer gets one, with the command's number. For messages without
 // answers, and for a client that does not read, one reply per second is enough.
-void Clients::refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns) {
+void Clients::refuseForRate(Entry entry, const Order* message, std::int64_t now_ns) {
   Client& client = entry->second;
   const bool waits =
       message != nullptr && !message->streams() && client.line->waiting() < kMostWaiting / 4;
@@ -264,7 +264,7 @@ void Clients::refuseForRate(Entry entry, const wire::ClientMessage* message, std
   refuse(entry, message != nullptr ? message->id : 0, "rate",
          refused(Refusal::kTooMany,
                  fmt::format("{}: more than 400 messages in a second, those beyond are dropped",
-                             message != nullptr ? wire::nameOf(*message) : "unreadable")),
+                             message != nullptr ? message->row().name : "unreadable")),
          now_ns, reply);
 }
 
@@ -279,22 +279,22 @@ void Clients::refuseOversized(std::uint32_t client, std::int64_t now_ns) {
          now_ns, false);
 }
 
-void Clients::obey(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+void Clients::obey(Entry entry, const Order& order, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
   desk_.heard(client, now_ns);
-  if (m.type == wire::ClientMessageType::kHeartbeat) return;
-  if (m.type == wire::ClientMessageType::kOrder) return obeyOrder(entry, m, now_ns);
-  changeHands(entry, m, now_ns);
+  if (order.is<orders::Heartbeat>()) return;
+  if (order.row().thread != orders::Thread::kDesk) return obeyOrder(entry, order, now_ns);
+  changeHands(entry, order, now_ns);
 }
 
-void Clients::forward(Entry entry, std::uint32_t command, Order order) {
+void Clients::forward(Entry entry, Order order) {
   const std::uint32_t client = entry->first;
   order.claim = desk_.holds(client) ? desk_.claim() : 0;
   order.client = client;
   order.asker = entry->second.asker;
   order.may_raise_limits = entry->second.role != Role::kPlayer;
   std::weak_ptr<Clients> self = weak_from_this();
-  backend_.order(order, [self, post = post_, client, command](OrderReply reply) {
+  backend_.order(order, [self, post = post_, client, command = order.id](OrderReply reply) {
     post([self, client, command, reply = std::move(reply)] {
       if (const auto clients = self.lock()) clients->answer(client, command, reply);
     });
@@ -311,7 +311,9 @@ void Clients::answer(std::uint32_t client, std::uint32_t command, const OrderRep
   }
 }
 
-void Clients::orderQuietly(const Order& order) {
+void Clients::orderQuietly(orders::Any what, std::uint32_t claim) {
+  Order order{std::move(what)};
+  order.claim = claim;
   backend_.order(order, [](const OrderReply&) {});
 }
 
@@ -321,24 +323,10 @@ void Clients::followControls(std::int64_t now_ns) {
     client.asker->claim = desk_.holds(number) ? desk_.claim() : 0;
   }
   if (advice.give_back) {
-    Order steer;
-    steer.type = OrderType::kSteer;
-    steer.steering = Steering::kVirtualPatient;
-    steer.claim = advice.claim;
-    orderQuietly(steer);
+    orderQuietly(orders::Steer{Steering::kVirtualPatient}, advice.claim);
   }
-  if (advice.owner_alive) {
-    Order alive;
-    alive.type = OrderType::kOwnerAlive;
-    alive.value = *advice.owner_alive ? 1.0 : 0.0;
-    alive.claim = advice.claim;
-    orderQuietly(alive);
-  }
-  if (advice.unattended) {
-    Order alone;
-    alone.type = OrderType::kUnattended;
-    orderQuietly(alone);
-  }
+  if (advice.owner_alive) orderQuietly(orders::OwnerAlive{*advice.owner_alive}, advice.claim);
+  if (advice.unattended) orderQuietly(orders::Unattended{});
   if (advice.suspended_client != 0) {
     log_.write(fmt::format("client {} is silent", advice.suspended_client), now_ns);
   }
@@ -346,11 +334,7 @@ void Clients::followControls(std::int64_t now_ns) {
     log_.write(fmt::format("client {} was silent and lost the controls", advice.silent_client),
                now_ns);
   }
-  if (advice.holder_changed && desk_.held()) {
-    Order attended;
-    attended.type = OrderType::kAttended;
-    orderQuietly(attended);
-  }
+  if (advice.holder_changed && desk_.held()) orderQuietly(orders::Attended{});
   if (advice.holder_changed) tellControls();
 }
 
@@ -472,53 +456,55 @@ Role Clients::roleOf(std::uint32_t client) const {
 
 Standing Clients::standingOf(std::uint32_t client, const Order& order,
                              const LoopStatus& status) const {
+  const auto* arm = order.as<orders::Arm>();
   Standing now;
   now.holds = desk_.holds(client);
   now.led = led();
   now.moves_person = status.device.has_value();
-  now.own_rest = status.rested && resting_ == client && order.endings_seen == status.endings;
+  now.own_rest =
+      status.rested && resting_ == client && arm != nullptr && arm->endings_seen == status.endings;
   now.therapist_paused = paused_in_ == status.session;
   now.run_state = status.run_state;
   return now;
 }
 
-void Clients::obeyOrder(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+void Clients::obeyOrder(Entry entry, Order order, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
   // Aims of a cursor or stick are frequent; all they need for judging is at hand.
-  const bool aim = m.order.type == OrderType::kAim;
+  const bool aim = order.is<orders::Aim>();
   const LoopStatus status = aim ? LoopStatus{} : backend_.status();
   const OrderReply may =
-      mayOrder(entry->second.role, m.order,
-               aim ? Standing{desk_.holds(client)} : standingOf(client, m.order, status));
+      mayOrder(entry->second.role, order,
+               aim ? Standing{desk_.holds(client)} : standingOf(client, order, status));
   if (!may.accepted) {
     const char* counter = may.refusal == Refusal::kNotHolder ? "not_holder" : "role";
-    return refuse(entry, m.id, counter, may, now_ns);
+    return refuse(entry, order.id, counter, may, now_ns);
   }
-  Order order = m.order;
   // Without the controls a rest is a plain stop, but for one that is repeated.
-  order.rest = order.rest && (desk_.holds(client) || status.rested);
-  noteOrder(entry, order, status, now_ns);
-  forward(entry, m.id, std::move(order));
-  if (m.order.type == OrderType::kEmergencyStop) {
-    log_.write(fmt::format("client {}: emergency stop", client), now_ns);
+  if (order.is<orders::Rest>() && !desk_.holds(client) && !status.rested) {
+    order.what = orders::Stop{};
   }
+  noteOrder(entry, order, status, now_ns);
+  const bool emergency = order.is<orders::EmergencyStop>();
+  forward(entry, std::move(order));
+  if (emergency) log_.write(fmt::format("client {}: emergency stop", client), now_ns);
 }
 
 void Clients::noteOrder(Entry entry, const Order& order, const LoopStatus& status,
                         std::int64_t now_ns) {
   desk_.attend(now_ns);
   const bool therapist = entry->second.role == Role::kTherapist;
-  if (order.type == OrderType::kAction) {
+  if (const auto* action = order.as<orders::Action>()) {
     paused_in_.reset();
-    if (therapist && order.action == ExerciseAction::kPause) paused_in_ = status.session;
+    if (therapist && action->act == ExerciseAction::kPause) paused_in_ = status.session;
   }
   // The right to go on stays with whoever rested first.
-  if (order.type == OrderType::kStop && order.rest && !status.rested) {
+  if (order.is<orders::Rest>() && !status.rested) {
     resting_ = entry->first;
     log_.write(fmt::format("client {} rests", entry->first), now_ns);
   }
   // The one who starts it declares it alive: the effort that faded with a lost holder returns.
-  if (order.type != OrderType::kArm || !therapist || desk_.held()) return;
+  if (!order.is<orders::Arm>() || !therapist || desk_.held()) return;
   if (desk_.take(entry->first, now_ns).empty()) (void)desk_.release(entry->first);
   followControls(now_ns);
 }
@@ -529,21 +515,20 @@ std::string Clients::takeControls(Entry entry, std::int64_t now_ns) {
   return {};
 }
 
-void Clients::changeHands(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+void Clients::changeHands(Entry entry, const Order& order, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
-  const bool take = m.type == wire::ClientMessageType::kTakeControls;
-  if (entry->second.role == Role::kWatcher) {
-    return refuse(entry, m.id, "role", refused(Refusal::kOnlyWatches, "this client only watches"),
-                  now_ns);
+  const auto* take = order.as<orders::TakeControls>();
+  if (const OrderReply may = mayOrder(entry->second.role, order, {}); !may.accepted) {
+    return refuse(entry, order.id, "role", may, now_ns);
   }
   // A connected client has shown its token already; a wrong one here is an error to report.
-  if (take && !m.token.empty() && !access_.tokenMatches(m.token)) {
-    refuse(entry, m.id, "token", refused(Refusal::kWrongToken, "the token is wrong"), now_ns);
+  if (take && !take->token.empty() && !access_.tokenMatches(take->token)) {
+    refuse(entry, order.id, "token", refused(Refusal::kWrongToken, "the token is wrong"), now_ns);
     return;
   }
   const std::string why = take ? takeControls(entry, now_ns) : desk_.release(client);
   if (!why.empty()) {
-    refuse(entry, m.id, take ? "controls_held" : "not_holder",
+    refuse(entry, order.id, take ? "controls_held" : "not_holder",
            refused(take ? Refusal::kControlsHeld : Refusal::kNotHolder, why), now_ns);
     return;
   }
@@ -551,7 +536,7 @@ void Clients::changeHands(Entry entry, const wire::ClientMessage& m, std::int64_
                          take ? "takes" : "gives back"),
              now_ns);
   entry->second.line->deliver(
-      std::make_shared<const wire::Bytes>(wire::replyMessage(m.id, {true, ""})));
+      std::make_shared<const wire::Bytes>(wire::replyMessage(order.id, {true, ""})));
 }
 
 // A player steers only while the loop renders: at a stop it loses the controls, and takes them
@@ -575,37 +560,35 @@ void Clients::joinStandalone() {
   udp_->admitStandalone(standalone_);
 }
 
-void Clients::heardDatagram(std::uint32_t client, const wire::ClientMessage& m,
-                            std::int64_t now_ns) {
+void Clients::heardDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
-  if (m.type == wire::ClientMessageType::kOrder && m.order.type == OrderType::kAim) {
+  if (order.is<orders::Aim>()) {
     desk_.heard(client, now_ns);
-    aim(entry, m, now_ns);
+    aim(entry, order, now_ns);
   } else {
-    obey(entry, m, now_ns);
+    obey(entry, order, now_ns);
   }
   followControls(now_ns);
 }
 
 // Aims arrive up to a thousand times a second: only the first refused one is answered.
-void Clients::aim(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+void Clients::aim(Entry entry, Order order, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
-  const OrderReply may = mayOrder(entry->second.role, m.order, Standing{desk_.holds(client)});
+  const OrderReply may = mayOrder(entry->second.role, order, Standing{desk_.holds(client)});
   if (!may.accepted) {
     if (std::exchange(entry->second.aim_refused, true)) return;
-    return refuse(entry, m.id, may.refusal == Refusal::kNotHolder ? "not_holder" : "role", may,
+    return refuse(entry, order.id, may.refusal == Refusal::kNotHolder ? "not_holder" : "role", may,
                   now_ns);
   }
-  Order order = m.order;
   order.claim = desk_.claim();
   order.client = client;
-  backend_.order(
-      order, [self = weak_from_this(), post = post_, client, id = m.id](const OrderReply& reply) {
-        post([self, client, id, reply] {
-          if (const auto clients = self.lock()) clients->aimed(client, id, reply);
-        });
-      });
+  backend_.order(order, [self = weak_from_this(), post = post_, client,
+                         id = order.id](const OrderReply& reply) {
+    post([self, client, id, reply] {
+      if (const auto clients = self.lock()) clients->aimed(client, id, reply);
+    });
+  });
 }
 
 void Clients::aimed(std::uint32_t client, std::uint32_t command, const OrderReply& reply) {

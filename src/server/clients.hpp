@@ -78,7 +78,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   void heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
              std::int64_t now_ns);
   /// Handles a datagram whose key and sequence number were verified.
-  void heardDatagram(std::uint32_t client, const wire::ClientMessage& message, std::int64_t now_ns);
+  void heardDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns);
   /// Refuses a message larger than kLargestClientMessage; its connection is being closed.
   void refuseOversized(std::uint32_t client, std::int64_t now_ns);
   /// Called 60 times a second: sends scene, events, state and controls, and disconnects clients
@@ -107,23 +107,23 @@ class Clients : public std::enable_shared_from_this<Clients> {
   void refuse(Entry client, std::uint32_t command, const char* counter, const OrderReply& refusal,
               std::int64_t now_ns, bool reply = true);
   [[nodiscard]] bool withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns);
-  void refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns);
+  void refuseForRate(Entry entry, const Order* message, std::int64_t now_ns);
   void refuseUnread(Entry entry, std::uint32_t command, const char* counter,
                     const OrderReply& refusal, std::int64_t now_ns);
-  void obey(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
+  void obey(Entry entry, const Order& order, std::int64_t now_ns);
   [[nodiscard]] Standing standingOf(std::uint32_t client, const Order& order,
                                     const LoopStatus& status) const;
-  void obeyOrder(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
-  void changeHands(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
+  void obeyOrder(Entry entry, Order order, std::int64_t now_ns);
+  void changeHands(Entry entry, const Order& order, std::int64_t now_ns);
   void noteOrder(Entry entry, const Order& order, const LoopStatus& status, std::int64_t now_ns);
   [[nodiscard]] std::string takeControls(Entry entry, std::int64_t now_ns);
   [[nodiscard]] bool led() const;
   [[nodiscard]] Role roleOf(std::uint32_t client) const;
-  void forward(Entry entry, std::uint32_t command, Order order);
+  void forward(Entry entry, Order order);
   void answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
-  void aim(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
+  void aim(Entry entry, Order order, std::int64_t now_ns);
   void aimed(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
-  void orderQuietly(const Order& order);
+  void orderQuietly(orders::Any what, std::uint32_t claim = 0);
   void followControls(std::int64_t now_ns);
   void tellControls();
   [[nodiscard]] SharedBytes controlsFor(std::uint32_t client, Role role) const;

@@ -6,66 +6,44 @@ namespace wholehand {
 
 namespace {
 
-constexpr std::array<const char*, 4> kNames = {"unsaid", "watcher", "player", "therapist"};
+using orders::Giver;
 
-constexpr const char* kCommissioning = "leading a commissioning";
+constexpr std::array<const char*, 4> kNames = {"unsaid", "watcher", "player", "therapist"};
 
 OrderReply needsControls(const Standing& now) {
   if (now.holds) return {true, ""};
   return refused(Refusal::kNotHolder, "this client does not hold the controls");
 }
 
-OrderReply therapistOnly(const char* what) {
-  return refused(Refusal::kTherapistOnly, std::string(what) + " is for the therapist only");
+OrderReply therapistOnly(const std::string& what) {
+  return refused(Refusal::kTherapistOnly, what + " is for the therapist only");
 }
 
 // A player who is alone with a simulated device may begin: the demo, and practice at home.
 OrderReply playerMayBegin(const Order& order, const Standing& now) {
-  const bool arms = order.type == OrderType::kArm;
+  const bool arms = order.is<orders::Arm>();
   if (arms && now.own_rest) return needsControls(now);
-  if (now.led || now.moves_person) return therapistOnly(arms ? "starting" : "loading");
+  if (now.led || now.moves_person) return therapistOnly(order.row().doing);
   if (arms && now.run_state != RunState::kDisarmed) {
     return therapistOnly("starting again after a stop");
   }
   return needsControls(now);
 }
 
-OrderReply playerMayAct(const Order& order, const Standing& now) {
-  if (now.therapist_paused && now.led && order.action != ExerciseAction::kPause) {
-    return refused(Refusal::kTherapistPaused, "the therapist has paused the exercise");
-  }
-  return needsControls(now);
-}
-
-// Of the game that holds the controls.
-bool isGames(const Order& order) {
-  return order.type == OrderType::kPrepareShapes || order.type == OrderType::kOrderBodies;
-}
-
-bool isCommissioning(const Order& order) {
-  return order.type == OrderType::kAnswer || order.type == OrderType::kHoldToMove;
-}
-
 OrderReply playerMay(const Order& order, const Standing& now) {
-  switch (order.type) {
-    case OrderType::kArm:
-    case OrderType::kLoadExercise:
-      return playerMayBegin(order, now);
-    case OrderType::kAction:
-      return playerMayAct(order, now);
-    case OrderType::kAim:
-    case OrderType::kSteer:
-    case OrderType::kPrepareShapes:
-    case OrderType::kOrderBodies:
+  switch (order.row().giver) {
+    case Giver::kHolder:
       return needsControls(now);
-    case OrderType::kSaveProfile:
-    case OrderType::kLoadProfile:
-      return therapistOnly("a profile");
-    case OrderType::kAnswer:
-    case OrderType::kHoldToMove:
-      return therapistOnly(kCommissioning);
+    case Giver::kBeginner:
+      return playerMayBegin(order, now);
+    case Giver::kHolderOrLeader: {
+      const auto* action = order.as<orders::Action>();
+      const bool pauses = action != nullptr && action->act == ExerciseAction::kPause;
+      if (!now.therapist_paused || !now.led || pauses) return needsControls(now);
+      return refused(Refusal::kTherapistPaused, "the therapist has paused the exercise");
+    }
     default:
-      return therapistOnly("setting a value");
+      return therapistOnly(order.row().doing);
   }
 }
 
@@ -89,23 +67,19 @@ Role grantedRole(Role claimed, Role by_token) noexcept {
 }
 
 OrderReply mayOrder(Role role, const Order& order, const Standing& now) {
-  if (order.type == OrderType::kEmergencyStop) return {true, ""};
-  if (order.type == OrderType::kStop && role != Role::kWatcher) return {true, ""};
-  switch (role) {
-    case Role::kWatcher:
-      return refused(Refusal::kOnlyWatches, "this client only watches");
-    case Role::kPlayer:
-      return playerMay(order, now);
-    case Role::kTherapist: {
-      const bool one_leads = order.type == OrderType::kAim || order.type == OrderType::kSteer ||
-                             isGames(order) || isCommissioning(order);
-      return one_leads ? needsControls(now) : OrderReply{true, ""};
-    }
-    case Role::kUnsaid:
-      if (isCommissioning(order)) return therapistOnly(kCommissioning);
-      break;
+  const orders::Row& row = order.row();
+  const Giver giver = row.giver;
+  if (giver == Giver::kProgram) {
+    return refused(Refusal::kUnreadable, std::string(row.name) + " is not a client's order");
   }
-  return needsControls(now);
+  if (giver == Giver::kAnyone) return {true, ""};
+  if (role == Role::kWatcher) return refused(Refusal::kOnlyWatches, "this client only watches");
+  if (giver == Giver::kNotWatchers) return {true, ""};
+  if (role == Role::kPlayer) return playerMay(order, now);
+  const bool therapist = role == Role::kTherapist;
+  if (giver == Giver::kHoldingTherapist && !therapist) return therapistOnly(row.doing);
+  const bool holds = giver == Giver::kHolder || giver == Giver::kHoldingTherapist;
+  return therapist && !holds ? OrderReply{true, ""} : needsControls(now);
 }
 
 }  // namespace wholehand

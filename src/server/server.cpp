@@ -96,15 +96,14 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
  private:
   void hearDatagrams(UdpBridge& udp) {
     clients_->joinStandalone();
-    udp.setListener(
-        [weak = weak_from_this()](UdpBridge::Client client, const wire::ClientMessage& m) {
-          const auto self = weak.lock();
-          if (!self) return;
-          self->network_.post([weak_clients = std::weak_ptr<Clients>(self->clients_), client, m] {
-            const auto clients = weak_clients.lock();
-            if (clients) clients->heardDatagram(client, m, monotonicNow_ns());
-          });
-        });
+    udp.setListener([weak = weak_from_this()](UdpBridge::Client client, const Order& m) {
+      const auto self = weak.lock();
+      if (!self) return;
+      self->network_.post([weak_clients = std::weak_ptr<Clients>(self->clients_), client, m] {
+        const auto clients = weak_clients.lock();
+        if (clients) clients->heardDatagram(client, m, monotonicNow_ns());
+      });
+    });
   }
 
   void welcome(std::unique_ptr<HttpLine> line) {

@@ -197,7 +197,7 @@ void UdpBridge::Core::receiveAll() {
 
 // A stop waits for no other thread; the server judges all other messages.
 void UdpBridge::Core::handOver(const udp::ReceivedCommand& said) {
-  if (said.message.stops() && said.message.order.type == OrderType::kEmergencyStop) {
+  if (said.order.is<orders::EmergencyStop>()) {
     return obeyStop(said);
   }
   Listener hears;
@@ -205,7 +205,7 @@ void UdpBridge::Core::handOver(const udp::ReceivedCommand& said) {
     const std::lock_guard lock(mutex);
     hears = listener;
   }
-  if (hears) hears(said.client, said.message);
+  if (hears) hears(said.client, said.order);
 }
 
 void UdpBridge::Core::obeyStop(const udp::ReceivedCommand& stop) {
@@ -215,7 +215,7 @@ void UdpBridge::Core::obeyStop(const udp::ReceivedCommand& stop) {
   };
   ++tally.stops;
   try {
-    Order order = stop.message.order;
+    Order order = stop.order;
     order.client = stop.client;
     backend.order(order, [](const OrderReply&) {});
   } catch (const std::exception&) {

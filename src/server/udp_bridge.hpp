@@ -14,10 +14,6 @@
 
 namespace wholehand {
 
-namespace wire {
-struct ClientMessage;
-}
-
 /// Options of the UDP side.
 struct UdpOptions {
   UdpEndpoint local{0x7F000001, kDefaultPort};  ///< 127.0.0.1; port 0: the system chooses
@@ -36,7 +32,7 @@ class UdpBridge {
  public:
   using Client = ControlsArbiter::Client;
   /// Takes a client's messages, except emergency stops; called on the bridge's thread.
-  using Listener = std::function<void(Client, const wire::ClientMessage&)>;
+  using Listener = std::function<void(Client, const Order&)>;
 
   /// Both must outlive the bridge.
   UdpBridge(ServerBackend& backend, ControlsArbiter& controls);

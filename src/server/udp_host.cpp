@@ -27,20 +27,10 @@ UdpIgnored reasonOf(Flaw flaw) noexcept {
   return UdpIgnored::kHeader;
 }
 
-bool isEmergencyStop(const wire::ClientMessage& m) noexcept {
-  return m.type == wire::ClientMessageType::kOrder && m.order.type == OrderType::kEmergencyStop;
-}
-
-/// Datagrams carry only messages that the next one supersedes, or that the game repeats until the
-/// state shows their effect. A game with a WebSocket sends the latter over it.
-bool mayBeDatagram(const wire::ClientMessage& m, bool standalone) noexcept {
-  if (m.type == wire::ClientMessageType::kTakeControls ||
-      m.type == wire::ClientMessageType::kReleaseControls) {
-    return standalone;
-  }
-  if (m.type == wire::ClientMessageType::kHeartbeat || m.stops()) return true;
-  const OrderType order = m.order.type;
-  return order == OrderType::kAim || (standalone && order == OrderType::kSteer);
+/// A game with a WebSocket sends over it what one without may send by datagram.
+bool mayBeDatagram(const Order& order, bool standalone) noexcept {
+  const orders::Datagram may = order.row().datagram;
+  return may == orders::Datagram::kAlways || (standalone && may == orders::Datagram::kStandalone);
 }
 
 bool isNewer(std::uint32_t sequence, std::uint32_t newest) noexcept {
@@ -93,7 +83,7 @@ void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
   Peer* peer = find(header.key);
   if (peer == nullptr) return counters_.ignore(UdpIgnored::kKey);
 
-  wire::ClientMessage message;
+  Order message;
   if (header.kind == Kind::kCommand) {
     auto decoded = wire::decode(datagram.payload);
     if (!decoded || !mayBeDatagram(*decoded, peer->standalone)) {
@@ -104,7 +94,7 @@ void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
   // A game without a WebSocket may restart its numbers from 1 after it was gone.
   const bool stale = (peer->open || !peer->standalone) && !isNewer(header.sequence, peer->newest);
   // A late stop, from any address, is obeyed: an unnecessary stop does no harm.
-  if (isEmergencyStop(message)) {
+  if (message.is<orders::EmergencyStop>()) {
     stop(*peer, message);
   } else if (message.stops() && !(stale && message.id == peer->gentle_stop && message.id != 0)) {
     peer->gentle_stop = message.id;
@@ -141,7 +131,7 @@ void Host::follow(Peer& peer, const Header& header, std::int64_t now_ns) {
   peer.decimator = Decimator(peer.rate_hz, tick_rate_hz_);
 }
 
-void Host::stop(Peer& peer, const wire::ClientMessage& message) {
+void Host::stop(Peer& peer, const Order& message) {
   if (message.id == peer.taken_stop && peer.taken_stop != 0) return;  // repeated until acknowledged
   said_.push_back({peer.client, message});
   peer.taken_stop = message.id;
@@ -150,12 +140,12 @@ void Host::stop(Peer& peer, const wire::ClientMessage& message) {
 void Host::finishStop(const ReceivedCommand& stop, bool obeyed) {
   for (Peer& peer : peers_) {
     if (peer.client != stop.client) continue;
-    if (obeyed) peer.obeyed_stop = stop.message.id;
-    if (!obeyed && peer.taken_stop == stop.message.id) peer.taken_stop = 0;
+    if (obeyed) peer.obeyed_stop = stop.order.id;
+    if (!obeyed && peer.taken_stop == stop.order.id) peer.taken_stop = 0;
   }
 }
 
-void Host::obey(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
+void Host::obey(Peer& peer, const Order& message, std::int64_t now_ns) {
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
   if (!peer.address_verified) return;
   if (now_ns - peer.second_ns >= kSecond_ns) {

@@ -70,7 +70,7 @@ struct Peer {
 /// A message from a game.
 struct ReceivedCommand {
   ControlsArbiter::Client client = 0;
-  wire::ClientMessage message;
+  Order order;
 };
 
 /// The program's side of the conversation with all games: docs/udp.md. Knows no sockets, clocks or
@@ -117,8 +117,8 @@ class Host {
   [[nodiscard]] Peer* find(std::uint64_t key);
   void begin(Peer& peer, const UdpEndpoint& from);
   void follow(Peer& peer, const Header& header, std::int64_t now_ns);
-  void obey(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
-  void stop(Peer& peer, const wire::ClientMessage& message);
+  void obey(Peer& peer, const Order& message, std::int64_t now_ns);
+  void stop(Peer& peer, const Order& message);
   void send(Peer& peer, Kind kind, std::span<const std::uint8_t> message, std::int64_t now_ns);
   void countGames();
 

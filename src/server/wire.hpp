@@ -79,40 +79,13 @@ struct ControlsFacts {
     const RegisteredBodies& registered = {});
 [[nodiscard]] Bytes replyMessage(std::uint32_t command, const OrderReply& reply);
 
-/// Messages that a client may send.
-enum class ClientMessageType { kOrder, kTakeControls, kReleaseControls, kHeartbeat };
-
-struct ClientMessage {
-  ClientMessageType type = ClientMessageType::kHeartbeat;
-  std::uint32_t id = 0;  ///< Command.id
-  Order order;
-  std::string token;  ///< kTakeControls
-
-  /// True for a stop of either kind, which is accepted from every client at any time.
-  [[nodiscard]] bool stops() const noexcept {
-    return type == ClientMessageType::kOrder &&
-           (order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop);
-  }
-  /// True for messages that repeat at a high rate, so that no client waits for a reply.
-  [[nodiscard]] bool streams() const noexcept {
-    return type == ClientMessageType::kHeartbeat ||
-           (type == ClientMessageType::kOrder &&
-            (order.type == OrderType::kAim || order.type == OrderType::kHoldToMove ||
-             (order.type == OrderType::kOrderBodies &&
-              order.bodies->commands.front().type == CommandType::kBodyTarget)));
-  }
-};
-
-/// Name in the schema, e.g. "EmergencyStop".
-[[nodiscard]] const char* nameOf(const ClientMessage& message) noexcept;
-
 /// Limit for a client's message [bytes]: the shapes of a body with the most pieces and vertices.
 inline constexpr std::size_t kLargestClientMessage = 40 * 1024;
 
 /// Verifies and decodes a message. Refuses one that is too large, malformed, of another schema
 /// version or direction, has an unknown enum or a number that is not finite, or more axes than
 /// possible.
-[[nodiscard]] Expected<ClientMessage> decode(std::span<const std::uint8_t> message);
+[[nodiscard]] Expected<Order> decode(std::span<const std::uint8_t> message);
 
 /// Command.id of a message that decode() refuses, for the answer; 0 where it cannot be read.
 [[nodiscard]] std::uint32_t commandIdOf(std::span<const std::uint8_t> message);

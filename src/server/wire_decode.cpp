@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <type_traits>
 #include <utility>
 
 namespace wholehand::wire {
@@ -34,73 +36,95 @@ Diagnostic notFinite(const char* key) {
   return refusal(key, "", "is not a finite number", "");
 }
 
+template <class Enum>
+bool isKnown(Enum value) {
+  return value >= Enum::MIN && value <= Enum::MAX;
+}
+
+template <class Enum>
+Diagnostic unknown(const char* key, Enum value) {
+  return refusal(key, std::to_string(static_cast<int>(value)), "is not known", "");
+}
+
 std::string text(const flatbuffers::String* s) {
   return s == nullptr ? std::string() : s->str();
 }
 
-Expected<ClientMessage> decodeAim(const fb::Aim& aim, ClientMessage m) {
-  const auto* q = aim.q();
+// What each order of the schema says.
+
+orders::Arm read(const fb::Arm& in) {
+  return {in.endings_seen()};
+}
+orders::Stop read(const fb::Stop&) {
+  return {};
+}
+orders::EmergencyStop read(const fb::EmergencyStop&) {
+  return {};
+}
+orders::LoadExercise read(const fb::LoadExercise& in) {
+  return {text(in.exercise()), text(in.hand()), in.level()};
+}
+Expected<orders::SetParameter> read(const fb::SetParameter& in) {
+  if (!std::isfinite(in.value())) return notFinite("parameter");
+  return orders::SetParameter{text(in.name()), in.value()};
+}
+
+Expected<orders::Aim> read(const fb::Aim& in) {
+  const auto* q = in.q();
   const flatbuffers::uoffset_t n = q == nullptr ? 0 : q->size();
   if (n < 1 || n > kMaxAxes) {
     return refusal("aim", std::to_string(n) + " axes", "is not a posture",
                    "must have 1 to " + std::to_string(kMaxAxes) + " axes");
   }
-  if (aim.by() > fb::Help::MAX) {
-    return refusal("help", std::to_string(static_cast<int>(aim.by())), "is not known", "");
-  }
-  m.order.type = OrderType::kAim;
-  m.order.help = static_cast<Help>(aim.by());
-  m.order.aim = AxisPosition(static_cast<int>(n));
+  if (!isKnown(in.by())) return unknown("help", in.by());
+  orders::Aim aim{AxisPosition(static_cast<int>(n)), static_cast<Help>(in.by())};
   for (flatbuffers::uoffset_t i = 0; i < n; ++i) {
     const double value = static_cast<double>(q->Get(i));
     if (!std::isfinite(value)) return notFinite("aim");
-    m.order.aim[static_cast<int>(i)] = value;
+    aim.q[static_cast<int>(i)] = value;
   }
-  return m;
+  return aim;
 }
 
-Expected<ClientMessage> decodeSetParameter(const fb::SetParameter& p, ClientMessage m) {
-  if (!std::isfinite(p.value())) return notFinite("parameter");
-  m.order.type = OrderType::kSetParameter;
-  m.order.name = text(p.name());
-  m.order.value = p.value();
-  return m;
+Expected<orders::Steer> read(const fb::Steer& in) {
+  if (!isKnown(in.by())) return unknown("steer", in.by());
+  return orders::Steer{static_cast<Steering>(in.by())};
+}
+Expected<orders::Action> read(const fb::Action& in) {
+  if (!isKnown(in.act())) return unknown("action", in.act());
+  return orders::Action{static_cast<ExerciseAction>(in.act())};
+}
+orders::TakeControls read(const fb::TakeControls& in) {
+  return {text(in.token())};
+}
+orders::ReleaseControls read(const fb::ReleaseControls&) {
+  return {};
+}
+orders::Heartbeat read(const fb::Heartbeat&) {
+  return {};
+}
+orders::Rest read(const fb::Rest&) {
+  return {};
+}
+orders::SaveProfile read(const fb::SaveProfile& in) {
+  return {text(in.name())};
+}
+orders::LoadProfile read(const fb::LoadProfile& in) {
+  return {text(in.name())};
+}
+Expected<orders::SetHelp> read(const fb::SetHelp& in) {
+  if (!isKnown(in.help())) return unknown("help", in.help());
+  return orders::SetHelp{static_cast<Help>(in.help())};
+}
+orders::Answer read(const fb::Answer& in) {
+  return {in.question(), text(in.text())};
+}
+orders::HoldToMove read(const fb::HoldToMove& in) {
+  return {in.press(), in.held()};
 }
 
-Expected<ClientMessage> decodeSteer(const fb::Steer& s, ClientMessage m) {
-  if (s.by() < fb::Steering::MIN || s.by() > fb::Steering::MAX) {
-    return refusal("steer", std::to_string(static_cast<int>(s.by())), "is not known", "");
-  }
-  m.order.type = OrderType::kSteer;
-  m.order.steering = static_cast<Steering>(s.by());
-  return m;
-}
-
-Expected<ClientMessage> decodeAction(const fb::Action& a, ClientMessage m) {
-  if (a.act() < fb::Act::MIN || a.act() > fb::Act::MAX) {
-    return refusal("action", std::to_string(static_cast<int>(a.act())), "is not known", "");
-  }
-  m.order.type = OrderType::kAction;
-  m.order.action = static_cast<ExerciseAction>(a.act());
-  return m;
-}
-
-Expected<ClientMessage> decodeHelp(const fb::SetHelp& h, ClientMessage m) {
-  if (h.help() > fb::Help::MAX) {
-    return refusal("help", std::to_string(static_cast<int>(h.help())), "is not known", "");
-  }
-  m.order.type = OrderType::kSetHelp;
-  m.order.help = static_cast<Help>(h.help());
-  return m;
-}
-
-Expected<ClientMessage> decodeLoad(const fb::LoadExercise& l, ClientMessage m) {
-  m.order.type = OrderType::kLoadExercise;
-  m.order.name = text(l.exercise());
-  m.order.hand = text(l.hand());
-  m.order.level = l.level();
-  return m;
-}
+// Orders to a game's bodies. Counts that no scene allows are refused, and what a picture or a shape
+// cannot be made of. Numbers of a body are read as they are: whoever obeys checks them.
 
 Eigen::Vector3d fromWire(const fb::Vec3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
@@ -168,7 +192,7 @@ Expected<Done> readMesh(const fb::Shape& in, const std::string& key, Shape& out)
 
 /// Of the numbers only those that the type uses: the others stay 0.
 Expected<Done> readShape(const fb::Shape& in, const std::string& key, Shape& out) {
-  if (in.type() < fb::ShapeType::MIN || in.type() > fb::ShapeType::MAX) {
+  if (!isKnown(in.type())) {
     return refusal(key + ".type", std::to_string(static_cast<int>(in.type())), "is not known",
                    "must be Box, Sphere, Cylinder, Capsule or ConvexMesh");
   }
@@ -187,21 +211,22 @@ Expected<Done> readShape(const fb::Shape& in, const std::string& key, Shape& out
   return readPlace(in, key, out);
 }
 
-Expected<Done> readPieces(const fb::PrepareShapes& in, BodyOrders& out) {
+Expected<orders::PrepareShapes> read(const fb::PrepareShapes& in) {
   const auto pieces = in.pieces() == nullptr ? 0U : in.pieces()->size();
   if (pieces < 1 || pieces > kMaxSlotPieces) {
     return refusal("pieces", std::to_string(pieces), "is out of range",
                    fmt::format("must be in [1, {}]", kMaxSlotPieces));
   }
-  out.shape_set = in.set();
+  auto out = std::make_shared<BodyOrders>();
+  out->shape_set = in.set();
   for (flatbuffers::uoffset_t i = 0; i < pieces; ++i) {
     auto read =
-        readShape(*in.pieces()->Get(i), fmt::format("pieces[{}]", i), out.pieces.emplace_back());
+        readShape(*in.pieces()->Get(i), fmt::format("pieces[{}]", i), out->pieces.emplace_back());
     if (read) continue;
-    out.faults.push_back(
+    out->faults.push_back(
         {static_cast<int>(i), -1, OrderRefusal::kBadShapes, format(read.errors())});
   }
-  return Done{};
+  return orders::PrepareShapes{{std::move(out)}};
 }
 
 Command commandOf(const fb::SpawnBody& in) {
@@ -232,138 +257,88 @@ int generationOf(const Item& item) {
 }
 
 /// One command for each item of a vector, which `make` turns into a command.
-template <class Items, class Make>
-Expected<Done> readItems(const Items* items, Make make, BodyOrders& out) {
+template <class Kind, class Items, class Make>
+Expected<Kind> readItems(const Items* items, Make make) {
   const auto count = items == nullptr ? 0U : items->size();
   if (count < 1 || count > kMostBodyItems) {
     return refusal("bodies", std::to_string(count), "is not a number of items that fits",
                    fmt::format("must be in [1, {}]", kMostBodyItems));
   }
-  for (const auto* item : *items) out.commands.push_back(make(*item));
-  return Done{};
+  auto out = std::make_shared<BodyOrders>();
+  for (const auto* item : *items) out->commands.push_back(make(*item));
+  return Kind{{std::move(out)}};
 }
 
-Expected<Done> read(const fb::Command& c, BodyOrders& out) {
-  switch (c.order_type()) {
-    case fb::Order::PrepareShapes:
-      return readPieces(*c.order_as_PrepareShapes(), out);
-    case fb::Order::Spawn:
-      return readItems(
-          c.order_as_Spawn()->bodies(), [](const fb::SpawnBody& b) { return commandOf(b); }, out);
-    case fb::Order::Remove:
-      return readItems(
-          c.order_as_Remove()->bodies(),
-          [](const fb::BodyName& b) { return removeCommand(slotOf(b), generationOf(b)); }, out);
-    case fb::Order::Teleport:
-      return readItems(
-          c.order_as_Teleport()->bodies(),
-          [](const fb::BodyPlace& b) {
-            return teleportCommand(slotOf(b), generationOf(b), fromWire(b.pose()));
-          },
-          out);
-    case fb::Order::SetOwner:
-      return readItems(
-          c.order_as_SetOwner()->bodies(),
-          [](const fb::BodyHandover& b) {
-            return setOwnerCommand(slotOf(b), generationOf(b), static_cast<BodyOwner>(b.owner()));
-          },
-          out);
-    default:
-      return readItems(
-          c.order_as_BodyTargets()->bodies(),
-          [](const fb::BodyPlace& b) {
-            return bodyTargetCommand(slotOf(b), generationOf(b), fromWire(b.pose()));
-          },
-          out);
+Expected<orders::Spawn> read(const fb::Spawn& in) {
+  return readItems<orders::Spawn>(in.bodies(), commandOf);
+}
+Expected<orders::Remove> read(const fb::Remove& in) {
+  return readItems<orders::Remove>(
+      in.bodies(), [](const fb::BodyName& b) { return removeCommand(slotOf(b), generationOf(b)); });
+}
+Expected<orders::Teleport> read(const fb::Teleport& in) {
+  return readItems<orders::Teleport>(in.bodies(), [](const fb::BodyPlace& b) {
+    return teleportCommand(slotOf(b), generationOf(b), fromWire(b.pose()));
+  });
+}
+Expected<orders::SetOwner> read(const fb::SetOwner& in) {
+  return readItems<orders::SetOwner>(in.bodies(), [](const fb::BodyHandover& b) {
+    return setOwnerCommand(slotOf(b), generationOf(b), static_cast<BodyOwner>(b.owner()));
+  });
+}
+Expected<orders::BodyTargets> read(const fb::BodyTargets& in) {
+  return readItems<orders::BodyTargets>(in.bodies(), [](const fb::BodyPlace& b) {
+    return bodyTargetCommand(slotOf(b), generationOf(b), fromWire(b.pose()));
+  });
+}
+
+/// The row of a kind has its number in the schema.
+template <class Kind>
+constexpr bool isRowOf(fb::Order wire) {
+  return orders::kTable[orders::kIndexOf<Kind>].wire == static_cast<std::uint8_t>(wire);
+}
+
+using Reader = Expected<orders::Any> (*)(const void* table);
+
+template <class Table>
+Expected<orders::Any> readAs(const void* table) {
+  constexpr auto kWire = fb::OrderTraits<Table>::enum_value;
+  auto order = read(*static_cast<const Table*>(table));
+  if constexpr (requires { order.errors(); }) {
+    static_assert(isRowOf<std::remove_reference_t<decltype(*order)>>(kWire));
+    if (!order) return order.errors();
+    return orders::Any(std::move(*order));
+  } else {
+    static_assert(isRowOf<decltype(order)>(kWire));
+    return orders::Any(std::move(order));
   }
 }
 
-/// Reads an order to a game's bodies. Refuses counts that no scene allows, and what a picture or a
-/// shape cannot be made of. Numbers of a body are read as they are: whoever obeys checks them.
-/// @pre it is one of these orders, and the message is verified
-Expected<ClientMessage> decodeBodies(const fb::Command& command, ClientMessage message) {
-  auto bodies = std::make_shared<BodyOrders>();
-  if (auto done = read(command, *bodies); !done) return done.errors();
-  const bool shapes = command.order_type() == fb::Order::PrepareShapes;
-  message.order.type = shapes ? OrderType::kPrepareShapes : OrderType::kOrderBodies;
-  message.order.bodies = std::move(bodies);
-  return message;
+/// Readers by number in the schema.
+template <class... Tables>
+constexpr auto readersOf() {
+  std::array<Reader, static_cast<std::size_t>(fb::Order::MAX) + 1> readers{};
+  ((readers[static_cast<std::size_t>(fb::OrderTraits<Tables>::enum_value)] = &readAs<Tables>), ...);
+  return readers;
+}
+constexpr auto kReaders =
+    readersOf<fb::Arm, fb::Stop, fb::EmergencyStop, fb::LoadExercise, fb::SetParameter, fb::Aim,
+              fb::Steer, fb::Action, fb::TakeControls, fb::ReleaseControls, fb::Heartbeat, fb::Rest,
+              fb::SaveProfile, fb::LoadProfile, fb::SetHelp, fb::Answer, fb::HoldToMove,
+              fb::PrepareShapes, fb::Spawn, fb::Remove, fb::Teleport, fb::SetOwner,
+              fb::BodyTargets>();
+static_assert(std::count(kReaders.begin(), kReaders.end(), nullptr) == 1,
+              "every type but NONE has a reader");
+
+Expected<Order> decodeCommand(const fb::Command& c) {
+  const auto type = static_cast<std::size_t>(c.order_type());
+  if (type >= kReaders.size() || kReaders[type] == nullptr) return unknown("order", c.order_type());
+  auto what = kReaders[type](c.order());
+  if (!what) return what.errors();
+  return Order{std::move(*what), c.id()};
 }
 
-Expected<ClientMessage> decodeCommand(const fb::Command& c) {
-  ClientMessage m;
-  m.type = ClientMessageType::kOrder;
-  m.id = c.id();
-  m.order.number = c.id();
-  switch (c.order_type()) {
-    case fb::Order::Arm:
-      m.order.type = OrderType::kArm;
-      m.order.endings_seen = c.order_as_Arm()->endings_seen();
-      return m;
-    case fb::Order::Stop:
-      m.order.type = OrderType::kStop;
-      return m;
-    case fb::Order::EmergencyStop:
-      m.order.type = OrderType::kEmergencyStop;
-      return m;
-    case fb::Order::LoadExercise:
-      return decodeLoad(*c.order_as_LoadExercise(), m);
-    case fb::Order::SetParameter:
-      return decodeSetParameter(*c.order_as_SetParameter(), m);
-    case fb::Order::Aim:
-      return decodeAim(*c.order_as_Aim(), m);
-    case fb::Order::Steer:
-      return decodeSteer(*c.order_as_Steer(), m);
-    case fb::Order::Action:
-      return decodeAction(*c.order_as_Action(), m);
-    case fb::Order::TakeControls:
-      m.type = ClientMessageType::kTakeControls;
-      m.token = text(c.order_as_TakeControls()->token());
-      return m;
-    case fb::Order::ReleaseControls:
-      m.type = ClientMessageType::kReleaseControls;
-      return m;
-    case fb::Order::Heartbeat:
-      m.type = ClientMessageType::kHeartbeat;
-      return m;
-    case fb::Order::Rest:
-      m.order.type = OrderType::kStop;
-      m.order.rest = true;
-      return m;
-    case fb::Order::SaveProfile:
-      m.order.type = OrderType::kSaveProfile;
-      m.order.name = text(c.order_as_SaveProfile()->name());
-      return m;
-    case fb::Order::LoadProfile:
-      m.order.type = OrderType::kLoadProfile;
-      m.order.name = text(c.order_as_LoadProfile()->name());
-      return m;
-    case fb::Order::SetHelp:
-      return decodeHelp(*c.order_as_SetHelp(), m);
-    case fb::Order::Answer:
-      m.order.type = OrderType::kAnswer;
-      m.order.number = c.order_as_Answer()->question();
-      m.order.name = text(c.order_as_Answer()->text());
-      return m;
-    case fb::Order::HoldToMove:
-      m.order.type = OrderType::kHoldToMove;
-      m.order.number = c.order_as_HoldToMove()->press();
-      m.order.held = c.order_as_HoldToMove()->held();
-      return m;
-    case fb::Order::PrepareShapes:
-    case fb::Order::Spawn:
-    case fb::Order::Remove:
-    case fb::Order::Teleport:
-    case fb::Order::SetOwner:
-    case fb::Order::BodyTargets:
-      return decodeBodies(c, m);
-    case fb::Order::NONE:
-      break;
-  }
-  return refusal("order", std::to_string(static_cast<int>(c.order_type())), "is not known", "");
-}
-
-Expected<ClientMessage> decodePayload(const fb::Message& message) {
+Expected<Order> decodePayload(const fb::Message& message) {
   if (message.schema_version() != kSchemaVersion) {
     return refusal(kVersionKey, std::to_string(message.schema_version()),
                    "is not the version of this program",
@@ -384,7 +359,7 @@ Expected<ClientMessage> decodePayload(const fb::Message& message) {
 
 }  // namespace
 
-Expected<ClientMessage> decode(std::span<const std::uint8_t> message) {
+Expected<Order> decode(std::span<const std::uint8_t> message) {
   if (message.size() > kLargestClientMessage) {
     return refusal("size", std::to_string(message.size()) + " bytes", "is too large",
                    "must be at most " + std::to_string(kLargestClientMessage) + " bytes");

@@ -251,21 +251,6 @@ Bytes take(const Builder& b) {
   return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
 }
 
-const char* nameOfBodyOrder(const ClientMessage& message) noexcept {
-  switch (message.order.bodies->commands.front().type) {
-    case CommandType::kSpawn:
-      return "Spawn";
-    case CommandType::kRemove:
-      return "Remove";
-    case CommandType::kTeleport:
-      return "Teleport";
-    case CommandType::kSetOwner:
-      return "SetOwner";
-    default:
-      return "BodyTargets";
-  }
-}
-
 using Strings = VectorOffset<flatbuffers::Offset<flatbuffers::String>>;
 
 Strings strings(Builder& b, const std::vector<std::string>& texts) {
@@ -533,31 +518,6 @@ Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   if (!items.empty()) list = b.CreateVector(items);
   finish(b, fb::CreateReply(b, command, reply.accepted, reason, refusal, list), kSchemaVersion);
   return take(b);
-}
-
-const char* nameOf(const ClientMessage& message) noexcept {
-  switch (message.type) {
-    case ClientMessageType::kTakeControls:
-      return "TakeControls";
-    case ClientMessageType::kReleaseControls:
-      return "ReleaseControls";
-    case ClientMessageType::kHeartbeat:
-      return "Heartbeat";
-    case ClientMessageType::kOrder:
-      break;
-  }
-  if (message.order.rest) return "Rest";
-  constexpr std::array<const char*, 8> kNames = {
-      "Arm", "Stop", "EmergencyStop", "LoadExercise", "SetParameter", "Aim", "Steer", "Action"};
-  if (message.order.type == OrderType::kPrepareShapes) return "PrepareShapes";
-  if (message.order.type == OrderType::kOrderBodies) return nameOfBodyOrder(message);
-  if (message.order.type == OrderType::kSaveProfile) return "SaveProfile";
-  if (message.order.type == OrderType::kLoadProfile) return "LoadProfile";
-  if (message.order.type == OrderType::kSetHelp) return "SetHelp";
-  if (message.order.type == OrderType::kAnswer) return "Answer";
-  if (message.order.type == OrderType::kHoldToMove) return "HoldToMove";
-  const auto i = static_cast<std::size_t>(message.order.type);
-  return i < kNames.size() ? kNames[i] : "command";
 }
 
 Bytes sceneMessage(const SceneFacts& s) {

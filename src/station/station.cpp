@@ -34,8 +34,8 @@
 #include <set>
 #include <string>
 #include <thread>
-#include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace wholehand {
@@ -93,7 +93,8 @@ class Station::Core {
     Order order;
     std::uint64_t asked = 0;  ///< its number
     StationClock::time_point asked_at;
-    bool starts = false;          ///< it is about to start the device, or goes on to that
+    std::uint32_t endings_seen = 0;  ///< LoopStatus::endings that the order is based on
+    bool starts = false;             ///< it is about to start the device, or goes on to that
     bool refused_before = false;  ///< while it waited, an earlier order of its client was refused
     std::chrono::duration<double> waited_s{0.0};  ///< behind others, once its turn has come
     Profile profile;                              ///< of the moment when it was asked
@@ -129,13 +130,13 @@ class Station::Core {
   [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
                                                 const Task& task) const;
   OrderReply rehearseNext(const Models& models, Task task, std::optional<Rehearsal>& passed);
-  [[nodiscard]] OrderReply filesOf(const Order& order, ModelFiles& files) const;
-  OrderReply loadExercise(const Task& task);
+  [[nodiscard]] OrderReply filesOf(const orders::LoadExercise& order, ModelFiles& files) const;
+  OrderReply loadExercise(const orders::LoadExercise& order, const Task& task);
   /// @param profile whose values hold from then on; null: those that hold, unless the hand changes
   OrderReply load(const Task& task, const ModelFiles& files, const Profile* profile);
   OrderReply carryOutTask(Task& task);
-  OrderReply saveProfile(const Task& task);
-  OrderReply loadProfile(const Task& task);
+  OrderReply saveProfile(const orders::SaveProfile& order, const Task& task);
+  OrderReply loadProfile(const orders::LoadProfile& order, const Task& task);
   [[nodiscard]] OrderReply refuseParameters(const Profile& profile, const Models& models) const;
   void stopGently(bool goes_on = false);
   /// @param goes_on a load continues the rendering: no ending that a person must see
@@ -154,12 +155,12 @@ class Station::Core {
   [[nodiscard]] std::optional<double> placeOfRest() const;
   // Any thread.
   [[nodiscard]] OrderReply stillDo(const Task& task) const;  ///< mayStillDo(), which it locks for
-  OrderReply orderBodies(const Order& order);
+  OrderReply orderBodies(const BodyOrders& bodies, const Order& order);
   // Any thread, mutex_ held.
   [[nodiscard]] bool superseded(const Order& order);
   [[nodiscard]] OrderReply mayStillDo(const Task& task) const;
   [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
-  void takeStop(const Order& order, std::uint64_t asked);
+  OrderReply takeStop(const Order& order, std::uint64_t asked);
   [[nodiscard]] bool rested() const;
   OrderReply enqueue(const Order& order, std::uint64_t asked,
                      const std::function<void(OrderReply)>& done);
@@ -168,12 +169,16 @@ class Station::Core {
   [[nodiscard]] static Profile profileOf(const Models& models);
   void changePerson(const Task& task, const Profile* profile);
   OrderReply carryOut(const Order& order, std::uint64_t asked);
+  OrderReply setHelp(const orders::SetHelp& order, std::uint64_t asked);
+  OrderReply aim(const orders::Aim& order);
+  OrderReply setOwnerAlive(bool alive);
+  OrderReply leaveAlone(const Order& order, std::uint64_t asked);
   void catchUp(const std::vector<double>& parameters, std::optional<double> place);
   OrderReply steer(Steering by);
   void sendUnsent();
-  OrderReply setParameter(const Order& order);
+  OrderReply setParameter(const orders::SetParameter& order, std::uint64_t asked);
   OrderReply push(const Command& command);
-  OrderReply act(const Command& command);
+  OrderReply act(ExerciseAction action);
   OrderReply handOver(CheckedOrders& checked);
   OrderReply keep(CheckedOrders& checked, std::uint32_t claim);
   bool takeBack(const Command& removal);
@@ -223,9 +228,9 @@ class Station::Core {
   std::uint64_t orders_ = kFirstArming;
   std::uint64_t stop_asked_ = 0;
   std::uint32_t rest_ending_ = 0;  ///< ending of the newest rest; 0: none since the last arming
-  /// Order::number of the newest stop since somebody asked to arm, by client and kind: the same
+  /// Order::id of the newest stop since somebody asked to arm, by client and kind: the same
   /// again is a repetition.
-  std::map<std::tuple<std::uint32_t, OrderType, bool>, std::uint32_t> stops_;
+  std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> stops_;
   bool armed_for_client_ = false;        ///< else armed by the program itself
   bool joined_ = false;                  ///< somebody takes part in the session, or in the next one
   bool left_alone_ = false;              ///< whoever took part has left
@@ -265,15 +270,13 @@ namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(20);
 
-/// Orders that are queued for the main thread.
-bool takesTime(OrderType type) {
-  return type == OrderType::kArm || type == OrderType::kLoadExercise ||
-         type == OrderType::kSaveProfile || type == OrderType::kLoadProfile;
-}
-
 /// Most commands of bodies that wait for the loop: the shapes of one body with the most pieces and
 /// vertices. The loop takes eight in a tick, so that an aim waits for 36 ms at most.
 constexpr std::size_t kMostWaiting = 288;
+
+OrderReply notCommissioned() {
+  return refused(Refusal::kNotHere, "no device is commissioned here");
+}
 
 OrderReply busy(std::size_t waiting, const char* where) {
   return refused(Refusal::kBusy,
@@ -372,7 +375,7 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
   if (stop_asked_ > task.asked || InterruptScope::interrupted()) {
     return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
   }
-  return refuseUnseen(order.endings_seen);
+  return refuseUnseen(task.endings_seen);
 }
 
 OrderReply Station::Core::stillDo(const Task& task) const {
@@ -401,9 +404,10 @@ OrderReply Station::Core::enqueue(const Order& order, std::uint64_t asked,
   task.order = order;
   task.asked = asked;
   task.asked_at = now();
-  task.starts = order.type == OrderType::kArm;
-  if (order.type == OrderType::kLoadExercise) task.order.endings_seen = status_.endings;
-  if (order.type == OrderType::kSaveProfile) task.profile = profileNow();
+  const auto* arm = order.as<orders::Arm>();
+  task.starts = arm != nullptr;
+  task.endings_seen = arm != nullptr ? arm->endings_seen : status_.endings;
+  if (order.is<orders::SaveProfile>()) task.profile = profileNow();
   task.person = person_;
   task.done = done;
   OrderReply may = mayStillDo(task);
@@ -442,10 +446,13 @@ void Station::Core::runTask() {
 OrderReply Station::Core::carryOutTask(Task& task) {
   task.waited_s = now() - task.asked_at;
   if (OrderReply may = stillDo(task); !may.accepted) return may;
-  if (task.order.type == OrderType::kArm) return armForClient(task);
-  if (task.order.type == OrderType::kSaveProfile) return saveProfile(task);
-  if (task.order.type == OrderType::kLoadProfile) return loadProfile(task);
-  return loadExercise(task);
+  return std::visit(
+      Overloaded{[&](const orders::Arm&) { return armForClient(task); },
+                 [&](const orders::LoadExercise& load) { return loadExercise(load, task); },
+                 [&](const orders::SaveProfile& save) { return saveProfile(save, task); },
+                 [&](const orders::LoadProfile& load) { return loadProfile(load, task); },
+                 [&](const auto&) { return notHere(task.order); }},
+      task.order.what);
 }
 
 // Answers every waiting task, so that no client waits for ever.
@@ -486,9 +493,11 @@ OrderReply Station::Core::push(const Command& command) {
 }
 
 // A level that is begun again is not done any more.
-OrderReply Station::Core::act(const Command& command) {
+OrderReply Station::Core::act(ExerciseAction action) {
+  Command command;
+  command.type = CommandType::kAction;
+  command.index = static_cast<std::int32_t>(action);
   OrderReply pushed = push(command);
-  const auto action = static_cast<ExerciseAction>(command.index);
   if (pushed.accepted && (action == ExerciseAction::kRestart || action == ExerciseAction::kNext)) {
     const std::lock_guard lock(latest_mutex_);
     level_done_at_.reset();
@@ -519,7 +528,7 @@ void Station::Core::sendUnsent() {
   if (live_ && unsent_steer_ && live_->tryCommand(*unsent_steer_)) unsent_steer_.reset();
 }
 
-OrderReply Station::Core::setParameter(const Order& order) {
+OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::uint64_t asked) {
   const auto& parameters = scene_->parameters;
   const auto found = std::find_if(parameters.begin(), parameters.end(),
                                   [&](const auto& p) { return p.name == order.name; });
@@ -538,6 +547,7 @@ OrderReply Station::Core::setParameter(const Order& order) {
     command.value = order.value;
     if (OrderReply pushed = push(command); !pushed.accepted) return pushed;
   }
+  asked_parameters_[order.name] = {order.value, asked};
   return {true, ""};
 }
 
@@ -551,8 +561,7 @@ double Station::Core::valueOf(const PublishedParameter& parameter) const {
 
 // An earlier holder's order must not take effect after one of the current holder.
 bool Station::Core::superseded(const Order& order) {
-  const bool stops = order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop;
-  if (!stops && order.claim != 0 && order.claim < claim_) return true;
+  if (!order.stops() && order.claim != 0 && order.claim < claim_) return true;
   claim_ = std::max(claim_, order.claim);
   return false;
 }
@@ -565,30 +574,30 @@ bool Station::Core::rested() const {
 }
 
 // Takes effect and is published even when nothing renders: an order to arm may be under way.
-void Station::Core::takeStop(const Order& order, std::uint64_t asked) {
+OrderReply Station::Core::takeStop(const Order& order, std::uint64_t asked) {
   stop_asked_ = asked;
   // A rest applies to a rendering loop, or continues a rest; it does not replace another stop.
-  const bool rests = order.rest && (rested() || status_.run_state == RunState::kRendering);
+  const bool rests =
+      order.is<orders::Rest>() && (rested() || status_.run_state == RunState::kRendering);
   // Repetitions count once: else nobody could name the last ending while a client repeats its stop.
-  const auto [last, first] =
-      stops_.try_emplace({order.client, order.type, order.rest}, order.number);
-  if (first || last->second != order.number) ++status_.endings;
-  last->second = order.number;
+  const auto [last, first] = stops_.try_emplace({order.client, order.what.index()}, order.id);
+  if (first || last->second != order.id) ++status_.endings;
+  last->second = order.id;
   rest_ending_ = rests ? status_.endings : 0;
   if (!live_ && status_.run_state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
-  beginStop(order.type == OrderType::kEmergencyStop);
+  beginStop(order.is<orders::EmergencyStop>());
+  return {true, ""};
 }
 
 void Station::Core::order(const Order& order, const std::function<void(OrderReply)>& done) {
-  if (order.bodies) return done(orderBodies(order));
+  if (const BodyOrders* bodies = bodiesOf(order)) return done(orderBodies(*bodies, order));
   OrderReply reply{true, ""};
   {
     const std::lock_guard lock(mutex_);
     const std::uint64_t asked = ++orders_;
-    const bool takes_time = takesTime(order.type);
     if (superseded(order)) {
       reply = refused(Refusal::kNotHolder, "another client holds the controls by now");
-    } else if (!takes_time) {
+    } else if (order.row().thread != orders::Thread::kMain) {
       reply = carryOut(order, asked);
     } else if (over_) {
       reply = refused(Refusal::kEnding, "the program is ending");
@@ -608,74 +617,68 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
 
 // What the program orders by itself is nobody's part.
 void Station::Core::noteJoined(const Order& order) {
-  const bool own = order.type == OrderType::kOwnerAlive || order.type == OrderType::kUnattended ||
-                   (order.type == OrderType::kSteer && order.steering != Steering::kPerson);
+  const auto* steer = order.as<orders::Steer>();
+  const bool own = order.is<orders::OwnerAlive>() || order.is<orders::Unattended>() ||
+                   (steer != nullptr && steer->by != Steering::kPerson);
   if (own) return;
   joined_ = true;
   left_alone_ = false;
 }
 
 OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
-  Command command;
-  switch (order.type) {
-    case OrderType::kStop:
-    case OrderType::kEmergencyStop:
-      takeStop(order, asked);
-      break;
-    case OrderType::kSetParameter: {
-      OrderReply set = setParameter(order);
-      if (set.accepted) asked_parameters_[order.name] = {order.value, asked};
-      return set;
-    }
-    case OrderType::kSetHelp:
-      help_ = order.help;
-      help_asked_ = asked;
-      break;
-    case OrderType::kAim:
-      if (order.aim.size() != static_cast<int>(scene_->device.axes.size()) ||
-          !allFinite(order.aim)) {
-        return refused(
-            Refusal::kNotAPosture,
-            fmt::format("an aim has {} finite values, one an axis", scene_->device.axes.size()));
-      }
-      command.type = CommandType::kAim;
-      command.aim = order.aim;
-      command.index = static_cast<std::int32_t>(order.help);
-      return push(command);
-    case OrderType::kSteer:
-      return steer(order.steering);
-    case OrderType::kAction:
-      command.type = CommandType::kAction;
-      command.index = static_cast<std::int32_t>(order.action);
-      return act(command);
-    case OrderType::kOwnerAlive:
-      owner_alive_ = order.value != 0.0;
-      if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
-      live_->setOwnerAlive(owner_alive_);
-      break;
-    case OrderType::kUnattended:
-      if (!live_ || status_.run_state != RunState::kRendering) break;
-      if (!armed_for_client_) {
-        left_alone_ = joined_;
-        break;
-      }
-      say("nobody has held the controls or ordered anything for long: the session ends");
-      takeStop(order, asked);
-      break;
-    case OrderType::kAttended:  // noteJoined()
-      break;
-    case OrderType::kAnswer:
-    case OrderType::kHoldToMove:
-      return refused(Refusal::kNotHere, "no device is commissioned here");
-    case OrderType::kArm:
-    case OrderType::kLoadExercise:
-    case OrderType::kSaveProfile:
-    case OrderType::kLoadProfile:    // a queued task, as those above
-    case OrderType::kPrepareShapes:  // orderBodies()
-    case OrderType::kOrderBodies:
-      break;
-  }
+  return std::visit(
+      Overloaded{[&](const orders::Stop&) { return takeStop(order, asked); },
+                 [&](const orders::Rest&) { return takeStop(order, asked); },
+                 [&](const orders::EmergencyStop&) { return takeStop(order, asked); },
+                 [&](const orders::SetParameter& set) { return setParameter(set, asked); },
+                 [&](const orders::SetHelp& set) { return setHelp(set, asked); },
+                 [&](const orders::Aim& aim) { return this->aim(aim); },
+                 [&](const orders::Steer& steer) { return this->steer(steer.by); },
+                 [&](const orders::Action& action) { return act(action.act); },
+                 [&](const orders::OwnerAlive& owner) { return setOwnerAlive(owner.alive); },
+                 [&](const orders::Unattended&) { return leaveAlone(order, asked); },
+                 [&](const orders::Attended&) {
+                   return OrderReply{true, ""};
+                 },  // noteJoined()
+                 [&](const orders::Answer&) { return notCommissioned(); },
+                 [&](const orders::HoldToMove&) { return notCommissioned(); },
+                 [&](const auto&) { return notHere(order); }},
+      order.what);
+}
+
+OrderReply Station::Core::setHelp(const orders::SetHelp& order, std::uint64_t asked) {
+  help_ = order.help;
+  help_asked_ = asked;
   return {true, ""};
+}
+
+OrderReply Station::Core::aim(const orders::Aim& order) {
+  if (order.q.size() != static_cast<int>(scene_->device.axes.size()) || !allFinite(order.q)) {
+    return refused(Refusal::kNotAPosture, fmt::format("an aim has {} finite values, one an axis",
+                                                      scene_->device.axes.size()));
+  }
+  Command command;
+  command.type = CommandType::kAim;
+  command.aim = order.q;
+  command.index = static_cast<std::int32_t>(order.by);
+  return push(command);
+}
+
+OrderReply Station::Core::setOwnerAlive(bool alive) {
+  owner_alive_ = alive;
+  if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
+  live_->setOwnerAlive(alive);
+  return {true, ""};
+}
+
+OrderReply Station::Core::leaveAlone(const Order& order, std::uint64_t asked) {
+  if (!live_ || status_.run_state != RunState::kRendering) return {true, ""};
+  if (!armed_for_client_) {
+    left_alone_ = joined_;
+    return {true, ""};
+  }
+  say("nobody has held the controls or ordered anything for long: the session ends");
+  return takeStop(order, asked);
 }
 
 LoopStatus Station::Core::status() const {
@@ -783,7 +786,7 @@ std::string Station::Core::reportFolder(const std::string& name, std::string& wh
 // Orders of a game to its bodies: checked here, handed to the loop. Any thread.
 
 // Numbers are checked and shapes prepared before any lock is taken.
-OrderReply Station::Core::orderBodies(const Order& order) {
+OrderReply Station::Core::orderBodies(const BodyOrders& bodies, const Order& order) {
   const GameBudget budget = scene()->scene.game;
   if (budget.slots == 0) {
     return refused(
@@ -791,7 +794,7 @@ OrderReply Station::Core::orderBodies(const Order& order) {
         "this scene takes no bodies of a game: load an exercise whose file has [budget], "
         "as game-scene");
   }
-  CheckedOrders checked = checkOrders(*order.bodies, budget);
+  CheckedOrders checked = checkOrders(bodies, budget);
   const std::lock_guard lock(mutex_);
   ++orders_;
   if (superseded(order)) {
@@ -1020,9 +1023,9 @@ void Station::Core::changePerson(const Task& task, const Profile* profile) {
   asked_parameters_ = std::move(next);
 }
 
-OrderReply Station::Core::saveProfile(const Task& task) {
+OrderReply Station::Core::saveProfile(const orders::SaveProfile& order, const Task& task) {
   Profile profile = task.profile;
-  profile.name = task.order.name;
+  profile.name = order.name;
   if (profile.exercise.empty()) {
     return refused(Refusal::kOther, "a profile needs an exercise; load one first");
   }
@@ -1037,22 +1040,19 @@ OrderReply Station::Core::saveProfile(const Task& task) {
 }
 
 // Only while disarmed: a person must not suddenly feel another person's limits.
-OrderReply Station::Core::loadProfile(const Task& task) {
+OrderReply Station::Core::loadProfile(const orders::LoadProfile& order, const Task& task) {
   if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then load the profile");
   const WaitingFor disk("the disk: a profile");
-  const Expected<Profile> profile = profiles_.load(task.order.name);
+  const Expected<Profile> profile = profiles_.load(order.name);
   if (!profile) return refused(Refusal::kUnknownProfile, format(profile.errors()));
   if (profile->device != models_.device.name) {
     return refused(Refusal::kOtherProfile,
                    fmt::format("the profile {} is for the device {}, this is {}", profile->name,
                                profile->device, models_.device.name));
   }
-  Order named;
-  named.name = profile->exercise;
-  named.hand = profile->hand;
-  named.level = profile->level;
   ModelFiles files;
-  if (OrderReply known = filesOf(named, files); !known.accepted) {
+  if (OrderReply known = filesOf({profile->exercise, profile->hand, profile->level}, files);
+      !known.accepted) {
     known.reason = fmt::format("the profile {}: {}", profile->name, known.reason);
     return known;
   }
@@ -1499,8 +1499,7 @@ bool Station::Core::renewSession() {
         status_.run_state != RunState::kRendering) {
       return false;
     }
-    again.order.type = OrderType::kArm;
-    again.order.endings_seen = status_.endings;
+    again.endings_seen = status_.endings;
     again.asked = orders_;
     again.starts = true;
     renewing_ = true;
@@ -1534,14 +1533,15 @@ void Station::Core::stopGently(bool goes_on) {
 }
 
 // Resolves the files that an order names, without reading them.
-OrderReply Station::Core::filesOf(const Order& order, ModelFiles& files) const {
+OrderReply Station::Core::filesOf(const orders::LoadExercise& order, ModelFiles& files) const {
   files = models_.files;
-  if (!order.name.empty()) {
+  if (!order.exercise.empty()) {
     const auto known = listExercises(config_.config_folder + "/exercises");
-    const auto found = std::find_if(known.begin(), known.end(),
-                                    [&](const ExerciseFile& f) { return f.name == order.name; });
+    const auto found = std::find_if(known.begin(), known.end(), [&](const ExerciseFile& f) {
+      return f.name == order.exercise;
+    });
     if (found == known.end()) {
-      return refused(Refusal::kUnknownExercise, "there is no exercise \"" + order.name + "\"");
+      return refused(Refusal::kUnknownExercise, "there is no exercise \"" + order.exercise + "\"");
     }
     files.exercise = found->path;
     files.level = 1;
@@ -1557,9 +1557,9 @@ OrderReply Station::Core::filesOf(const Order& order, ModelFiles& files) const {
   return {true, ""};
 }
 
-OrderReply Station::Core::loadExercise(const Task& task) {
+OrderReply Station::Core::loadExercise(const orders::LoadExercise& order, const Task& task) {
   ModelFiles files;
-  if (OrderReply known = filesOf(task.order, files); !known.accepted) return known;
+  if (OrderReply known = filesOf(order, files); !known.accepted) return known;
   return load(task, files, nullptr);
 }
 
@@ -1653,10 +1653,7 @@ void Station::Core::restartLevel() {
   }
   const std::lock_guard lock(mutex_);
   if (status_.steering != Steering::kVirtualPatient) return;
-  Command again;
-  again.type = CommandType::kAction;
-  again.index = static_cast<std::int32_t>(ExerciseAction::kRestart);
-  (void)act(again);
+  (void)act(ExerciseAction::kRestart);
 }
 
 void Station::Core::watchSession() {
@@ -1678,8 +1675,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
       std::llround(std::clamp(duration_s, 0.0, kLongestRun_s) / config_.rig.period_s));
   if (arm_at_once && !InterruptScope::interrupted()) {
     Task first;
-    first.order.type = OrderType::kArm;
-    first.order.endings_seen = 1;
+    first.endings_seen = 1;
     first.asked = kFirstArming;
     first.starts = true;
     const OrderReply reply = armUnasked(first, duration_ticks);

@@ -91,7 +91,7 @@ struct StationOutcome {
 /// day. The session itself ends, not only its recording: a recording that begins in the middle
 /// cannot be re-simulated. Whether anybody has joined is decided after the last tick, so a person
 /// who joins while the session ends keeps its recording, and steers the next session from its first
-/// tick. A session that somebody joined and left (OrderType::kUnattended) ends in the same way, and
+/// tick. A session that somebody joined and left (orders::Unattended) ends in the same way, and
 /// its recording stays. Not renewed: a session whose file was named (StationConfig::record).
 class Station final : public ServerBackend {
  public:

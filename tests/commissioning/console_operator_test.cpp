@@ -30,25 +30,12 @@ struct Page {
     return reply;
   }
   OrderReply answer(std::uint32_t question, const std::string& text) {
-    Order asked;
-    asked.type = OrderType::kAnswer;
-    asked.number = question;
-    asked.name = text;
-    return order(asked);
+    return order({orders::Answer{question, text}});
   }
   OrderReply hold(std::uint32_t press, bool held = true) {
-    Order asked;
-    asked.type = OrderType::kHoldToMove;
-    asked.number = press;
-    asked.held = held;
-    return order(asked);
+    return order({orders::HoldToMove{press, held}});
   }
-  OrderReply say(OrderType type, double value = 0.0) {
-    Order asked;
-    asked.type = type;
-    asked.value = value;
-    return order(asked);
-  }
+  OrderReply say(const orders::Any& what) { return order({what}); }
   /// A press that has lasted for longer than a click.
   void press(std::uint32_t number) {
     for (int i = 0; i < 6; ++i, now_ns += 50'000'000) (void)hold(number);
@@ -82,12 +69,11 @@ TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
   const std::vector<std::pair<const char*, std::function<void(Page&)>>> ways = {
       {"let go", [](Page& p) { (void)p.hold(1, false); }},
       {"beats that stop", [](Page& p) { p.now_ns += HoldSwitch::kSilent_ns + 1; }},
-      {"a stop", [](Page& p) { EXPECT_TRUE(p.say(OrderType::kStop).accepted); }},
-      {"an emergency stop",
-       [](Page& p) { EXPECT_TRUE(p.say(OrderType::kEmergencyStop).accepted); }},
+      {"a stop", [](Page& p) { EXPECT_TRUE(p.say(orders::Stop{}).accepted); }},
+      {"an emergency stop", [](Page& p) { EXPECT_TRUE(p.say(orders::EmergencyStop{}).accepted); }},
       {"a leader that vanished or is silent",
-       [](Page& p) { (void)p.say(OrderType::kOwnerAlive, 0.0); }},
-      {"another leader", [](Page& p) { (void)p.say(OrderType::kSteer); }},
+       [](Page& p) { (void)p.say(orders::OwnerAlive{false}); }},
+      {"another leader", [](Page& p) { (void)p.say(orders::Steer{}); }},
       {"the end of the program", [](Page& p) { p.ended = true; }}};
   for (const auto& [name, lose] : ways) {
     Page page;
@@ -103,11 +89,8 @@ TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
 // One press holds: the newest. Whoever lets go of it ends it, and so does whoever held before.
 TEST(ConsoleOperator, KeyHeldByTwoPages_IsOnePressThatEitherEnds) {
   const auto beat = [](Page& p, std::uint32_t claim, bool held) {
-    Order asked;
-    asked.type = OrderType::kHoldToMove;
+    Order asked{orders::HoldToMove{1, held}};
     asked.claim = claim;
-    asked.number = 1;
-    asked.held = held;
     p.console.order(asked, [](const OrderReply&) {});
   };
   const auto both = [&](Page& p, int times) {
@@ -167,18 +150,20 @@ TEST(ConsoleOperator, StepsAndFigures_AreToldWithWhatFailed) {
 
 TEST(ConsoleOperator, OrdersOfASession_AreRefusedByName) {
   Page page;
-  for (const OrderType type : {OrderType::kArm, OrderType::kLoadExercise, OrderType::kAim,
-                               OrderType::kSetParameter, OrderType::kLoadProfile}) {
-    EXPECT_EQ(page.say(type).refusal, Refusal::kNotHere);
+  for (const orders::Any& what :
+       {orders::Any(orders::Arm{}), orders::Any(orders::LoadExercise{}), orders::Any(orders::Aim{}),
+        orders::Any(orders::SetParameter{}), orders::Any(orders::LoadProfile{}),
+        orders::Any(orders::TakeControls{}), orders::Any(orders::Spawn{})}) {
+    const OrderReply reply = page.say(what);
+    EXPECT_EQ(reply.refusal, Refusal::kNotHere);
+    EXPECT_TRUE(reply.reason.starts_with(Order{what}.row().name)) << reply.reason;
   }
 }
 
 TEST(CommissioningRoles, OnlyTheTherapistWhoHoldsTheControls_AnswersAndHolds) {
   Standing holder;
   holder.holds = true;
-  for (const OrderType type : {OrderType::kAnswer, OrderType::kHoldToMove}) {
-    Order order;
-    order.type = type;
+  for (const Order& order : {Order{orders::Answer{}}, Order{orders::HoldToMove{}}}) {
     EXPECT_TRUE(mayOrder(Role::kTherapist, order, holder).accepted);
     EXPECT_EQ(mayOrder(Role::kTherapist, order, {}).refusal, Refusal::kNotHolder);
     EXPECT_EQ(mayOrder(Role::kPlayer, order, holder).refusal, Refusal::kTherapistOnly);

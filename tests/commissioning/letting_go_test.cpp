@@ -52,11 +52,8 @@ class Bedside final : public Operator {
         device_.waitForTick();
         meanwhile();
       }
-      Order answer;
-      answer.type = OrderType::kAnswer;
-      answer.number = console_.facts()->question;
-      answer.name = *hands_.ask(question, meanwhile);
-      say(answer);
+      const std::uint32_t number = console_.facts()->question;
+      say(orders::Answer{number, *hands_.ask(question, meanwhile)});
     });
     pressAnew();
     return words;
@@ -78,16 +75,13 @@ class Bedside final : public Operator {
   }
 
  private:
-  void say(Order order) {
+  void say(orders::Any what) {
+    Order order{std::move(what)};
     order.claim = claim_;
     console_.order(order, [](const OrderReply&) {});
   }
   void beat(bool held) {
-    Order order;
-    order.type = OrderType::kHoldToMove;
-    order.number = press_;
-    order.held = held;
-    say(order);
+    say(orders::HoldToMove{press_, held});
     beat_ns_ = device_.now_ns();
   }
   void noteLetGo(std::int64_t at_ns) {
@@ -102,25 +96,23 @@ class Bedside final : public Operator {
   }
   void letGo() {
     const std::int64_t last_ns = way_ == 5 ? beat_ns_ : device_.now_ns();
-    Order order;
     switch (way_) {
       case 0:
         beat(false);
         break;
       case 1:
-        order.type = OrderType::kOwnerAlive;  // value 0: it is not
-        say(order);
+        say(orders::OwnerAlive{false});
         ++claim_;
         break;
       case 2:
-        order.type = OrderType::kSteer;
-        say(order);
+        say(orders::Steer{});
         ++claim_;
         break;
       case 3:
+        say(orders::Stop{});
+        break;
       case 4:
-        order.type = way_ == 3 ? OrderType::kStop : OrderType::kEmergencyStop;
-        say(order);
+        say(orders::EmergencyStop{});
         break;
       default:
         break;

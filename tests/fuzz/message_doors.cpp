@@ -23,10 +23,11 @@ std::string enterWebSocket(const std::string& bytes) {
   const wire::Bytes exact(bytes.begin(), bytes.end());  // of its very size: one byte more is seen
   const auto message = wire::decode(exact);
   if (!message) return message.errors().front().problem.empty() ? "refused without a reason" : "";
-  if (!std::isfinite(message->order.value)) return "a value that is no number";
-  if (!allFinite(message->order.aim)) return "an aim that is no number";
-  if (message->order.aim.size() > kMaxAxes) return "an aim of too many axes";
-  if (std::strlen(wire::nameOf(*message)) == 0) return "a message without a name";
+  const auto* set = message->as<orders::SetParameter>();
+  if (set != nullptr && !std::isfinite(set->value)) return "a value that is no number";
+  const auto* aim = message->as<orders::Aim>();
+  if (aim != nullptr && !allFinite(aim->q)) return "an aim that is no number";
+  if (aim != nullptr && aim->q.size() > kMaxAxes) return "an aim of too many axes";
   return "";
 }
 

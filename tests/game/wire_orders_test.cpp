@@ -24,8 +24,8 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 CheckedOrders checkedOf(const wire::Bytes& message, const GameBudget& budget) {
   const auto decoded = wire::decode(message);
   if (!decoded) throw std::runtime_error(format(decoded.errors()));
-  if (!decoded->order.bodies) throw std::runtime_error("no order to bodies");
-  return checkOrders(*decoded->order.bodies, budget);
+  if (bodiesOf(*decoded) == nullptr) throw std::runtime_error("no order to bodies");
+  return checkOrders(*bodiesOf(*decoded), budget);
 }
 
 /// A game that says its orders as messages.
@@ -349,11 +349,11 @@ TEST(GameOnTheWire, MutatedMessages_NeverLeadToACommandThatIsNotChecked) {
       bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
     }
     const auto decoded = wire::decode(bytes);
-    if (!decoded || !decoded->order.bodies) {
+    if (!decoded || bodiesOf(*decoded) == nullptr) {
       ++unreadable;
       continue;
     }
-    const CheckedOrders checked = checkOrders(*decoded->order.bodies, budget);
+    const CheckedOrders checked = checkOrders(*bodiesOf(*decoded), budget);
     refused += checked.refused.empty() ? 0 : 1;
     for (const Command& c : checked.commands) {
       ++passed;

@@ -37,7 +37,7 @@ Bytes readFile(const std::string& path) {
 std::string asTheProgramReads(const Bytes& bytes) {
   const auto message = wire::decode(bytes);
   if (!message) return fmt::format(R"({{"refused":{}}})", quoted(message.errors().front().key));
-  return fmt::format(R"({{"order":"{}","id":{}}})", wire::nameOf(*message), message->id);
+  return fmt::format(R"({{"order":"{}","id":{}}})", message->row().name, message->id);
 }
 
 std::string refused(const char* reason) {

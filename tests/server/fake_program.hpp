@@ -32,10 +32,11 @@ class FakeProgram final : public ServerBackend {
       const std::lock_guard lock(mutex_);
       asked_.push_back({order, monotonicNow_ns()});
     }
-    if (order.name == "throw") throw std::runtime_error("asked for");
-    if (order.type == OrderType::kSetParameter && order.value > 1.0) {
+    const auto* set = order.as<orders::SetParameter>();
+    if (set != nullptr && set->name == "throw") throw std::runtime_error("asked for");
+    if (set != nullptr && set->value > 1.0) {
       done(refused(Refusal::kOutOfRange, "lead_in_m = 2: must be in [0, 1]"));
-    } else if (order.type == OrderType::kLoadExercise) {
+    } else if (order.is<orders::LoadExercise>()) {
       std::thread([done = std::move(done)] { done({true, ""}); }).detach();  // as a real one does
     } else {
       done({true, ""});
@@ -90,18 +91,25 @@ class FakeProgram final : public ServerBackend {
     const std::lock_guard lock(mutex_);
     return asked_;
   }
-  /// The orders of one type, once `count` of them came or the time is over.
-  std::vector<Asked> askedFor(OrderType type, std::size_t count,
+  /// The orders of these kinds, once `count` of them came or the time is over.
+  template <class... Kinds>
+  std::vector<Asked> askedFor(std::size_t count,
                               std::chrono::milliseconds within = kPatience) const {
     const auto until = std::chrono::steady_clock::now() + within;
     while (true) {
       std::vector<Asked> found;
       for (const Asked& a : asked()) {
-        if (a.order.type == type) found.push_back(a);
+        if ((a.order.is<Kinds>() || ...)) found.push_back(a);
       }
       if (found.size() >= count || std::chrono::steady_clock::now() > until) return found;
       std::this_thread::sleep_for(1ms);
     }
+  }
+  /// Of those that name bodies.
+  std::vector<Asked> askedForBodies(std::size_t count,
+                                    std::chrono::milliseconds within = kPatience) const {
+    return askedFor<orders::Spawn, orders::Remove, orders::Teleport, orders::SetOwner,
+                    orders::BodyTargets>(count, within);
   }
 
   std::filesystem::path folder;

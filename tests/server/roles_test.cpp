@@ -8,20 +8,18 @@
 namespace wholehand {
 namespace {
 
-Order orderOf(OrderType type) {
-  Order order;
-  order.type = type;
-  return order;
-}
+const std::vector<std::string> kAll = {"Arm",          "Stop", "EmergencyStop", "LoadExercise",
+                                       "SetParameter", "Aim",  "Steer",         "Action"};
 
-const std::vector<OrderType> kAll = {
-    OrderType::kArm,          OrderType::kStop, OrderType::kEmergencyStop, OrderType::kLoadExercise,
-    OrderType::kSetParameter, OrderType::kAim,  OrderType::kSteer,         OrderType::kAction};
-
-std::vector<OrderType> allowed(Role role, const Standing& now) {
-  std::vector<OrderType> may;
-  for (const OrderType type : kAll) {
-    if (mayOrder(role, orderOf(type), now).accepted) may.push_back(type);
+std::vector<std::string> allowed(Role role, const Standing& now) {
+  std::vector<std::string> may;
+  for (const orders::Any& what :
+       {orders::Any(orders::Arm{}), orders::Any(orders::Stop{}),
+        orders::Any(orders::EmergencyStop{}), orders::Any(orders::LoadExercise{}),
+        orders::Any(orders::SetParameter{}), orders::Any(orders::Aim{}),
+        orders::Any(orders::Steer{}), orders::Any(orders::Action{})}) {
+    const Order order{what};
+    if (mayOrder(role, order, now).accepted) may.emplace_back(order.row().name);
   }
   return may;
 }
@@ -35,7 +33,7 @@ Standing playing() {
 
 TEST(Roles, EmergencyStop_IsEverybodysAtAnyTime) {
   for (const Role role : {Role::kUnsaid, Role::kWatcher, Role::kPlayer, Role::kTherapist}) {
-    EXPECT_TRUE(mayOrder(role, orderOf(OrderType::kEmergencyStop), {}).accepted) << nameOf(role);
+    EXPECT_TRUE(mayOrder(role, Order{orders::EmergencyStop{}}, {}).accepted) << nameOf(role);
   }
 }
 
@@ -43,42 +41,39 @@ TEST(Roles, TherapistWhilePlayerHolds_MayAllButSteer) {
   Standing now = playing();
   now.holds = false;
   EXPECT_EQ(allowed(Role::kTherapist, now),
-            (std::vector{OrderType::kArm, OrderType::kStop, OrderType::kEmergencyStop,
-                         OrderType::kLoadExercise, OrderType::kSetParameter, OrderType::kAction}));
-  EXPECT_EQ(mayOrder(Role::kTherapist, orderOf(OrderType::kAim), now).refusal, Refusal::kNotHolder);
+            (std::vector<std::string>{"Arm", "Stop", "EmergencyStop", "LoadExercise",
+                                      "SetParameter", "Action"}));
+  EXPECT_EQ(mayOrder(Role::kTherapist, Order{orders::Aim{}}, now).refusal, Refusal::kNotHolder);
 }
 
 TEST(Roles, PlayerWhoIsLed_SteersRestsAndStopsOnly) {
   EXPECT_EQ(allowed(Role::kPlayer, playing()),
-            (std::vector{OrderType::kStop, OrderType::kEmergencyStop, OrderType::kAim,
-                         OrderType::kSteer, OrderType::kAction}));
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kSetHelp), playing()).refusal,
+            (std::vector<std::string>{"Stop", "EmergencyStop", "Aim", "Steer", "Action"}));
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::SetHelp{}}, playing()).refusal,
             Refusal::kTherapistOnly);
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kSetParameter), playing()).refusal,
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::SetParameter{}}, playing()).refusal,
             Refusal::kTherapistOnly);
 }
 
 TEST(Roles, Watcher_MayOnlyStop) {
-  EXPECT_EQ(allowed(Role::kWatcher, playing()), (std::vector{OrderType::kEmergencyStop}));
-  EXPECT_EQ(mayOrder(Role::kWatcher, orderOf(OrderType::kAction), playing()).refusal,
+  EXPECT_EQ(allowed(Role::kWatcher, playing()), (std::vector<std::string>{"EmergencyStop"}));
+  EXPECT_EQ(mayOrder(Role::kWatcher, Order{orders::Action{}}, playing()).refusal,
             Refusal::kOnlyWatches);
 }
 
 TEST(Roles, PlayerAloneOnASimulatedDevice_BeginsButNeverAgainAfterAStop) {
   Standing now;
   now.holds = true;
-  EXPECT_TRUE(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).accepted);
-  EXPECT_TRUE(mayOrder(Role::kPlayer, orderOf(OrderType::kLoadExercise), now).accepted);
+  EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
+  EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::LoadExercise{}}, now).accepted);
   for (const RunState ended : {RunState::kStopped, RunState::kFaulted, RunState::kRampingDown}) {
     now.run_state = ended;
-    EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).refusal,
-              Refusal::kTherapistOnly);
+    EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal, Refusal::kTherapistOnly);
   }
   now.run_state = RunState::kDisarmed;
   now.moves_person = true;
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).refusal,
-            Refusal::kTherapistOnly);
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kLoadExercise), now).refusal,
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal, Refusal::kTherapistOnly);
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::LoadExercise{}}, now).refusal,
             Refusal::kTherapistOnly);
 }
 
@@ -86,11 +81,11 @@ TEST(Roles, PlayerAfterItsOwnRest_MayArmWhoeverLeads) {
   Standing now = playing();
   now.moves_person = true;
   now.run_state = RunState::kStopped;
-  EXPECT_FALSE(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).accepted);
+  EXPECT_FALSE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
   now.own_rest = true;
-  EXPECT_TRUE(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).accepted);
+  EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
   now.holds = false;  // by a press that takes the controls first
-  EXPECT_EQ(mayOrder(Role::kPlayer, orderOf(OrderType::kArm), now).refusal, Refusal::kNotHolder);
+  EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal, Refusal::kNotHolder);
 }
 
 TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
@@ -98,14 +93,12 @@ TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
   now.therapist_paused = true;
   for (const ExerciseAction action :
        {ExerciseAction::kResume, ExerciseAction::kNext, ExerciseAction::kRestart}) {
-    Order order = orderOf(OrderType::kAction);
-    order.action = action;
+    const Order order{orders::Action{action}};
     EXPECT_EQ(mayOrder(Role::kPlayer, order, now).refusal, Refusal::kTherapistPaused);
     EXPECT_TRUE(mayOrder(Role::kTherapist, order, now).accepted);
   }
   now.led = false;  // nobody is left who could end it
-  Order resume = orderOf(OrderType::kAction);
-  resume.action = ExerciseAction::kResume;
+  const Order resume{orders::Action{ExerciseAction::kResume}};
   EXPECT_TRUE(mayOrder(Role::kPlayer, resume, now).accepted);
 }
 
@@ -113,8 +106,18 @@ TEST(Roles, ClientThatSaysNoRole_MayAllWithTheControlsAndStopWithout) {
   EXPECT_EQ(allowed(Role::kUnsaid, playing()), kAll);
   Standing now = playing();
   now.holds = false;
-  EXPECT_EQ(allowed(Role::kUnsaid, now),
-            (std::vector{OrderType::kStop, OrderType::kEmergencyStop}));
+  EXPECT_EQ(allowed(Role::kUnsaid, now), (std::vector<std::string>{"Stop", "EmergencyStop"}));
+}
+
+TEST(Roles, OrdersOfTheProgramItself_AreNoClients) {
+  for (const Order& order :
+       {Order{orders::OwnerAlive{true}}, Order{orders::Unattended{}}, Order{orders::Attended{}}}) {
+    for (const Role role : {Role::kUnsaid, Role::kPlayer, Role::kTherapist}) {
+      const OrderReply may = mayOrder(role, order, playing());
+      EXPECT_FALSE(may.accepted) << order.row().name;
+      EXPECT_TRUE(may.reason.starts_with(order.row().name)) << may.reason;
+    }
+  }
 }
 
 TEST(Roles, ClaimBeyondTheToken_Watches) {

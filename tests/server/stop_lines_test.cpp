@@ -115,11 +115,11 @@ class Lines {
     for (const udp::ReceivedCommand& said : host_.takeCommands()) obey(said);
   }
   void obey(const udp::ReceivedCommand& said) {  // as UdpBridge does
-    if (said.message.order.type == OrderType::kEmergencyStop && said.message.stops()) {
-      program.order(said.message.order, [](const OrderReply&) {});
+    if (said.order.is<orders::EmergencyStop>()) {
+      program.order(said.order, [](const OrderReply&) {});
       host_.finishStop(said, true);
     } else {
-      clients_->heardDatagram(said.client, said.message, now_ns);
+      clients_->heardDatagram(said.client, said.order, now_ns);
     }
   }
 
@@ -200,7 +200,7 @@ class Draw {
     if (!may && !by_datagram) EXPECT_EQ(stops.told->replies[id].refusal, Refusal::kOnlyWatches);
     if (holder.role == Role::kWatcher) return;
     EXPECT_EQ(lines_.controls.holder(), holder.number) << "after " << stands_ms << " ms";
-    EXPECT_TRUE(lines_.program.askedFor(OrderType::kOwnerAlive, 0).empty())
+    EXPECT_TRUE(lines_.program.askedFor<orders::OwnerAlive>(0).empty())
         << "a standstill of our own changes no effort: " << stands_ms << " ms";
   }
 
@@ -217,15 +217,13 @@ class Draw {
   void expectHandedOn(bool may, Kind kind, bool rest) {
     std::vector<Order> stopped;
     for (const auto& asked : lines_.program.asked()) {
-      const OrderType type = asked.order.type;
-      if (type == OrderType::kStop || type == OrderType::kEmergencyStop)
-        stopped.push_back(asked.order);
+      if (asked.order.stops()) stopped.push_back(asked.order);
     }
     ASSERT_EQ(stopped.size(), may ? 1U : 0U);
     if (!may) return;
-    EXPECT_EQ(stopped[0].type,
-              kind == Kind::kEmergency ? OrderType::kEmergencyStop : OrderType::kStop);
-    EXPECT_EQ(stopped[0].rest, rest);
+    EXPECT_STREQ(stopped[0].row().name, kind == Kind::kEmergency ? "EmergencyStop"
+                                        : rest                   ? "Rest"
+                                                                 : "Stop");
   }
 
   std::mt19937_64& random_;

@@ -22,15 +22,16 @@ class FakeBackend : public ServerBackend {
 
   void order(const Order& order, std::function<void(OrderReply)> done) override {
     OrderReply reply;
-    if (order.name == "throw") throw std::runtime_error("asked for");
+    const auto* set = order.as<orders::SetParameter>();
+    if (set != nullptr && set->name == "throw") throw std::runtime_error("asked for");
     {
       const std::lock_guard lock(mutex_);
-      const bool stops = order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop;
-      const bool overtaken = !stops && order.claim != 0 && order.claim < claim_;
+      const bool overtaken = !order.stops() && order.claim != 0 && order.claim < claim_;
       claim_ = std::max(claim_, order.claim);
-      reply = overtaken ? OrderReply{false, "another client holds the controls by now"}
-                        : carryOut(order);
-      if (order.type != OrderType::kAim) orders_.push_back(order);
+      reply = overtaken
+                  ? OrderReply{false, "another client holds the controls by now"}
+                  : std::visit([this](const auto& what) { return carryOut(what); }, order.what);
+      if (!order.is<orders::Aim>()) orders_.push_back(order);
     }
     done(reply);
   }
@@ -120,52 +121,47 @@ class FakeBackend : public ServerBackend {
     return facts;
   }
 
-  OrderReply carryOut(const Order& order) {
-    switch (order.type) {
-      case OrderType::kArm:
-        if (order.endings_seen != endings_) return {false, "it was stopped after this was asked"};
-        run_state_ = RunState::kRendering;
-        return {true, ""};
-      case OrderType::kStop:
-      case OrderType::kEmergencyStop:
-        ++endings_;
-        run_state_ = RunState::kStopped;
-        return {true, ""};
-      case OrderType::kSetParameter:
-        if (order.name != "lead_in_m") return {false, order.name + " is no parameter"};
-        if (order.value < 0.0 || order.value > 0.02) {
-          return {false, "lead_in_m must be in [0, 0.02] m"};
-        }
-        lead_in_m_ = order.value;
-        return {true, ""};
-      case OrderType::kAim:
-        if (order.aim.size() != kAxes) return {false, "an aim has 9 axes"};
-        ++aims_;
-        aimed_ = order.aim[0];
-        return {true, ""};
-      case OrderType::kSteer:
-        steering_ = order.steering;
-        return {true, ""};
-      case OrderType::kOwnerAlive:
-        owner_alive_ = order.value;
-        return {true, ""};
-      case OrderType::kLoadExercise:
-        if (order.name != "stand-in") return {false, "there is no exercise " + order.name};
-        scene_ = makeScene(scene_->session + 1);
-        return {true, ""};
-      case OrderType::kAction:
-      case OrderType::kAttended:
-      case OrderType::kUnattended:
-      case OrderType::kSaveProfile:
-      case OrderType::kLoadProfile:
-      case OrderType::kAnswer:
-      case OrderType::kHoldToMove:
-      case OrderType::kSetHelp:
-      case OrderType::kPrepareShapes:
-      case OrderType::kOrderBodies:
-        return {true, ""};
-    }
-    return {false, "is not known"};
+  OrderReply carryOut(const orders::Arm& arm) {
+    if (arm.endings_seen != endings_) return {false, "it was stopped after this was asked"};
+    run_state_ = RunState::kRendering;
+    return {true, ""};
+  }
+  OrderReply stop() {
+    ++endings_;
+    run_state_ = RunState::kStopped;
+    return {true, ""};
+  }
+  OrderReply carryOut(const orders::Stop&) { return stop(); }
+  OrderReply carryOut(const orders::Rest&) { return stop(); }
+  OrderReply carryOut(const orders::EmergencyStop&) { return stop(); }
+  OrderReply carryOut(const orders::SetParameter& set) {
+    if (set.name != "lead_in_m") return {false, set.name + " is no parameter"};
+    if (set.value < 0.0 || set.value > 0.02) return {false, "lead_in_m must be in [0, 0.02] m"};
+    lead_in_m_ = set.value;
+    return {true, ""};
+  }
+  OrderReply carryOut(const orders::Aim& aim) {
+    if (aim.q.size() != kAxes) return {false, "an aim has 9 axes"};
+    ++aims_;
+    aimed_ = aim.q[0];
+    return {true, ""};
+  }
+  OrderReply carryOut(const orders::Steer& steer) {
+    steering_ = steer.by;
+    return {true, ""};
+  }
+  OrderReply carryOut(const orders::OwnerAlive& owner) {
+    owner_alive_ = owner.alive ? 1.0 : 0.0;
+    return {true, ""};
+  }
+  OrderReply carryOut(const orders::LoadExercise& load) {
+    if (load.exercise != "stand-in") return {false, "there is no exercise " + load.exercise};
+    scene_ = makeScene(scene_->session + 1);
+    return {true, ""};
+  }
+  template <class Other>
+  static OrderReply carryOut(const Other&) {
+    return {true, ""};
   }
 
   mutable std::mutex mutex_;

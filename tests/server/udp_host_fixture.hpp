@@ -58,7 +58,7 @@ class UdpHost : public ::testing::Test {
   /// Takes what games said, and obeys it.
   void takeCommands() {
     for (auto& s : host.takeCommands()) {
-      if (s.message.order.type == OrderType::kEmergencyStop) host.finishStop(s, true);
+      if (s.order.is<orders::EmergencyStop>()) host.finishStop(s, true);
       said.push_back(std::move(s));
     }
   }
@@ -82,12 +82,14 @@ class UdpHost : public ::testing::Test {
     settle();
   }
   std::uint64_t ignored(UdpIgnored reason) const { return counters.ignoredFor(reason); }
-  int saidOf(OrderType type) const {
-    return static_cast<int>(
-        std::count_if(said.begin(), said.end(), [type](const ReceivedCommand& s) {
-          return s.message.type == wire::ClientMessageType::kOrder && s.message.order.type == type;
-        }));
+  /// Orders of any of these kinds.
+  template <class... Kinds>
+  int saidOf() const {
+    return static_cast<int>(std::count_if(said.begin(), said.end(), [](const ReceivedCommand& s) {
+      return (s.order.is<Kinds>() || ...);
+    }));
   }
+  int gentleStops() const { return saidOf<orders::Stop, orders::Rest>(); }
 
   FakeBackend backend;
   ControlsArbiter controls;

@@ -53,9 +53,9 @@ TEST_F(UdpHost, WhatMustArrive_IsNotTakenByDatagram) {
   for (const auto& message : all) game.say(message);
   settle();
   ASSERT_EQ(said.size(), 5U) << "every stop, an aim and a heartbeat";
-  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
-  EXPECT_EQ(saidOf(OrderType::kStop), 2) << "a rest is one";
-  EXPECT_EQ(saidOf(OrderType::kAim), 1);
+  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
+  EXPECT_EQ(gentleStops(), 2) << "a rest is one";
+  EXPECT_EQ(saidOf<orders::Aim>(), 1);
   EXPECT_EQ(ignored(UdpIgnored::kMessage), all.size() - 5);
 }
 
@@ -71,7 +71,7 @@ TEST_F(UdpHost, GameWithoutWebSocket_MayAlsoTakeTheControlsAndSteer) {
   (void)host.takeCommands();
   for (const auto& message : words::oneOfEach()) arrive(kGame, board.datagram(message));
   std::vector<std::string> names;
-  for (const ReceivedCommand& s : host.takeCommands()) names.emplace_back(wire::nameOf(s.message));
+  for (const ReceivedCommand& s : host.takeCommands()) names.emplace_back(s.order.row().name);
   EXPECT_EQ(names,
             (std::vector<std::string>{"Stop", "EmergencyStop", "Aim", "Steer", "TakeControls",
                                       "ReleaseControls", "Heartbeat", "Rest"}));
@@ -91,13 +91,13 @@ TEST_F(UdpHost, AddressThatHearsNothing_GetsNoMoreThanWasSent) {
     ASSERT_LE(sent_bytes, got) << "tick " << tick;
   }
   EXPECT_EQ(counters.states_sent, 0U);
-  EXPECT_EQ(saidOf(OrderType::kAim), 0) << "it may only stop";
+  EXPECT_EQ(saidOf<orders::Aim>(), 0) << "it may only stop";
   game.say(words::emergencyStop(9999));
   game.say(words::stop(10'000));
   game.say(words::rest(10'001));
   settle();
-  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
-  EXPECT_EQ(saidOf(OrderType::kStop), 2);
+  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
+  EXPECT_EQ(gentleStops(), 2);
 }
 
 TEST_F(UdpHost, LateStop_IsHandedOnOnce) {
@@ -109,10 +109,10 @@ TEST_F(UdpHost, LateStop_IsHandedOnOnce) {
   arrive(kGame, late);
   arrive(kElsewhere, late);
   settle();
-  EXPECT_EQ(saidOf(OrderType::kStop), 1);
+  EXPECT_EQ(gentleStops(), 1);
   game.say(words::stop(5));  // repeated until a state shows it
   settle();
-  EXPECT_EQ(saidOf(OrderType::kStop), 2);
+  EXPECT_EQ(gentleStops(), 2);
 }
 
 TEST_F(UdpHost, OneSilentDatagram_BringsOneHeader) {
@@ -174,13 +174,13 @@ TEST_F(UdpHost, DatagramPlayedBack_ActsOnce) {
   for (int i = 0; i < 10; ++i) arrive(kGame, first);
   arrive(kElsewhere, first);
   settle();
-  EXPECT_EQ(saidOf(OrderType::kAim), 2);
+  EXPECT_EQ(saidOf<orders::Aim>(), 2);
   EXPECT_EQ(ignored(UdpIgnored::kStale), 11U);
   EXPECT_TRUE(host.peers().front().endpoint == kGame) << "nobody moves a game by an old datagram";
   pass(1100);  // nor when it is gone
   arrive(kElsewhere, first);
   settle();
-  EXPECT_EQ(saidOf(OrderType::kAim), 2);
+  EXPECT_EQ(saidOf<orders::Aim>(), 2);
 }
 
 TEST_F(UdpHost, ConversationPlayedBackToAKeyOfTheStart_MovesNothing) {
@@ -210,7 +210,7 @@ TEST_F(UdpHost, LateEmergencyStop_IsObeyedAllTheSameAndOnce) {
   arrive(kGame, late);
   game.say(words::emergencyStop(5));  // repeated until it is seen
   settle();
-  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
+  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
   pass(200);
   EXPECT_EQ(game.last.rate_or_stop, 5U) << "the game is shown that it was obeyed";
 }
@@ -245,7 +245,7 @@ TEST_F(UdpHost, EmergencyStopUnderAnyNumber_IsObeyed) {
     game.say(words::emergencyStop(id));
   }
   settle();
-  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 5);
+  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 5);
 }
 
 TEST_F(UdpHost, MoreCommandsThanTicks_AreIgnoredButStops) {
@@ -253,11 +253,11 @@ TEST_F(UdpHost, MoreCommandsThanTicks_AreIgnoredButStops) {
   for (std::uint32_t id = 1; id <= 2000; ++id) game.say(words::aim(id, {0.1F}));
   game.say(words::emergencyStop(3000));
   settle();
-  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
+  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
   // What connecting cost counts, too: two signs of life.
-  EXPECT_GE(saidOf(OrderType::kAim), Host::kMostCommands - 2);
-  EXPECT_LE(saidOf(OrderType::kAim), Host::kMostCommands);
-  EXPECT_EQ(ignored(UdpIgnored::kRate), 2000U - saidOf(OrderType::kAim));
+  EXPECT_GE(saidOf<orders::Aim>(), Host::kMostCommands - 2);
+  EXPECT_LE(saidOf<orders::Aim>(), Host::kMostCommands);
+  EXPECT_EQ(ignored(UdpIgnored::kRate), 2000U - saidOf<orders::Aim>());
 }
 
 TEST_F(UdpHost, RandomBytesFromAGame_ChangeNothing) {

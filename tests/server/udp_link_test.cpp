@@ -52,7 +52,7 @@ TEST_F(UdpLink, LossDoublesAndDisorder_BringNoStaleStateAndNoStaleAim) {
     if (ms % 2 == 0) game.say(words::aim(++aimed, {0.1F}));
     tick();
     for (; judged + 1 < said.size(); ++judged) {
-      ASSERT_LT(said[judged].message.id, said[judged + 1].message.id);
+      ASSERT_LT(said[judged].order.id, said[judged + 1].order.id);
     }
   }
   ASSERT_TRUE(std::is_sorted(game.state_ticks.begin(), game.state_ticks.end()));
@@ -78,12 +78,12 @@ TEST_F(UdpLink, EmergencyStopRepeatedEvery10ms_IsObeyedWithin60msAndSeen) {
   std::int64_t slowest_ms = 0;
   for (std::uint32_t id = 1; id <= 500; ++id) {
     const std::int64_t pressed_ns = now_ns;
-    const int before = saidOf(OrderType::kEmergencyStop);
+    const int before = saidOf<orders::EmergencyStop>();
     std::int64_t obeyed_ms = -1;
     for (int ms = 0; ms < 1000 && game.last.rate_or_stop != id; ++ms) {
       if (ms % 10 == 0) game.say(words::emergencyStop(id));
       tick();
-      if (obeyed_ms < 0 && saidOf(OrderType::kEmergencyStop) > before) {
+      if (obeyed_ms < 0 && saidOf<orders::EmergencyStop>() > before) {
         obeyed_ms = (now_ns - pressed_ns) / kMillisecond_ns;
       }
     }
@@ -95,7 +95,7 @@ TEST_F(UdpLink, EmergencyStopRepeatedEvery10ms_IsObeyedWithin60msAndSeen) {
       if (ms % 10 == 0) game.say();
       tick();
     }
-    ASSERT_EQ(saidOf(OrderType::kEmergencyStop), 0) << "it acts once";
+    ASSERT_EQ(saidOf<orders::EmergencyStop>(), 0) << "it acts once";
   }
   test::figure("UDP with 10 % lost, 5 % doubled, 5 % late: slowest of 500 emergency stops",
                static_cast<double>(slowest_ms), "ms");

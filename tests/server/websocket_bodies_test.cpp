@@ -50,8 +50,8 @@ TEST_F(BodiesTest, OnlyTheHolderOfTheControls_OrdersBodies) {
   const auto holds = client("");
   ASSERT_TRUE(ask(*holds, takeControls(1)).accepted);
   for (const auto& order : orders(2)) EXPECT_TRUE(ask(*holds, order).accepted);
-  EXPECT_EQ(program.askedFor(OrderType::kPrepareShapes, 1).size(), 1U);
-  EXPECT_EQ(program.askedFor(OrderType::kOrderBodies, 5).size(), 5U);
+  EXPECT_EQ(program.askedFor<orders::PrepareShapes>(1).size(), 1U);
+  EXPECT_EQ(program.askedForBodies(5).size(), 5U);
   const auto refuses = [&](const char* role, fb::Refusal refusal) {
     const auto other = client(role);
     for (const auto& order : orders(1)) EXPECT_EQ(ask(*other, order).refusal, refusal) << role;
@@ -60,7 +60,7 @@ TEST_F(BodiesTest, OnlyTheHolderOfTheControls_OrdersBodies) {
   refuses("?role=player", fb::Refusal::NotHolder);
   refuses("?role=therapist", fb::Refusal::NotHolder);
   refuses("?role=watcher", fb::Refusal::OnlyWatches);
-  EXPECT_EQ(program.askedFor(OrderType::kOrderBodies, 5).size(), 5U);
+  EXPECT_EQ(program.askedForBodies(5).size(), 5U);
 }
 
 TEST_F(BodiesTest, CountsThatNoSceneAllows_AreRefusedAndNothingIsAsked) {
@@ -76,7 +76,7 @@ TEST_F(BodiesTest, CountsThatNoSceneAllows_AreRefusedAndNothingIsAsked) {
     EXPECT_EQ(reply.refusal, fb::Refusal::Unreadable);
     EXPECT_NE(reply.reason.find("must be in [1, "), std::string::npos) << reply.reason;
   }
-  EXPECT_TRUE(program.askedFor(OrderType::kOrderBodies, 1, 0ms).empty());
+  EXPECT_TRUE(program.askedForBodies(1, 0ms).empty());
 }
 
 TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsManyMessages) {
@@ -114,7 +114,7 @@ TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsManyMessages) {
     readAll();
     dropped = std::max(0.0, refused("rate"));
     // On a busy machine the test is silent for 200 ms at times, and holds the controls no longer.
-    passed = static_cast<double>(program.askedFor(OrderType::kPrepareShapes, 0).size()) +
+    passed = static_cast<double>(program.askedFor<orders::PrepareShapes>(0).size()) +
              std::max(0.0, refused("not_holder"));
   }
   EXPECT_EQ(dropped + passed, kSent);

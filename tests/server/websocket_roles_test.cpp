@@ -70,7 +70,7 @@ TEST_F(RolesTest, TherapistWhileAPlayerPlays_IsObeyedInAllButSteering) {
   EXPECT_TRUE(ask(*leads, stop(++id)).accepted);
   EXPECT_TRUE(ask(*leads, arm(++id)).accepted);
   EXPECT_EQ(ask(*leads, steer(++id, fb::Steering::Person)).refusal, fb::Refusal::NotHolder);
-  EXPECT_EQ(program.askedFor(OrderType::kSetParameter, 1).size(), 1U);
+  EXPECT_EQ(program.askedFor<orders::SetParameter>(1).size(), 1U);
 }
 
 TEST_F(RolesTest, TherapistWhoTakesTheSteering_GetsItAndThePlayerIsTold) {
@@ -86,9 +86,9 @@ TEST_F(RolesTest, TherapistWhoTakesTheSteering_GetsItAndThePlayerIsTold) {
   EXPECT_EQ(ask(*plays, aim(2, {0.1F})).refusal, fb::Refusal::NotHolder);
   EXPECT_EQ(ask(*plays, takeControls(3)).refusal, fb::Refusal::ControlsHeld);
   // The player's aim does not go on: who steers is said anew (ADR 17).
-  const auto steered = program.askedFor(OrderType::kSteer, 1);
+  const auto steered = program.askedFor<orders::Steer>(1);
   ASSERT_EQ(steered.size(), 1U);
-  EXPECT_EQ(steered[0].order.steering, Steering::kVirtualPatient);
+  EXPECT_EQ(steered[0].order.as<orders::Steer>()->by, Steering::kVirtualPatient);
   EXPECT_TRUE(ask(*leads, releaseControls(2)).accepted);
   EXPECT_TRUE(ask(*plays, takeControls(4)).accepted);
 }
@@ -114,7 +114,7 @@ TEST_F(RolesTest, PlayerWhoIsLed_IsRefusedInWordsWhatIsTheTherapists) {
   EXPECT_EQ(ask(*plays, arm(4)).refusal, fb::Refusal::TherapistOnly);
   EXPECT_TRUE(ask(*plays, steer(5, fb::Steering::Person)).accepted);
   EXPECT_TRUE(ask(*plays, aim(6, {0.1F})).accepted);
-  EXPECT_TRUE(program.askedFor(OrderType::kArm, 1, 50ms).empty());
+  EXPECT_TRUE(program.askedFor<orders::Arm>(1, 50ms).empty());
   EXPECT_EQ(refused("role"), 3.0);
 }
 
@@ -140,7 +140,7 @@ TEST_F(RolesTest, Watcher_SeesEverythingAndMayOnlyStop) {
   EXPECT_EQ(ask(*watches, takeControls(1)).refusal, fb::Refusal::OnlyWatches);
   EXPECT_EQ(ask(*watches, stop(2)).refusal, fb::Refusal::OnlyWatches);
   EXPECT_TRUE(ask(*watches, emergencyStop(3)).accepted);
-  EXPECT_EQ(program.askedFor(OrderType::kEmergencyStop, 1).size(), 1U);
+  EXPECT_EQ(program.askedFor<orders::EmergencyStop>(1).size(), 1U);
 }
 
 TEST_F(RolesTest, PlayerThatIsStopped_GivesTheControlsBackAndKeepsThemThroughALoad) {
@@ -160,9 +160,8 @@ TEST_F(RolesTest, Rest_IsEndedByTheSamePlayerAndNobodyElses) {
   const auto leads = client("therapist");
   const auto plays = player();
   EXPECT_TRUE(ask(*plays, rest(2)).accepted);
-  const auto rests = program.askedFor(OrderType::kStop, 1);
+  const auto rests = program.askedFor<orders::Rest>(1);
   ASSERT_EQ(rests.size(), 1U);
-  EXPECT_TRUE(rests[0].order.rest);
   show(RunState::kStopped, 3, true);
   ASSERT_TRUE(comeFree()) << "its hand is off";
   const auto other = client("player");
@@ -179,17 +178,17 @@ TEST_F(RolesTest, Rest_IsEndedByTheSamePlayerAndNobodyElses) {
 TEST_F(RolesTest, ArmingByATherapistAfterAPlayerVanished_BringsTheEffortBack) {
   open();
   player().reset();  // its line is lost
-  const auto silent = program.askedFor(OrderType::kOwnerAlive, 1);
+  const auto silent = program.askedFor<orders::OwnerAlive>(1);
   ASSERT_EQ(silent.size(), 1U);
-  EXPECT_EQ(silent[0].order.value, 0.0);
+  EXPECT_FALSE(silent[0].order.as<orders::OwnerAlive>()->alive);
   const auto leads = client("therapist");
   EXPECT_TRUE(ask(*leads, setParameter(1, "lead_in_m", 0.25)).accepted);
-  EXPECT_EQ(program.askedFor(OrderType::kOwnerAlive, 2, 50ms).size(), 1U) << "only a start does";
+  EXPECT_EQ(program.askedFor<orders::OwnerAlive>(2, 50ms).size(), 1U) << "only a start does";
   EXPECT_TRUE(ask(*leads, arm(2)).accepted);
-  const auto alive = program.askedFor(OrderType::kOwnerAlive, 2);
+  const auto alive = program.askedFor<orders::OwnerAlive>(2);
   ASSERT_EQ(alive.size(), 2U);
-  EXPECT_EQ(alive[1].order.value, 1.0);
-  EXPECT_LT(alive[1].at_ns, program.askedFor(OrderType::kArm, 1)[0].at_ns);
+  EXPECT_TRUE(alive[1].order.as<orders::OwnerAlive>()->alive);
+  EXPECT_LT(alive[1].at_ns, program.askedFor<orders::Arm>(1)[0].at_ns);
 }
 
 TEST_F(RolesTest, TokenOfEachRole_OpensThatRoleAndNoMore) {

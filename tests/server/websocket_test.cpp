@@ -117,12 +117,12 @@ TEST_F(WebSocketTest, SecondController_WatchesAndMayOnlyStop) {
   const auto watching = answer(second);
   EXPECT_EQ(watching.reason, "this client does not hold the controls");
   EXPECT_EQ(watching.refusal, fb::Refusal::NotHolder);
-  EXPECT_TRUE(program.askedFor(OrderType::kSteer, 1, 50ms).empty());
+  EXPECT_TRUE(program.askedFor<orders::Steer>(1, 50ms).empty());
   second.say(emergencyStop(3));
   const auto stopped = answer(second);
   EXPECT_TRUE(stopped.accepted);
   EXPECT_EQ(stopped.command, 3U);
-  EXPECT_EQ(program.askedFor(OrderType::kEmergencyStop, 1).size(), 1U);
+  EXPECT_EQ(program.askedFor<orders::EmergencyStop>(1).size(), 1U);
   EXPECT_TRUE(logged("emergency stop"));
   EXPECT_EQ(refused("controls_held"), 1.0);
   EXPECT_EQ(refused("not_holder"), 1.0);
@@ -140,10 +140,10 @@ TEST_F(WebSocketTest, Holder_IsToldToAllAndCommands) {
   EXPECT_FALSE(message(*told).payload_as_Controls()->held_by_you());
   first->say(setParameter(2, "lead_in_m", 0.25));
   EXPECT_TRUE(answer(*first).accepted);
-  const auto set = program.askedFor(OrderType::kSetParameter, 1);
+  const auto set = program.askedFor<orders::SetParameter>(1);
   ASSERT_EQ(set.size(), 1U);
-  EXPECT_EQ(set[0].order.name, "lead_in_m");
-  EXPECT_EQ(set[0].order.value, 0.25);
+  EXPECT_EQ(set[0].order.as<orders::SetParameter>()->name, "lead_in_m");
+  EXPECT_EQ(set[0].order.as<orders::SetParameter>()->value, 0.25);
   first->say(setParameter(3, "lead_in_m", 2.0));  // the program refuses it
   const auto above = answer(*first);
   EXPECT_EQ(above.reason, "lead_in_m = 2: must be in [0, 1]");
@@ -156,9 +156,9 @@ TEST_F(WebSocketTest, Holder_IsToldToAllAndCommands) {
   EXPECT_EQ(loaded.refusal, fb::Refusal::None);
   first->say(releaseControls(5));
   EXPECT_TRUE(answer(*first).accepted);
-  const auto steered = program.askedFor(OrderType::kSteer, 1);
+  const auto steered = program.askedFor<orders::Steer>(1);
   ASSERT_EQ(steered.size(), 1U);
-  EXPECT_EQ(steered[0].order.steering, Steering::kVirtualPatient);
+  EXPECT_EQ(steered[0].order.as<orders::Steer>()->by, Steering::kVirtualPatient);
   EXPECT_EQ(controls.holder(), 0U);
 }
 
@@ -201,8 +201,8 @@ TEST_F(WebSocketTest, UnreadableMessages_EndTheConnectionAndSayWhy) {
   EXPECT_EQ(closing(talker), std::pair(1008, text.reason));
   EXPECT_EQ(refused("malformed"), 3.0);
   EXPECT_EQ(refused("text"), 1.0);
-  EXPECT_TRUE(program.askedFor(OrderType::kSteer, 1, 0ms).empty() ||
-              program.askedFor(OrderType::kSteer, 1, 0ms)[0].order.client == 0);
+  EXPECT_TRUE(program.askedFor<orders::Steer>(1, 0ms).empty() ||
+              program.askedFor<orders::Steer>(1, 0ms)[0].order.client == 0);
 }
 
 // A page sends its heartbeats from another thread, and may number them as it likes.
@@ -237,9 +237,9 @@ TEST_F(WebSocketTest, BadMessages_AreRefusedAndChangeNothing) {
   EXPECT_EQ(again.refusal, fb::Refusal::Replayed);
   client->say(arm(3));
   EXPECT_NE(answer(*client).reason.find("must rise"), std::string::npos);
-  EXPECT_EQ(program.askedFor(OrderType::kArm, 2, 50ms).size(), 1U);
-  EXPECT_TRUE(program.askedFor(OrderType::kSteer, 1, 0ms).empty());
-  EXPECT_TRUE(program.askedFor(OrderType::kAim, 1, 0ms).empty());
+  EXPECT_EQ(program.askedFor<orders::Arm>(2, 50ms).size(), 1U);
+  EXPECT_TRUE(program.askedFor<orders::Steer>(1, 0ms).empty());
+  EXPECT_TRUE(program.askedFor<orders::Aim>(1, 0ms).empty());
   EXPECT_EQ(refused("malformed"), 1.0);
   EXPECT_EQ(refused("schema_version"), 1.0);
   EXPECT_EQ(refused("replayed"), 2.0);
@@ -253,7 +253,7 @@ TEST_F(WebSocketTest, ReplayedEmergencyStop_IsObeyed) {  // better twice than no
   EXPECT_TRUE(answer(client).accepted);
   client.say(emergencyStop(1));
   EXPECT_TRUE(answer(client).accepted);
-  EXPECT_EQ(program.askedFor(OrderType::kEmergencyStop, 2).size(), 2U);
+  EXPECT_EQ(program.askedFor<orders::EmergencyStop>(2).size(), 2U);
 }
 
 TEST_F(WebSocketTest, OversizedMessage_ClosesWith1009AndFreesTheControls) {
@@ -269,9 +269,9 @@ TEST_F(WebSocketTest, OversizedMessage_ClosesWith1009AndFreesTheControls) {
                    static_cast<unsigned char>(frame->payload[1]);
   EXPECT_EQ(code, 1009);
   client->sendFrame(8, frame->payload);
-  const auto alive = program.askedFor(OrderType::kOwnerAlive, 1);
+  const auto alive = program.askedFor<orders::OwnerAlive>(1);
   ASSERT_FALSE(alive.empty());
-  EXPECT_EQ(alive[0].order.value, 0.0);
+  EXPECT_FALSE(alive[0].order.as<orders::OwnerAlive>()->alive);
   EXPECT_EQ(refused("oversized"), 1.0);
   EXPECT_EQ(metric("dropped_clients_total{reason=\"oversized\"}"), 1.0);
   EXPECT_EQ(controls.holder(), 0U);
@@ -293,7 +293,7 @@ TEST_F(WebSocketTest, FloodOfMessages_IsDroppedBut_StopsAreNot) {
     EXPECT_EQ(reply.command, id);
     EXPECT_TRUE(reply.accepted);
   }
-  EXPECT_EQ(program.askedFor(OrderType::kStop, 1).size(), 1U);
+  EXPECT_EQ(program.askedFor<orders::Stop>(1).size(), 1U);
   // 400 at once, and 400 more a second, however slow the machine is.
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   EXPECT_GE(refused("rate"), 199.0 - 400.0 * took.count());
@@ -373,7 +373,7 @@ TEST_F(WebSocketTest, AllPlacesTaken_NewcomerGetsThatOfTheFirstWhoHoldsNothing) 
     ASSERT_LE(metric("clients"), 3.0);
   }
   holds->say(emergencyStop(2));  // still there, and heard
-  EXPECT_EQ(program.askedFor(OrderType::kEmergencyStop, 1).size(), 1U);
+  EXPECT_EQ(program.askedFor<orders::EmergencyStop>(1).size(), 1U);
 }
 
 // All of them ask before the first one is a client.
@@ -412,7 +412,7 @@ TEST_F(WebSocketTest, LogThatStandsStill_HoldsUpNoEmergencyStop) {
   open();
   const auto client = holder();  // which is logged
   client->say(emergencyStop(2));
-  EXPECT_EQ(program.askedFor(OrderType::kEmergencyStop, 1).size(), 1U);
+  EXPECT_EQ(program.askedFor<orders::EmergencyStop>(1).size(), 1U);
   released.set_value();
 }
 
@@ -420,21 +420,21 @@ TEST_F(WebSocketTest, LogThatStandsStill_HoldsUpNoEmergencyStop) {
 TEST_F(WebSocketTest, SilentHolder_LosesTheControlsUntilItTakesThemAnew) {
   open();
   const auto client = holder();
-  auto alive = program.askedFor(OrderType::kOwnerAlive, 1);
+  auto alive = program.askedFor<orders::OwnerAlive>(1);
   ASSERT_GE(alive.size(), 1U);
-  EXPECT_EQ(alive[0].order.value, 0.0);
+  EXPECT_FALSE(alive[0].order.as<orders::OwnerAlive>()->alive);
   while (controls.holder() != 0) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(logged("was silent and lost the controls"));
   client->say(
       heartbeat(0));  // a page's beats have no number of their own: not refused, and of no use
   client->say(aim(3, {0.0F}));
   EXPECT_EQ(answer(*client).refusal, fb::Refusal::NotHolder);
-  EXPECT_EQ(program.askedFor(OrderType::kOwnerAlive, 1).size(), 1U);
+  EXPECT_EQ(program.askedFor<orders::OwnerAlive>(1).size(), 1U);
   client->say(takeControls(4));
   EXPECT_TRUE(answer(*client).accepted);
-  alive = program.askedFor(OrderType::kOwnerAlive, 2);
+  alive = program.askedFor<orders::OwnerAlive>(2);
   ASSERT_GE(alive.size(), 2U);
-  EXPECT_EQ(alive[1].order.value, 1.0);
+  EXPECT_TRUE(alive[1].order.as<orders::OwnerAlive>()->alive);
 }
 
 TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
@@ -442,9 +442,9 @@ TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
   auto client = holder();
   const std::int64_t gone_ns = monotonicNow_ns();
   client.reset();
-  const auto alive = program.askedFor(OrderType::kOwnerAlive, 1);
+  const auto alive = program.askedFor<orders::OwnerAlive>(1);
   ASSERT_EQ(alive.size(), 1U);
-  EXPECT_EQ(alive.back().order.value, 0.0);
+  EXPECT_FALSE(alive.back().order.as<orders::OwnerAlive>()->alive);
   // Silence alone is noticed after 200 ms at the earliest.
   EXPECT_LE(alive.back().at_ns - gone_ns, 100'000'000);
   EXPECT_EQ(controls.holder(), 0U);  // free for the next one, its own reconnection say
@@ -466,10 +466,10 @@ TEST_F(WebSocketTest, AnswerThatComesAfterTheServer_IsLostInPeace) {
   {
     const auto client = holder();
     for (std::uint32_t id = 2; id < 30; ++id) client->say(load(id, "cocktail-bar", 1, ""));
-    (void)program.askedFor(OrderType::kLoadExercise, 20);
+    (void)program.askedFor<orders::LoadExercise>(20);
     server.reset();
   }
-  EXPECT_GE(program.askedFor(OrderType::kLoadExercise, 1).size(), 1U);
+  EXPECT_GE(program.askedFor<orders::LoadExercise>(1).size(), 1U);
   std::this_thread::sleep_for(20ms);  // its threads end
 }
 

@@ -33,17 +33,16 @@ TEST(WireCommissioning, FactsOfAStepThatFailed_AreReadAsTheyWere) {
 TEST(WireCommissioning, AnswerAndHeldButton_AreOrdersWithTheirNumbers) {
   const auto answer = test::orThrow(
       wire::decode(command(3, [](Builder& b) { return fb::CreateAnswerDirect(b, 7, "0.122"); })));
-  EXPECT_EQ(answer.order.type, OrderType::kAnswer);
-  EXPECT_EQ(answer.order.number, 7U);
-  EXPECT_EQ(answer.order.name, "0.122");
+  ASSERT_TRUE(answer.is<orders::Answer>());
+  EXPECT_EQ(answer.as<orders::Answer>()->question, 7U);
+  EXPECT_EQ(answer.as<orders::Answer>()->text, "0.122");
   EXPECT_FALSE(answer.stops());
   const auto hold = test::orThrow(
       wire::decode(command(4, [](Builder& b) { return fb::CreateHoldToMove(b, 9, true); })));
-  EXPECT_EQ(hold.order.type, OrderType::kHoldToMove);
-  EXPECT_EQ(hold.order.number, 9U);
-  EXPECT_TRUE(hold.order.held);
+  ASSERT_TRUE(hold.is<orders::HoldToMove>());
+  EXPECT_EQ(hold.as<orders::HoldToMove>()->press, 9U);
+  EXPECT_TRUE(hold.as<orders::HoldToMove>()->held);
   EXPECT_TRUE(hold.streams()) << "comes by the hundred";
-  EXPECT_EQ(std::string(wire::nameOf(hold)), "HoldToMove");
 }
 
 }  // namespace

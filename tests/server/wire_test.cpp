@@ -273,46 +273,58 @@ std::string wireRefusalOf(const wire::Bytes& bytes) {
 }
 
 TEST(WireDecode, EveryOrder_IsUnderstood) {
-  std::vector<wire::ClientMessage> m;
+  std::vector<Order> m;
   for (const wire::Bytes& bytes : oneOfEach()) m.push_back(test::orThrow(wire::decode(bytes)));
   for (std::size_t i = 0; i < m.size(); ++i) EXPECT_EQ(m[i].id, i + 1);
-  EXPECT_EQ(m[0].order.type, OrderType::kArm);
-  EXPECT_EQ(m[0].order.endings_seen, 1U);
-  EXPECT_EQ(m[1].order.type, OrderType::kStop);
-  EXPECT_EQ(m[2].order.type, OrderType::kEmergencyStop);
-  EXPECT_EQ(m[3].order.type, OrderType::kLoadExercise);
-  EXPECT_EQ(m[3].order.name, "cocktail-bar");
-  EXPECT_EQ(m[3].order.level, 2);
-  EXPECT_EQ(m[3].order.hand, "adult");
-  EXPECT_EQ(m[4].order.aim.size(), 2);
-  EXPECT_EQ(m[4].order.aim[1], static_cast<double>(-0.2F));
-  EXPECT_EQ(m[4].order.help, Help::kNone);
-  EXPECT_EQ(m[5].order.name, "lead_in_m");
-  EXPECT_EQ(m[5].order.value, 0.01);
-  EXPECT_EQ(m[6].order.steering, Steering::kPerson);
-  EXPECT_EQ(m[7].order.action, ExerciseAction::kPause);
-  EXPECT_EQ(m[8].type, wire::ClientMessageType::kTakeControls);
-  EXPECT_EQ(m[8].token, "a token of 18 char");
-  EXPECT_EQ(m[9].type, wire::ClientMessageType::kReleaseControls);
-  EXPECT_EQ(m[10].type, wire::ClientMessageType::kHeartbeat);
-  EXPECT_EQ(m[12].order.type, OrderType::kSetHelp);
-  EXPECT_EQ(m[12].order.help, Help::kSome);
-  EXPECT_STREQ(wire::nameOf(m[12]), "SetHelp");
-  EXPECT_EQ(m[13].order.type, OrderType::kPrepareShapes);
-  EXPECT_EQ(m[13].order.bodies->shape_set, 0);
-  EXPECT_EQ(m[13].order.bodies->pieces.at(0).radius_m, static_cast<double>(0.03F));
+  EXPECT_EQ(std::get<orders::Arm>(m[0].what).endings_seen, 1U);
+  EXPECT_TRUE(m[1].is<orders::Stop>());
+  EXPECT_TRUE(m[2].is<orders::EmergencyStop>());
+  const auto load = std::get<orders::LoadExercise>(m[3].what);
+  EXPECT_EQ(load.exercise, "cocktail-bar");
+  EXPECT_EQ(load.level, 2);
+  EXPECT_EQ(load.hand, "adult");
+  const auto aim = std::get<orders::Aim>(m[4].what);
+  EXPECT_EQ(aim.q.size(), 2);
+  EXPECT_EQ(aim.q[1], static_cast<double>(-0.2F));
+  EXPECT_EQ(aim.by, Help::kNone);
+  EXPECT_EQ(std::get<orders::SetParameter>(m[5].what).name, "lead_in_m");
+  EXPECT_EQ(std::get<orders::SetParameter>(m[5].what).value, 0.01);
+  EXPECT_EQ(std::get<orders::Steer>(m[6].what).by, Steering::kPerson);
+  EXPECT_EQ(std::get<orders::Action>(m[7].what).act, ExerciseAction::kPause);
+  EXPECT_EQ(std::get<orders::TakeControls>(m[8].what).token, "a token of 18 char");
+  EXPECT_TRUE(m[9].is<orders::ReleaseControls>());
+  EXPECT_TRUE(m[10].is<orders::Heartbeat>());
+  EXPECT_EQ(std::get<orders::SetHelp>(m[12].what).help, Help::kSome);
+  EXPECT_STREQ(m[12].row().name, "SetHelp");
+  EXPECT_EQ(bodiesOf(m[13])->shape_set, 0);
+  EXPECT_EQ(bodiesOf(m[13])->pieces.at(0).radius_m, static_cast<double>(0.03F));
   const char* const names[] = {"PrepareShapes", "Spawn",    "Remove",
                                "Teleport",      "SetOwner", "BodyTargets"};
   for (std::size_t i = 0; i < std::size(names); ++i) {
-    EXPECT_STREQ(wire::nameOf(m[13 + i]), names[i]);
+    EXPECT_STREQ(m[13 + i].row().name, names[i]);
     EXPECT_EQ(m[13 + i].streams(), i == 5) << names[i];
   }
-  const SpawnOrder spawned = spawnOrderOf(m[14].order.bodies->commands.at(0));
+  const SpawnOrder spawned = spawnOrderOf(bodiesOf(m[14])->commands.at(0));
   EXPECT_EQ(spawned.generation, 1);
   EXPECT_EQ(spawned.mass_kg, static_cast<double>(0.1F));
   EXPECT_EQ(spawned.pose.position_m.y, static_cast<double>(0.3F));
-  EXPECT_EQ(poseOf(m[16].order.bodies->commands.at(0)).position_m.z, static_cast<double>(0.1F));
-  EXPECT_EQ(spawnOrderOf(m[17].order.bodies->commands.at(0)).owner, BodyOwner::kFixed);
+  EXPECT_EQ(poseOf(bodiesOf(m[16])->commands.at(0)).position_m.z, static_cast<double>(0.1F));
+  EXPECT_EQ(spawnOrderOf(bodiesOf(m[17])->commands.at(0)).owner, BodyOwner::kFixed);
+}
+
+TEST(WireDecode, EveryTypeOfTheSchema_HasExactlyOneRowUnderItsName) {
+  std::size_t programs_own = 0;
+  for (const orders::Row& row : orders::kTable) programs_own += row.wire == 0 ? 1 : 0;
+  EXPECT_EQ(programs_own, 3U);
+  EXPECT_EQ(orders::kTable.size() - programs_own, static_cast<std::size_t>(fb::Order::MAX));
+  for (const fb::Order type : fb::EnumValuesOrder()) {
+    if (type == fb::Order::NONE) continue;
+    std::vector<std::string> names;
+    for (const orders::Row& row : orders::kTable) {
+      if (row.wire == static_cast<std::uint8_t>(type)) names.emplace_back(row.name);
+    }
+    EXPECT_EQ(names, std::vector<std::string>{fb::EnumNameOrder(type)});
+  }
 }
 
 TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
@@ -359,9 +371,11 @@ void survives(std::span<const std::uint8_t> bytes) {
   const wire::Bytes exact(bytes.begin(), bytes.end());
   const auto m = wire::decode(exact);
   if (!m) return;
-  EXPECT_TRUE(std::isfinite(m->order.value));
-  EXPECT_TRUE(allFinite(m->order.aim));
-  EXPECT_LE(m->order.aim.size(), kMaxAxes);
+  if (const auto* set = m->as<orders::SetParameter>()) EXPECT_TRUE(std::isfinite(set->value));
+  if (const auto* aim = m->as<orders::Aim>()) {
+    EXPECT_TRUE(allFinite(aim->q));
+    EXPECT_LE(aim->q.size(), kMaxAxes);
+  }
 }
 
 TEST(WireDecode, CutAnywhere_NeverReadsBeyond) {

@@ -55,23 +55,22 @@ class GameInAStation : public Bar {
     load(config);
     run(false);
   }
-  static Order bodies(OrderType type, BodyOrders orders, std::uint32_t claim = 0) {
-    Order order;
-    order.type = type;
+  template <class Kind>
+  static Order bodies(BodyOrders all, std::uint32_t claim = 0) {
+    Order order{Kind{{std::make_shared<const BodyOrders>(std::move(all))}}};
     order.claim = claim;
-    order.bodies = std::make_shared<const BodyOrders>(std::move(orders));
     return order;
   }
   static Order prepare(int set, std::vector<Shape> pieces) {
-    BodyOrders orders;
-    orders.shape_set = set;
-    orders.pieces = std::move(pieces);
-    return bodies(OrderType::kPrepareShapes, std::move(orders));
+    BodyOrders all;
+    all.shape_set = set;
+    all.pieces = std::move(pieces);
+    return bodies<orders::PrepareShapes>(std::move(all));
   }
   static Order say(std::vector<Command> commands, std::uint32_t claim = 0) {
-    BodyOrders orders;
-    orders.commands = std::move(commands);
-    return bodies(OrderType::kOrderBodies, std::move(orders), claim);
+    BodyOrders all;
+    all.commands = std::move(commands);
+    return bodies<orders::Spawn>(std::move(all), claim);  // the station reads the commands
   }
   /// State of a slot's body as clients are told; parked where there is none.
   SlotState stateOf(int slot) {
@@ -164,12 +163,12 @@ TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
   EXPECT_EQ(refusalOf(spawnCommand(lost), "must be finite"), OrderRefusal::kBadPose);
   EXPECT_EQ(station_->status().registered->size(), 999U);
   // They are there when it is armed, and end with their session.
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().registered->size(), 999U);
   EXPECT_EQ(refusalOf(bodyTargetCommand(kFirstNumber + 1, 1, {}), "owner Game"),
             OrderRefusal::kNotTheGames);
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   EXPECT_TRUE(station_->status().registered->empty());
 }
@@ -190,7 +189,7 @@ TEST_F(GameInAStation, SlotOfARegisteredBody_IsNotSpawnedInto) {
 
 TEST_F(GameInAStation, DeviceThatMovesAPerson_IsArmedAfterARehearsalWithTheSlotsFull) {
   runForAPerson(1, nullptr);
-  const OrderReply armed = ask(OrderType::kArm);
+  const OrderReply armed = ask(orders::Arm{});
   if (!armed.accepted) {  // a machine may be too slow for it, and for nothing else
     EXPECT_EQ(armed.refusal, Refusal::kRehearsalFailed) << armed.reason;
     EXPECT_NE(armed.reason.find("µs of CPU time (p99.9)"), std::string::npos) << armed.reason;
@@ -203,7 +202,7 @@ TEST_F(GameInAStation, DeviceThatMovesAPerson_IsRefusedWithWhatPassesWhereTheTic
   runForAPerson(3, [](const TickRecord& record) -> std::int64_t {
     return record.exercise.values[2] > 1 ? 1'000'000'000'000 : 0;
   });
-  const OrderReply armed = ask(OrderType::kArm);
+  const OrderReply armed = ask(orders::Arm{});
   ASSERT_FALSE(armed.accepted);
   EXPECT_EQ(armed.refusal, Refusal::kRehearsalFailed);
   EXPECT_NE(armed.reason.find("budget.awake = 3"), std::string::npos) << armed.reason;
@@ -226,7 +225,7 @@ TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
   EXPECT_EQ(ask(say({removeCommand(5, 2)})).items.at(0).refusal, OrderRefusal::kWrongGeneration);
   ASSERT_TRUE(ask(say({removeCommand(5, 1)})).accepted);
   EXPECT_EQ(station_->status().bodies, nullptr);
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(4) == SlotState::kSolid; }));
   const auto told = station_->status().bodies;
   ASSERT_EQ(told->size(), 1U);
@@ -237,12 +236,12 @@ TEST_F(GameInAStation, WhatIsKept_IsHandedOverOnce) {
   runGame(false);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   EXPECT_EQ(ask(prepare(0, {ballShape(0.03)})).refusal, Refusal::kStillStopping);
   ASSERT_TRUE(becomes(RunState::kStopped));
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().bodies, nullptr);
   // Shapes are those of a session.
@@ -275,7 +274,7 @@ TEST_F(GameInAStation, MoreThanALoopTakesAtOnce_IsNotKept) {
   EXPECT_EQ(kept, 144);  // two commands each, 288 in all
   EXPECT_EQ(ask(say({removeCommand(0, 1)})).items.at(0).refusal, OrderRefusal::kWrongGeneration)
       << "a spawn could be taken back";
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   EXPECT_TRUE(rendersOn());
 }
 
@@ -284,12 +283,12 @@ TEST_F(GameInAStation, WhatAnEarlierHolderKept_IsForgotten) {
   BodyOrders shapes;
   shapes.shape_set = 0;
   shapes.pieces = {ballShape(0.03)};
-  ASSERT_TRUE(ask(bodies(OrderType::kPrepareShapes, shapes, 1)).accepted);
+  ASSERT_TRUE(ask(bodies<orders::PrepareShapes>(shapes, 1)).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))}, 1)).accepted);
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}, 2));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
   EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().bodies, nullptr);
 }
@@ -298,7 +297,7 @@ TEST_F(GameInAStation, WhatIsKept_IsForgottenWhenAnExerciseIsLoaded) {
   runGame(false);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
-  ASSERT_TRUE(ask(OrderType::kLoadExercise).accepted);
+  ASSERT_TRUE(ask(orders::LoadExercise{}).accepted);
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
   EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);
@@ -335,16 +334,13 @@ TEST_F(GameInAStation, MoreThanTheLoopTakes_IsAnsweredBusyAndTakenLater) {
 TEST_F(GameInAStation, WhileTheGameIsSilent_NothingIsSpawned) {
   runGame(true);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
-  Order silent = of(OrderType::kOwnerAlive);
-  silent.value = 0.0;
-  ASSERT_TRUE(ask(silent).accepted);
+  ASSERT_TRUE(ask(orders::OwnerAlive{false}).accepted);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted)
       << "the loop refuses it, by an event";
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(stateOf(0), SlotState::kParked);
-  silent.value = 1.0;
-  ASSERT_TRUE(ask(silent).accepted);
+  ASSERT_TRUE(ask(orders::OwnerAlive{true}).accepted);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0, 2))})).accepted);
   EXPECT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));

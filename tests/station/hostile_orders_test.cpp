@@ -30,8 +30,8 @@ TEST_F(HostileOrders, LogThatStandsStill_HoldsUpNoStop) {
   };
   load(config);
   run(false);
-  for (const OrderType stop : {OrderType::kEmergencyStop, OrderType::kStop}) {
-    later(OrderType::kArm);
+  for (const orders::Any& stop : kStops) {
+    later(orders::Arm{});
     ASSERT_TRUE(squeezes());
     ASSERT_TRUE(ask(stop).accepted);
     ASSERT_TRUE(becomes(RunState::kStopped));
@@ -51,8 +51,7 @@ TEST_F(HostileOrders, LogThatStandsStill_HoldsUpNoStop) {
 
 TEST_F(HostileOrders, FloodOfLoads_IsRefusedAndTheNextPersonArms) {
   run(false);
-  Order load = of(OrderType::kLoadExercise);
-  load.level = 2;
+  const Order load = of(kLoadLevel2);
   for (int i = 0; i < 1000; ++i) {
     station_->order(load, [this](const OrderReply& reply) {
       ++answered_;
@@ -60,9 +59,9 @@ TEST_F(HostileOrders, FloodOfLoads_IsRefusedAndTheNextPersonArms) {
     });
   }
   EXPECT_GE(refused_count_, 980) << "each takes a second: a thousand would keep everybody waiting";
-  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   ASSERT_TRUE(becomes([&] { return answered_ == 1000; }));
-  EXPECT_TRUE(ask(OrderType::kArm).accepted);
+  EXPECT_TRUE(ask(orders::Arm{}).accepted);
   EXPECT_TRUE(rendersOn());
 }
 
@@ -71,21 +70,15 @@ TEST_F(HostileOrders, FloodOfLoads_IsRefusedAndTheNextPersonArms) {
 TEST_F(HostileOrders, WordOfAFormerHolder_ChangesNothingAnyMore) {
   run(true);
   ASSERT_TRUE(squeezes());
-  Order alive = of(OrderType::kOwnerAlive, 2);
-  alive.value = 1.0;
-  ASSERT_TRUE(ask(alive).accepted);
-  alive.claim = 1;
-  alive.value = 0.0;
-  EXPECT_EQ(ask(alive).refusal, Refusal::kNotHolder);
-  Order steer = of(OrderType::kSteer, 1);
-  steer.steering = Steering::kPerson;
-  EXPECT_EQ(ask(steer).refusal, Refusal::kNotHolder);
-  EXPECT_EQ(ask(of(OrderType::kLoadExercise, 1)).refusal, Refusal::kNotHolder);
+  ASSERT_TRUE(ask(of(orders::OwnerAlive{true}, 2)).accepted);
+  EXPECT_EQ(ask(of(orders::OwnerAlive{false}, 1)).refusal, Refusal::kNotHolder);
+  EXPECT_EQ(ask(of(orders::Steer{Steering::kPerson}, 1)).refusal, Refusal::kNotHolder);
+  EXPECT_EQ(ask(of(orders::LoadExercise{}, 1)).refusal, Refusal::kNotHolder);
   const std::uint64_t before = records_;
   ASSERT_TRUE(becomes([&] { return records_ > before + 400; }));  // longer than its fade, 300 ms
   EXPECT_EQ(alpha(), 1.0) << "the exercise of the present holder still pushes";
   EXPECT_EQ(station_->status().steering, Steering::kVirtualPatient);
-  EXPECT_TRUE(ask(of(OrderType::kStop, 1)).accepted) << "a stop never comes too late";
+  EXPECT_TRUE(ask(of(orders::Stop{}, 1)).accepted) << "a stop never comes too late";
   EXPECT_TRUE(becomes(RunState::kStopped));
 }
 
@@ -94,10 +87,8 @@ TEST_F(HostileOrders, QueueFullOfAims_SilenceIsHeardAllTheSame) {
   ASSERT_TRUE(squeezes());
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
-  Order aim = of(OrderType::kAim);
-  aim.aim = record.q_m;
-  Order silent = of(OrderType::kOwnerAlive);
-  silent.value = 0.0;
+  const Order aim = of(orders::Aim{record.q_m});
+  const Order silent = of(orders::OwnerAlive{false});
   int dropped = 0;
   for (int i = 0; i < 20'000 || dropped == 0; ++i) {
     station_->order(aim, [&](const OrderReply& reply) { dropped += reply.accepted ? 0 : 1; });
@@ -110,22 +101,20 @@ TEST_F(HostileOrders, QueueFullOfAims_SilenceIsHeardAllTheSame) {
 
 TEST_F(HostileOrders, EmergencyStopBeforeTheRun_IsNotForgotten) {
   load(barConfig());
-  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   run(true);
   staysAt(RunState::kStopped);  // and is shown as what it is
   EXPECT_EQ(records_, 0U) << kAlways;
-  EXPECT_TRUE(ask(OrderType::kArm).accepted) << "somebody wants it now";
+  EXPECT_TRUE(ask(orders::Arm{}).accepted) << "somebody wants it now";
   EXPECT_TRUE(rendersOn());
 }
 
 TEST_F(HostileOrders, LimitLoweredWhileArming_HoldsInThatSession) {
   run(false);
-  auto answer = askLater(of(OrderType::kArm));
+  auto answer = askLater(of(orders::Arm{}));
   // What it begins with is settled; the world is being built.
   ASSERT_TRUE(becomes([&] { return station_->status().session == 1U; }));
-  Order limit = of(OrderType::kSetParameter);
-  limit.name = "effort_limit_arm_n";
-  limit.value = 8.0;
+  const orders::SetParameter limit{"effort_limit_arm_n", 8.0};
   ASSERT_TRUE(ask(limit).accepted);
   ASSERT_TRUE(answer.get().accepted);
   TickRecord record;
@@ -138,14 +127,14 @@ TEST_F(HostileOrders, LimitLoweredWhileArming_HoldsInThatSession) {
 TEST_F(HostileOrders, SessionLeftAlone_EndsWhereAClientArmedIt) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(OrderType::kUnattended).accepted);
+  ASSERT_TRUE(ask(orders::Unattended{}).accepted);
   EXPECT_TRUE(rendersOn()) << "the demo goes on";
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(OrderType::kUnattended).accepted);
+  ASSERT_TRUE(ask(orders::Unattended{}).accepted);
   EXPECT_TRUE(becomes(RunState::kStopped)) << "it would be recorded for ever";
 }
 
@@ -157,9 +146,7 @@ TEST_F(HostileOrders, LoadDuringARunWithAnEnd_EndsWithIt) {
     ended = true;
   });
   ASSERT_TRUE(rendersOn());
-  Order load = of(OrderType::kLoadExercise);
-  load.level = 2;
-  ASSERT_TRUE(ask(load).accepted);
+  ASSERT_TRUE(ask(kLoadLevel2).accepted);
   EXPECT_TRUE(becomes([&] { return ended.load(); }));
 }
 
@@ -187,32 +174,45 @@ TEST_F(HostileOrders, MutatedMessages_NeverPushBeyondTheLimitsNorPastAnEmergency
       bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
     }
     const auto message = wire::decode(bytes);
-    if (!message || message->type != wire::ClientMessageType::kOrder) continue;
-    Order order = message->order;
-    if (order.type == OrderType::kAim) order.aim = AxisPosition(6, order.aim[0]);
-    if (order.type == OrderType::kSetParameter) order.name = "effort_limit_arm_n";
+    if (!message) continue;
+    Order order = *message;
+    if (auto* aim = std::get_if<orders::Aim>(&order.what)) aim->q = AxisPosition(6, aim->q[0]);
+    if (auto* set = std::get_if<orders::SetParameter>(&order.what))
+      set->name = "effort_limit_arm_n";
     order.claim = static_cast<std::uint32_t>(random() % 4);
     station_->order(order, [](const OrderReply&) {});
     ++understood;
     if (understood % 16 == 0) std::this_thread::sleep_for(1ms);
   }
   EXPECT_GT(understood, 100);
-  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   ASSERT_TRUE(becomes([&] {
     const RunState state = station_->status().run_state;
     return state != RunState::kRendering && state != RunState::kRampingDown;
   })) << "whatever waits to be loaded or armed was asked for before the stop";
   staysAt(station_->status().run_state);
   EXPECT_EQ(beyond, 0) << kAlways;
-  EXPECT_TRUE(becomes([&] { return ask(OrderType::kArm).accepted; }));
+  EXPECT_TRUE(becomes([&] { return ask(orders::Arm{}).accepted; }));
   EXPECT_TRUE(becomes(RunState::kRendering)) << "the next person is served";
+}
+
+TEST_F(HostileOrders, OfAKindThatIsCarriedOutElsewhere_AreRefusedByName) {
+  load(barConfig());
+  for (const orders::Any& what :
+       {orders::Any(orders::TakeControls{}), orders::Any(orders::ReleaseControls{}),
+        orders::Any(orders::Heartbeat{})}) {
+    const Order order = of(what);
+    const OrderReply reply = ask(order);
+    EXPECT_EQ(reply.refusal, Refusal::kNotHere);
+    EXPECT_NE(reply.reason.find(order.row().name), std::string::npos) << reply.reason;
+  }
 }
 
 TEST_F(HostileOrders, AfterTheEnd_NobodyWaitsForAnAnswer) {
   run(false);
   (void)quit();
-  EXPECT_EQ(ask(OrderType::kArm).refusal, Refusal::kEnding);
-  EXPECT_FALSE(ask(OrderType::kAction).accepted);
+  EXPECT_EQ(ask(orders::Arm{}).refusal, Refusal::kEnding);
+  EXPECT_FALSE(ask(orders::Action{}).accepted);
 }
 
 }  // namespace

@@ -131,16 +131,8 @@ class StationProfiles : public Bar {
     load(config);
     run(false);
   }
-  OrderReply ask(OrderType type, const std::string& name) {
-    Order order = of(type);
-    order.name = name;
-    return Bar::ask(order);
-  }
   OrderReply set(const std::string& name, double value) {
-    Order order = of(OrderType::kSetParameter);
-    order.name = name;
-    order.value = value;
-    return Bar::ask(order);
+    return ask(orders::SetParameter{name, value});
   }
   double parameter(const std::string& name) {
     const auto scene = station_->scene();
@@ -154,7 +146,7 @@ class StationProfiles : public Bar {
 TEST_F(StationProfiles, SavedBeforeARestart_HoldsAfterItFromTheFirstTick) {
   begin();
   ASSERT_TRUE(set("lead_in_m", 0.004).accepted);
-  ASSERT_TRUE(ask(OrderType::kSaveProfile, "p-014").accepted);
+  ASSERT_TRUE(ask(orders::SaveProfile{"p-014"}).accepted);
   EXPECT_EQ(station_->scene()->profile, "p-014");
   quit();
   station_.reset();
@@ -162,15 +154,15 @@ TEST_F(StationProfiles, SavedBeforeARestart_HoldsAfterItFromTheFirstTick) {
   begin();
   EXPECT_EQ(station_->scene()->profile, "");
   EXPECT_EQ(parameter("lead_in_m"), 0.0);
-  const OrderReply loaded = ask(OrderType::kLoadProfile, "p-014");
+  const OrderReply loaded = ask(orders::LoadProfile{"p-014"});
   ASSERT_TRUE(loaded.accepted) << loaded.reason;
   EXPECT_EQ(station_->scene()->profile, "p-014");
   EXPECT_EQ(parameter("lead_in_m"), 0.004);
-  ASSERT_TRUE(Bar::ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   TickRecord record;
   ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
   EXPECT_EQ(parameter("lead_in_m"), 0.004);  // no ramp from another value
-  EXPECT_EQ(ask(OrderType::kLoadProfile, "p-014").refusal, Refusal::kArmedAlready);
+  EXPECT_EQ(ask(orders::LoadProfile{"p-014"}).refusal, Refusal::kArmedAlready);
 }
 
 /// Every key of one patient, each with a value that is not the one at the start.
@@ -188,21 +180,19 @@ TEST_F(StationProfiles, EveryKeyOfAPatient_HoldsAfterARestart) {
     const OrderReply reply = set(name, value);
     EXPECT_TRUE(reply.accepted) << reply.reason;
   }
-  Order help = of(OrderType::kSetHelp);
-  help.help = Help::kNone;
-  ASSERT_TRUE(Bar::ask(help).accepted);
+  ASSERT_TRUE(ask(orders::SetHelp{Help::kNone}).accepted);
   EXPECT_EQ(station_->status().help, Help::kNone);
-  ASSERT_TRUE(ask(OrderType::kSaveProfile, "p-020").accepted);
+  ASSERT_TRUE(ask(orders::SaveProfile{"p-020"}).accepted);
   quit();
   station_.reset();
 
   begin();
   EXPECT_EQ(station_->status().help, Help::kUnsaid);
-  const OrderReply loaded = ask(OrderType::kLoadProfile, "p-020");
+  const OrderReply loaded = ask(orders::LoadProfile{"p-020"});
   ASSERT_TRUE(loaded.accepted) << loaded.reason;
   EXPECT_EQ(station_->status().help, Help::kNone);
   for (const auto& [name, value] : kOfOnePatient) EXPECT_EQ(parameter(name), value) << name;
-  ASSERT_TRUE(Bar::ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   TickRecord record;
   ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
   for (const auto& [name, value] : kOfOnePatient) EXPECT_EQ(parameter(name), value) << name;
@@ -210,7 +200,7 @@ TEST_F(StationProfiles, EveryKeyOfAPatient_HoldsAfterARestart) {
 
 TEST_F(StationProfiles, EveryKeyOutOfItsRange_IsRefusedByProfileKeyAndRange) {
   begin();
-  ASSERT_TRUE(ask(OrderType::kSaveProfile, "mine").accepted);
+  ASSERT_TRUE(ask(orders::SaveProfile{"mine"}).accepted);
   std::ifstream in(folder_ + "/profiles/mine.toml");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   for (const auto& [name, value] : kOfOnePatient) {
@@ -222,7 +212,7 @@ TEST_F(StationProfiles, EveryKeyOutOfItsRange_IsRefusedByProfileKeyAndRange) {
     other.replace(at + key.size(), text.find('\n', at + 1) - at - key.size(), "1000.0");
     other.replace(other.find("\"mine\""), 6, "\"bad\"");
     std::ofstream(folder_ + "/profiles/bad.toml") << other;
-    const OrderReply reply = ask(OrderType::kLoadProfile, "bad");
+    const OrderReply reply = ask(orders::LoadProfile{"bad"});
     EXPECT_EQ(reply.refusal, Refusal::kOutOfRange) << reply.reason;
     for (const std::string& part : {std::string("bad"), std::string(name), std::string("1000")}) {
       EXPECT_NE(reply.reason.find(part), std::string::npos) << reply.reason;
@@ -245,7 +235,7 @@ TEST_F(StationProfiles, WhatIsThePersonsOwn_StandsWithThePersonAndTheHand) {
 
 TEST_F(StationProfiles, ForAnotherDeviceOrHand_AreRefusedByNameAndChangeNothing) {
   begin();
-  ASSERT_TRUE(ask(OrderType::kSaveProfile, "mine").accepted);
+  ASSERT_TRUE(ask(orders::SaveProfile{"mine"}).accepted);
   const std::string path = folder_ + "/profiles/mine.toml";
   std::ifstream in(path);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -255,7 +245,7 @@ TEST_F(StationProfiles, ForAnotherDeviceOrHand_AreRefusedByNameAndChangeNothing)
     other.replace(other.find(from), from.size(), to);
     other.replace(other.find("\"mine\""), 6, "\"" + name + "\"");
     std::ofstream(folder_ + "/profiles/" + name + ".toml") << other;
-    return ask(OrderType::kLoadProfile, name);
+    return ask(orders::LoadProfile{name});
   };
   const std::string device = station_->scene()->device.name;
   OrderReply reply = altered("device = \"" + device + "\"", "device = \"desktop\"", "elsewhere");
@@ -267,7 +257,7 @@ TEST_F(StationProfiles, ForAnotherDeviceOrHand_AreRefusedByNameAndChangeNothing)
   EXPECT_NE(reply.reason.find("left"), std::string::npos) << reply.reason;
   reply = altered("lead_in_m = 0", "lead_in_m = 9", "far");
   EXPECT_EQ(reply.refusal, Refusal::kOutOfRange);
-  EXPECT_EQ(ask(OrderType::kLoadProfile, "nobody").refusal, Refusal::kUnknownProfile);
+  EXPECT_EQ(ask(orders::LoadProfile{"nobody"}).refusal, Refusal::kUnknownProfile);
   EXPECT_EQ(station_->scene()->profile, "mine");
 }
 

@@ -191,7 +191,7 @@ class RandomStops : public Bar {
     if (random() % 2 == 0) {
       ASSERT_TRUE(page.say(words::emergencyStop(page.nextId())).accepted);
     } else {
-      ASSERT_TRUE(ask(OrderType::kStop).accepted);
+      ASSERT_TRUE(ask(orders::Stop{}).accepted);
     }
   }
 

@@ -34,11 +34,7 @@ class Demonstration : public Bar {
   }
   virtual void change(StationConfig& /*config*/) {}
 
-  OrderReply steer(Steering by) {
-    Order order = of(OrderType::kSteer);
-    order.steering = by;
-    return ask(order);
-  }
+  OrderReply steer(Steering by) { return ask(orders::Steer{by}); }
   /// A page takes the steering as soon as it may.
   bool joins() {
     return becomes([this] { return steer(Steering::kPerson).accepted; });
@@ -168,7 +164,7 @@ TEST_F(Demonstration, ThatEverybodyLeft_BeginsAnewAndKeepsItsRecording) {
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(steer(Steering::kVirtualPatient).accepted);
   const std::uint32_t session = station_->status().session;
-  ASSERT_TRUE(ask(OrderType::kUnattended).accepted);
+  ASSERT_TRUE(ask(orders::Unattended{}).accepted);
   ASSERT_TRUE(isRenewed(session));
   EXPECT_EQ(files().size(), 2U);
   EXPECT_EQ(quit().sessions, 2U);
@@ -180,7 +176,7 @@ TEST_F(Demonstration, ThatEverybodyLeft_BeginsAnewAndKeepsItsRecording) {
 TEST_F(Demonstration, ControlsThatWereTaken_KeepItsRecording) {
   begin();
   const std::uint32_t session = station_->status().session;
-  ASSERT_TRUE(ask(OrderType::kAttended).accepted);
+  ASSERT_TRUE(ask(orders::Attended{}).accepted);
   ahead_s_ += 601;
   std::this_thread::sleep_for(300ms);
   EXPECT_EQ(station_->status().session, session) << kAlways;
@@ -194,7 +190,7 @@ TEST_F(Demonstration, ControlsTakenWhileItIsBegunAnew_KeepTheNextRecording) {
   const std::uint32_t session = station_->status().session;
   ahead_s_ += 601;
   ASSERT_TRUE(becomes([this] { return station_->status().run_state != RunState::kRendering; }));
-  ASSERT_TRUE(ask(OrderType::kAttended).accepted);
+  ASSERT_TRUE(ask(orders::Attended{}).accepted);
   ASSERT_TRUE(isRenewed(session));
   ahead_s_ += 601;
   std::this_thread::sleep_for(300ms);
@@ -207,7 +203,7 @@ TEST_F(Demonstration, StopWhileItIsBegunAnew_StaysStopped) {
   begin();
   ahead_s_ += 601;
   ASSERT_TRUE(becomes([this] { return station_->status().run_state != RunState::kRendering; }));
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   std::this_thread::sleep_for(1500ms);
   const RunState now = station_->status().run_state;
   if (now == RunState::kRampingDown) EXPECT_TRUE(becomes(RunState::kStopped));
@@ -284,21 +280,18 @@ TEST_F(Demonstration, DrawnScripts_LeaveNoSessionOfAPersonUnrecorded) {
           (void)steer(Steering::kVirtualPatient);
           break;
         case 3:
-          (void)ask(OrderType::kUnattended);
+          (void)ask(orders::Unattended{});
           break;
-        case 4: {
-          Order load = of(OrderType::kLoadExercise);
-          load.level = 1 + static_cast<int>(random() % 2);
-          (void)ask(load);
+        case 4:
+          (void)ask(orders::LoadExercise{.level = 1 + static_cast<int>(random() % 2)});
           break;
-        }
         case 5:
-          (void)ask(random() % 2 == 0 ? OrderType::kStop : OrderType::kEmergencyStop);
+          (void)ask(kStops[random() % 2]);
           break;
         default:
           ahead_s_ += 350;
       }
-      if (random() % 3 == 0) (void)ask(OrderType::kArm);
+      if (random() % 3 == 0) (void)ask(orders::Arm{});
     }
     quit();
   }

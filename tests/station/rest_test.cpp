@@ -9,11 +9,6 @@ namespace {
 
 class RestOfAPlayer : public Bar {
  protected:
-  Order rest() const {
-    Order order = of(OrderType::kStop);
-    order.rest = true;
-    return order;
-  }
   bool rested() { return station_->status().rested; }
 };
 
@@ -21,34 +16,34 @@ TEST_F(RestOfAPlayer, OfWhatRenders_IsOneUntilItIsArmedAgain) {
   run(true);
   ASSERT_TRUE(rendersOn());
   EXPECT_FALSE(rested());
-  ASSERT_TRUE(ask(rest()).accepted);
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
   staysAt(RunState::kStopped);
   EXPECT_TRUE(rested()) << "the end of the session belongs to it";
-  ASSERT_TRUE(ask(rest()).accepted);
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
   EXPECT_TRUE(rested()) << "pressed twice";
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_FALSE(rested());
 }
 
 TEST_F(RestOfAPlayer, FollowedByAStop_IsNoneAnyMore) {
-  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+  for (const orders::Any& stop : kStops) {
     if (!thread_.joinable()) run(true);
     ASSERT_TRUE(rendersOn());
-    ASSERT_TRUE(ask(rest()).accepted);
+    ASSERT_TRUE(ask(orders::Rest{}).accepted);
     ASSERT_TRUE(ask(stop).accepted);
     EXPECT_FALSE(rested());
     staysAt(RunState::kStopped);
     EXPECT_FALSE(rested());
-    ASSERT_TRUE(ask(rest()).accepted);
+    ASSERT_TRUE(ask(orders::Rest{}).accepted);
     EXPECT_FALSE(rested()) << "a rest that comes after a stop does not undo it";
-    ASSERT_TRUE(ask(OrderType::kArm).accepted);
+    ASSERT_TRUE(ask(orders::Arm{}).accepted);
   }
 }
 
 TEST_F(RestOfAPlayer, WhileNothingWasEverArmed_IsAStop) {
   run(false);
-  ASSERT_TRUE(ask(rest()).accepted);
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
   EXPECT_EQ(station_->status().run_state, RunState::kStopped);
   EXPECT_FALSE(rested());
 }
@@ -57,14 +52,13 @@ TEST_F(RestOfAPlayer, WhileNothingWasEverArmed_IsAStop) {
 TEST_F(RestOfAPlayer, LimitSetMeanwhile_IsShownAndHoldsInTheNextSession) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(rest()).accepted);
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
   ASSERT_TRUE(becomes([&] { return station_->status().run_state == RunState::kStopped; }));
-  Order limit = of(OrderType::kSetParameter);
-  limit.name = station_->scene()->parameters.front().name;
-  limit.value = station_->scene()->parameters.front().lower;
+  const PublishedParameter first = station_->scene()->parameters.front();
+  const orders::SetParameter limit{first.name, first.lower};
   ASSERT_TRUE(ask(limit).accepted);
   EXPECT_EQ(station_->status().parameters.front(), limit.value);
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().parameters.front(), limit.value);
 }
@@ -114,11 +108,7 @@ class FinishedLevel : public InALevel {
     run(true);
     ASSERT_TRUE(becomes([&] { return value("done") == 1.0; }));
   }
-  bool steer(Steering by) {
-    Order order = of(OrderType::kSteer);
-    order.steering = by;
-    return ask(order).accepted;
-  }
+  bool steer(Steering by) { return ask(orders::Steer{by}).accepted; }
   static constexpr auto kRepeatAfter = 1000ms;
   std::atomic<int> restarts_{0};
 };
@@ -142,9 +132,7 @@ TEST_F(FinishedLevel, OfAPersonWhoLeaves_IsPlayedAgainByTheVirtualPatient) {
 TEST_F(FinishedLevel, BegunAgainByAPerson_IsNotBegunTwice) {
   playToItsEnd();
   ASSERT_TRUE(steer(Steering::kPerson));
-  Order restart = of(OrderType::kAction);
-  restart.action = ExerciseAction::kRestart;
-  ASSERT_TRUE(ask(restart).accepted);
+  ASSERT_TRUE(ask(orders::Action{ExerciseAction::kRestart}).accepted);
   ASSERT_TRUE(becomes([&] { return value("done") == 0.0; }));
   ASSERT_TRUE(steer(Steering::kVirtualPatient));
   std::this_thread::sleep_for(2 * kRepeatAfter);
@@ -165,15 +153,15 @@ class RestInALevel : public InALevel {
 
 TEST_F(RestInALevel, ArmedAgain_GoesOnWithTheDrinkThatWasBegun) {
   playToTheSecondDrink();
-  ASSERT_TRUE(ask(rest()).accepted);
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(value("drink"), 1.0);
   EXPECT_EQ(value("step"), 0.0);
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(value("drink"), 0.0) << "after a stop a level begins at its start";
 }

@@ -29,7 +29,7 @@ TEST_F(SafetyStates, RehearsalThatFails_RefusesToArmAndChangesNothing) {
   config.rehearsal.most_of_period = 1e-6;  // 1 ns
   load(config);
   run(false);
-  const OrderReply reply = ask(OrderType::kArm);
+  const OrderReply reply = ask(orders::Arm{});
   ASSERT_FALSE(reply.accepted);
   EXPECT_NE(reply.reason.find("rehearsal"), std::string::npos) << reply.reason;
   EXPECT_NE(reply.reason.find("most of it"), std::string::npos) << reply.reason;
@@ -49,7 +49,7 @@ TEST_F(SafetyStates, HandInsideABody_RefusesToArmAndChangesNothing) {
   };
   load(config);
   run(false);
-  const OrderReply reply = ask(OrderType::kArm);
+  const OrderReply reply = ask(orders::Arm{});
   ASSERT_FALSE(reply.accepted);
   EXPECT_NE(reply.reason.find("inside the hand"), std::string::npos) << reply.reason;
   EXPECT_EQ(reply.refusal, Refusal::kCannotStart);
@@ -63,9 +63,9 @@ TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
   run(false);
   int overtaken = 0;
   for (const auto after : {0ms, 5ms, 20ms, 60ms, 120ms}) {
-    auto answer = askLater(of(OrderType::kArm));
+    auto answer = askLater(of(orders::Arm{}));
     std::this_thread::sleep_for(after);
-    ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+    ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
     ASSERT_EQ(answer.wait_for(kHang), std::future_status::ready);
     const OrderReply reply = answer.get();
     if (!reply.accepted) {
@@ -77,15 +77,15 @@ TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
     expectNeutral();
   }
   EXPECT_GT(overtaken, 0);
-  ASSERT_TRUE(ask(OrderType::kArm).accepted) << "when somebody wants it anew";
+  ASSERT_TRUE(ask(orders::Arm{}).accepted) << "when somebody wants it anew";
   EXPECT_TRUE(rendersOn());
 }
 
 TEST_F(SafetyStates, RearmingOnTheWayToNeutral_IsRefusedAndChangesNothing) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);  // the exercise fades out first: 0.35 s
-  const OrderReply reply = ask(OrderType::kArm);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);  // the exercise fades out first: 0.35 s
+  const OrderReply reply = ask(orders::Arm{});
   ASSERT_FALSE(reply.accepted);
   EXPECT_EQ(reply.refusal, Refusal::kStillStopping) << reply.reason;
   ASSERT_TRUE(becomes(RunState::kStopped));
@@ -96,7 +96,7 @@ TEST_F(SafetyStates, RearmingOnTheWayToNeutral_IsRefusedAndChangesNothing) {
 TEST_F(SafetyStates, EmergencyStop_IsToldAsOne) {
   run(true);
   ASSERT_TRUE(becomes([&] { return station_->status().safety_state == SafetyState::kRendering; }));
-  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   EXPECT_EQ(station_->status().safety_state, SafetyState::kDisarmed);
   EXPECT_GT(station_->status().fault_ticks[11], 0U) << "Fault::kEmergencyStop";
@@ -133,7 +133,7 @@ TEST_F(SafetyStates, Fault_IsToldWithItsAxisAndHowMuchAndNothingPushesUntilArmed
   EXPECT_EQ(records_, at_rest) << kAlways << "nothing ticks, nothing pushes";
   expectNeutral();
 
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   const LoopStatus anew = station_->status();  // perhaps before its first record
   EXPECT_EQ(anew.run_state, RunState::kRendering);
   EXPECT_EQ(anew.latched, Fault::kNone) << "what latched was the session before";
@@ -169,10 +169,7 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   load(config);
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order;
-  order.type = OrderType::kLoadExercise;
-  order.name = "pile";
-  const OrderReply reply = ask(order);
+  const OrderReply reply = ask(orders::LoadExercise{.exercise = "pile"});
   ASSERT_FALSE(reply.accepted);
   EXPECT_NE(reply.reason.find("\"pile\""), std::string::npos) << reply.reason;
   EXPECT_NE(reply.reason.find("fewer than 3000 shapes"), std::string::npos) << reply.reason;
@@ -185,11 +182,10 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
 TEST_F(SafetyStates, OrdersThatCannotBe_AreRefused) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order aim{.type = OrderType::kAim, .aim = AxisPosition(6)};
-  aim.aim[2] = std::nan("");
+  orders::Aim aim{AxisPosition(6)};
+  aim.q[2] = std::nan("");
   EXPECT_FALSE(ask(aim).accepted);
-  EXPECT_FALSE(ask({.type = OrderType::kSetParameter, .name = "effort_limit_arm_n", .value = -1.0})
-                   .accepted);
+  EXPECT_FALSE(ask(orders::SetParameter{"effort_limit_arm_n", -1.0}).accepted);
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
 }
 

@@ -24,6 +24,9 @@ using namespace std::chrono_literals;
 constexpr auto kHang = 300s;  ///< ends what hangs, not what is slow
 
 inline const std::string kRoot = WHOLEHAND_SOURCE_DIR;
+inline const std::vector<orders::Any> kStops{orders::Stop{}, orders::EmergencyStop{}};
+/// The second level of what is loaded.
+inline const orders::LoadExercise kLoadLevel2{.level = 2};
 
 /// Wants the hand elsewhere at once, faster than the device allows: 0.7 s after it may.
 class Startled final : public Player {
@@ -109,13 +112,13 @@ class Bar : public testing::Test {
     if (answer.wait_for(kHang) != std::future_status::ready) return {false, "no answer"};
     return answer.get();
   }
-  OrderReply ask(OrderType type) { return ask(of(type)); }
+  OrderReply ask(orders::Any what) { return ask(of(std::move(what))); }
   /// As of somebody who has just looked: an order to arm has seen all that has ended.
-  [[nodiscard]] Order of(OrderType type, std::uint32_t claim = 0) const {
-    Order order;
-    order.type = type;
+  [[nodiscard]] Order of(orders::Any what, std::uint32_t claim = 0) const {
+    auto* arm = std::get_if<orders::Arm>(&what);
+    if (arm != nullptr && station_) arm->endings_seen = station_->status().endings;
+    Order order{std::move(what)};
     order.claim = claim;
-    if (station_) order.endings_seen = station_->status().endings;
     return order;
   }
   template <class Condition>
@@ -163,10 +166,8 @@ class Bar : public testing::Test {
       EXPECT_EQ(largest(record.sent), 0.0) << kAlways;
     }
   }
-  void later(OrderType type) {
-    Order order = of(type);
-    if (type == OrderType::kLoadExercise) order.level = 2;
-    station_->order(order, [](const OrderReply&) {});
+  void later(orders::Any what) {
+    station_->order(of(std::move(what)), [](const OrderReply&) {});
   }
 
   const Folder temporary_;

@@ -13,15 +13,15 @@ TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
   std::this_thread::sleep_for(50ms);
   EXPECT_EQ(records_, 0U);
 
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(squeezes());
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
-  const OrderReply twice = ask(OrderType::kArm);
+  const OrderReply twice = ask(orders::Arm{});
   EXPECT_FALSE(twice.accepted);
   EXPECT_NE(twice.reason, "");
   EXPECT_EQ(twice.refusal, Refusal::kArmedAlready);
 
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
@@ -32,7 +32,7 @@ TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
   EXPECT_EQ(records_, at_rest) << kAlways;
 
   EXPECT_EQ(station_->scene()->session, 1U);
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   EXPECT_EQ(station_->scene()->session, 2U);
   EXPECT_TRUE(rendersOn());
 }
@@ -40,7 +40,7 @@ TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
 TEST_F(Bar, EmergencyStop_IsAtNeutralWithinItsRamp) {
   run(true);
   ASSERT_TRUE(squeezes());
-  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   const std::uint64_t asked_at = last_;
   ASSERT_TRUE(becomes(RunState::kStopped));
   // 80 ms of ramp, and what the stop waited in line.
@@ -51,7 +51,7 @@ TEST_F(Bar, EmergencyStop_IsAtNeutralWithinItsRamp) {
 TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order{.type = OrderType::kSetParameter, .name = "effort_limit_arm_n", .value = 8.0};
+  orders::SetParameter order{"effort_limit_arm_n", 8.0};
   ASSERT_TRUE(ask(order).accepted);
   const auto index = [&] {
     const auto scene = station_->scene();
@@ -84,16 +84,13 @@ TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
 TEST_F(Bar, PersonAims_TheDeviceFollows) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order{.type = OrderType::kSteer, .steering = Steering::kPerson};
-  ASSERT_TRUE(ask(order).accepted);
+  ASSERT_TRUE(ask(orders::Steer{Steering::kPerson}).accepted);
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
-  order.type = OrderType::kAim;
-  order.aim = record.q_m;
-  order.aim[0] = -0.06;  // drawn back: nothing is in the way
-  order.aim[2] = 0.03;
-  order.help = Help::kSome;
-  ASSERT_TRUE(ask(order).accepted);
+  orders::Aim aim{record.q_m, Help::kSome};
+  aim.q[0] = -0.06;  // drawn back: nothing is in the way
+  aim.q[2] = 0.03;
+  ASSERT_TRUE(ask(aim).accepted);
   EXPECT_TRUE(becomes([&] {
     return station_->latest(record) && std::abs(record.q_m[0] + 0.06) < 0.005 &&
            std::abs(record.q_m[2] - 0.03) < 0.005;
@@ -101,18 +98,18 @@ TEST_F(Bar, PersonAims_TheDeviceFollows) {
       << " " << record.q_m[2];
   EXPECT_EQ(record.moved_by, Mover::kPerson);
   EXPECT_EQ(record.help, Help::kSome);
-  order.aim = AxisPosition(2);
-  EXPECT_FALSE(ask(order).accepted);
+  aim.q = AxisPosition(2);
+  EXPECT_FALSE(ask(aim).accepted);
 }
 
 TEST_F(Bar, LoadWhileRendering_GoesOnWithTheNewLevelAndOnlyThen) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  Order order{.type = OrderType::kLoadExercise, .name = "no-such-exercise"};
+  orders::LoadExercise order{.exercise = "no-such-exercise"};
   EXPECT_FALSE(ask(order).accepted);
-  order.name = "../cocktail-bar";
+  order.exercise = "../cocktail-bar";
   EXPECT_FALSE(ask(order).accepted);
-  order.name = "cocktail-bar";
+  order.exercise = "cocktail-bar";
   order.level = 999;
   EXPECT_FALSE(ask(order).accepted);
   order.level = 1;
@@ -134,7 +131,7 @@ TEST_F(Bar, LoadWhileRendering_GoesOnWithTheNewLevelAndOnlyThen) {
 
 TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
   run(false);
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   const std::string name = station_->scene()->recording;
   ASSERT_NE(name, "");
@@ -144,7 +141,7 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
   std::string why;
   EXPECT_EQ(station_->reportFolder(name, why), "");
   EXPECT_EQ(why, "it is still being recorded");
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   ASSERT_TRUE(becomes([&] { return !station_->recordings().front().being_written; }));
   const RecordingEntry entry = station_->recordings().front();
@@ -166,11 +163,10 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
 TEST_F(Bar, OwnerSilent_FadesTheExerciseAndNothingElse) {
   run(true);
   ASSERT_TRUE(squeezes());
-  Order order{.type = OrderType::kOwnerAlive, .value = 0.0};
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
   const std::uint64_t asked_at = record.tick;
-  ASSERT_TRUE(ask(order).accepted);
+  ASSERT_TRUE(ask(orders::OwnerAlive{false}).accepted);
   ASSERT_TRUE(becomes([&] { return station_->latest(record) && record.exercise.alpha == 0.0; }));
   EXPECT_LE(record.tick - asked_at, 300U + 60U);  // T_off, and what the order waited
   EXPECT_EQ(largest(record.exercise.effort), 0.0);
@@ -179,9 +175,9 @@ TEST_F(Bar, OwnerSilent_FadesTheExerciseAndNothingElse) {
 }
 
 TEST_F(Bar, StopWhileArming_NothingPushes) {
-  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+  for (const orders::Any& stop : kStops) {
     if (!thread_.joinable()) run(false);
-    auto answer = askLater(of(OrderType::kArm));
+    auto answer = askLater(of(orders::Arm{}));
     std::this_thread::sleep_for(30ms);
     ASSERT_TRUE(ask(stop).accepted);
     EXPECT_FALSE(answer.get().accepted) << kAlways << "the person must hear that nothing was armed";
@@ -189,7 +185,7 @@ TEST_F(Bar, StopWhileArming_NothingPushes) {
     EXPECT_NE(station_->status().run_state, RunState::kRendering) << kAlways;
     expectNeutral();
   }
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);  // somebody arms again
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);  // somebody arms again
   EXPECT_TRUE(rendersOn());
 }
 
@@ -197,9 +193,9 @@ TEST_F(Bar, StopWhileArming_NothingPushes) {
 // after it.
 TEST_F(Bar, StopWhileArming_IsShownOnceAndForAll) {
   run(false);
-  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+  for (const orders::Any& stop : kStops) {
     const std::uint32_t session = station_->status().session;
-    auto answer = askLater(of(OrderType::kArm));
+    auto answer = askLater(of(orders::Arm{}));
     ASSERT_TRUE(becomes([&] { return station_->status().session > session; })) << "being built";
     ASSERT_TRUE(ask(stop).accepted);
     std::set<RunState> shown;
@@ -213,15 +209,15 @@ TEST_F(Bar, StopWhileArming_IsShownOnceAndForAll) {
     EXPECT_EQ(shown, std::set<RunState>{RunState::kStopped}) << kAlways;
     EXPECT_TRUE(fs::is_empty(folder_ + "/recordings")) << "nothing was recorded";
   }
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   EXPECT_TRUE(rendersOn());
 }
 
 TEST_F(Bar, StopThenLoad_StaysStopped) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
-  later(OrderType::kLoadExercise);  // within the fade
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
+  later(kLoadLevel2);  // within the fade
   staysAt(RunState::kStopped);
   EXPECT_EQ(station_->scene()->level, 2);
 }
@@ -229,33 +225,33 @@ TEST_F(Bar, StopThenLoad_StaysStopped) {
 TEST_F(Bar, EmergencyStopWhileLoading_StaysStopped) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  later(OrderType::kLoadExercise);
-  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  later(kLoadLevel2);
+  ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   staysAt(RunState::kStopped);
-  later(OrderType::kLoadExercise);  // a page that picks a level arms nobody
+  later(kLoadLevel2);  // a page that picks a level arms nobody
   staysAt(RunState::kStopped);
 }
 
 TEST_F(Bar, EmergencyStopThenRefusedArm_IsNotForgotten) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  later(OrderType::kEmergencyStop);
-  later(OrderType::kArm);  // still on its way down: refused, or armed by somebody's own wish
+  later(orders::EmergencyStop{});
+  later(orders::Arm{});  // still on its way down: refused, or armed by somebody's own wish
   ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
   if (station_->status().run_state != RunState::kStopped) return;
-  later(OrderType::kLoadExercise);
+  later(kLoadLevel2);
   staysAt(RunState::kStopped);
 }
 
 TEST_F(Bar, LimitThatWasSet_HoldsFromTheFirstTickOfTheNextSession) {
   run(false);
-  Order order{.type = OrderType::kSetParameter, .name = "effort_limit_arm_n", .value = 4.0};
-  ASSERT_TRUE(ask(order).accepted) << "also before anything is armed";
-  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(ask(orders::SetParameter{"effort_limit_arm_n", 4.0}).accepted)
+      << "also before anything is armed";
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
   TickRecord record;
   ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
   EXPECT_EQ(record.effort_limit[0], 4.0);
-  later(OrderType::kLoadExercise);
+  later(kLoadLevel2);
   ASSERT_TRUE(becomes([&] { return station_->status().session == 2U; }));
   ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
   EXPECT_EQ(record.effort_limit[0], 4.0);

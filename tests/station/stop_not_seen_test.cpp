@@ -7,16 +7,8 @@ namespace {
 class StopNotSeen : public Bar {
  protected:
   std::uint32_t endings() { return station_->status().endings; }
-  Order arm(std::uint32_t seen) const {
-    Order order = of(OrderType::kArm);
-    order.endings_seen = seen;
-    return order;
-  }
-  Order load(int level) const {
-    Order order = of(OrderType::kLoadExercise);
-    order.level = level;
-    return order;
-  }
+  static Order arm(std::uint32_t seen) { return {orders::Arm{seen}}; }
+  static Order load(int level) { return {orders::LoadExercise{.level = level}}; }
 };
 
 TEST_F(StopNotSeen, ArmThatNamesNone_IsRefusedWithTheRemedy) {
@@ -32,7 +24,7 @@ TEST_F(StopNotSeen, ArmThatNamesNone_IsRefusedWithTheRemedy) {
 
 // A person presses Stop before anything renders: the robot is about to start.
 TEST_F(StopNotSeen, StopWhileNothingRenders_IsShownAndUndoesWhatWasPressedBefore) {
-  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+  for (const orders::Any& stop : kStops) {
     if (!thread_.joinable()) run(false);
     const std::uint32_t shown = endings();
     ASSERT_TRUE(ask(stop).accepted);
@@ -44,7 +36,7 @@ TEST_F(StopNotSeen, StopWhileNothingRenders_IsShownAndUndoesWhatWasPressedBefore
     EXPECT_NE(reply.reason, "");
   }
   EXPECT_EQ(records_, 0U) << kAlways;
-  EXPECT_TRUE(ask(OrderType::kArm).accepted) << "who has seen it may arm";
+  EXPECT_TRUE(ask(orders::Arm{}).accepted) << "who has seen it may arm";
   EXPECT_TRUE(rendersOn());
 }
 
@@ -53,7 +45,7 @@ TEST_F(StopNotSeen, StopBetweenLoadAndArmOfOnePress_StartsNothing) {
   run(false);
   const std::uint32_t shown = endings();
   auto loaded = askLater(load(2));
-  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   ASSERT_TRUE(loaded.get().accepted);
   EXPECT_EQ(ask(arm(shown)).refusal, Refusal::kStopNotSeen);
   staysAt(RunState::kStopped);
@@ -64,7 +56,7 @@ TEST_F(StopNotSeen, ArmAtEachStop_NamesAnEndingBeforeItAndIsRefused) {
   run(true);
   ASSERT_TRUE(rendersOn());
   const std::uint32_t shown = endings();
-  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   // Until it is at neutral, and then: 237 ms after the stop a click has started the next session.
   for (int i = 0; i < 100; ++i) {
     EXPECT_FALSE(ask(arm(shown)).accepted) << kAlways;
@@ -83,7 +75,7 @@ TEST_F(StopNotSeen, LoadThatGoesOn_IsNoEndingAndStopDuringItIs) {
   EXPECT_EQ(station_->status().session, 2U);
   ASSERT_TRUE(rendersOn());
   auto loaded = askLater(load(1));
-  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
   (void)loaded.get();
   EXPECT_GT(endings(), shown);
   EXPECT_EQ(ask(arm(shown)).refusal, Refusal::kStopNotSeen);

@@ -84,9 +84,8 @@ class WaitingOrders : public Bar {
   void hold() {
     released_ = std::promise<void>();
     auto reached = std::make_shared<std::promise<void>>();
-    Order unknown = of(OrderType::kLoadExercise);
-    unknown.name = "none-of-that-name";
-    station_->order(person().asks(unknown),
+    const orders::LoadExercise unknown{.exercise = "none-of-that-name"};
+    station_->order(person().asks(of(unknown)),
                     [reached, may = released_.get_future().share()](const OrderReply&) {
                       reached->set_value();
                       may.wait();
@@ -96,27 +95,15 @@ class WaitingOrders : public Bar {
   void release() { released_.set_value(); }
   void passes(std::int64_t ms) { now_ms_ += ms; }
   OrderReply stopAndWait() {
-    OrderReply reply = ask(OrderType::kEmergencyStop);
+    OrderReply reply = ask(orders::EmergencyStop{});
     EXPECT_TRUE(becomes([&] { return devices.open == 0; }));
     EXPECT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
     return reply;
   }
-  Order parameter(const char* name, double value) const {
-    Order order = of(OrderType::kSetParameter);
-    order.name = name;
-    order.value = value;
-    return order;
+  static Order parameter(const char* name, double value) {
+    return {orders::SetParameter{name, value}};
   }
-  Order profile(OrderType type, const char* name) const {
-    Order order = of(type);
-    order.name = name;
-    return order;
-  }
-  Order level(int number) const {
-    Order order = of(OrderType::kLoadExercise);
-    order.level = number;
-    return order;
-  }
+  static Order level(int number) { return {orders::LoadExercise{.level = number}}; }
   double value(const char* name) {
     const auto scene = station_->scene();
     for (std::size_t i = 0; i < scene->parameters.size(); ++i) {
@@ -164,11 +151,11 @@ class ArmAmidOthers : public WaitingOrders {
       ends(asks.claim != 0, " later holder");
     }
     if (chance(percent)) {
-      EXPECT_TRUE(ask(other.asks(of(OrderType::kStop))).accepted);
+      EXPECT_TRUE(ask(other.asks(of(orders::Stop{}))).accepted);
       ends(true, " stop");
     }
     if (chance(percent)) {
-      EXPECT_TRUE(ask(other.asks(of(OrderType::kEmergencyStop))).accepted);
+      EXPECT_TRUE(ask(other.asks(of(orders::EmergencyStop{}))).accepted);
       ends(true, " emergency stop");
     }
   }
@@ -179,13 +166,13 @@ class ArmAmidOthers : public WaitingOrders {
     fate = {};
     if (chance(60)) asks.takes(++claims);
     hold();
-    if (chance(20)) (void)askLater(other.asks(profile(OrderType::kLoadProfile, "nobody")));
+    if (chance(20)) (void)askLater(other.asks(of(orders::LoadProfile{"nobody"})));
     if (chance(15)) {
-      (void)askLater(asks.asks(profile(OrderType::kLoadProfile, "nobody")));
+      (void)askLater(asks.asks(of(orders::LoadProfile{"nobody"})));
       fate = {false, " refused before"};
     }
-    armed = askLater(asks.asks(of(OrderType::kArm)));
-    if (chance(20)) (void)askLater(asks.asks(profile(OrderType::kLoadProfile, "nobody")));
+    armed = askLater(asks.asks(of(orders::Arm{})));
+    if (chance(20)) (void)askLater(asks.asks(of(orders::LoadProfile{"nobody"})));
     waits_ms = static_cast<std::int64_t>(random() % (chance(70) ? 3001 : 60'001));
     passes(waits_ms);
     if (waits_ms > 3000) fate = {false, fate.what + " waited"};
@@ -257,7 +244,7 @@ TEST_F(WaitingOrders, ArmRefused_SaysWhy) {
   asks.takes(7);
   const auto armedAfter = [&](const std::function<void()>& happens) {
     hold();
-    auto armed = askLater(asks.asks(of(OrderType::kArm)));
+    auto armed = askLater(asks.asks(of(orders::Arm{})));
     happens();
     release();
     return armed.get();
@@ -267,10 +254,10 @@ TEST_F(WaitingOrders, ArmRefused_SaysWhy) {
   EXPECT_NE(late.reason.find("12.0 s"), std::string::npos) << late.reason;
   EXPECT_EQ(armedAfter([&] { asks.asker->claim = 8; }).refusal, Refusal::kNotHolder);
   asks.takes(9);
-  EXPECT_EQ(armedAfter([&] { (void)ask(OrderType::kStop); }).refusal, Refusal::kStopCame);
+  EXPECT_EQ(armedAfter([&] { (void)ask(orders::Stop{}); }).refusal, Refusal::kStopCame);
   hold();
-  (void)askLater(asks.asks(profile(OrderType::kLoadProfile, "nobody")));
-  auto armed = askLater(asks.asks(of(OrderType::kArm)));
+  (void)askLater(asks.asks(of(orders::LoadProfile{"nobody"})));
+  auto armed = askLater(asks.asks(of(orders::Arm{})));
   release();
   EXPECT_EQ(armed.get().refusal, Refusal::kRefusedBefore);
   EXPECT_EQ(devices.opened, 0);
@@ -307,10 +294,8 @@ TEST_F(WaitingOrders, SaveProfile_WritesTheValuesOfTheMomentWhenItWasAsked) {
   begin();
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 8.0)).accepted);
   hold();
-  auto saved = askLater(person().asks(profile(OrderType::kSaveProfile, "p-1")));
-  Order help = of(OrderType::kSetHelp);
-  help.help = Help::kNone;
-  ASSERT_TRUE(ask(help).accepted);
+  auto saved = askLater(person().asks(of(orders::SaveProfile{"p-1"})));
+  ASSERT_TRUE(ask(orders::SetHelp{Help::kNone}).accepted);
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 12.0)).accepted);
   release();
   ASSERT_TRUE(saved.get().accepted);
@@ -323,13 +308,11 @@ TEST_F(WaitingOrders, SaveProfile_WritesTheValuesOfTheMomentWhenItWasAsked) {
 // Saved as p-1 while p-2's order to load waits before it: what holds then is p-2's.
 TEST_F(WaitingOrders, SaveProfileBehindAnotherPersons_KeepsTheHandAndClaimsNothing) {
   begin();
-  ASSERT_TRUE(ask(profile(OrderType::kSaveProfile, "p-2")).accepted);
-  Order other_hand = of(OrderType::kLoadExercise);
-  other_hand.hand = "woman-p05-left";
-  ASSERT_TRUE(ask(other_hand).accepted);
+  ASSERT_TRUE(ask(of(orders::SaveProfile{"p-2"})).accepted);
+  ASSERT_TRUE(ask(orders::LoadExercise{.hand = "woman-p05-left"}).accepted);
   hold();
-  auto loaded = askLater(person().asks(profile(OrderType::kLoadProfile, "p-2")));
-  auto saved = askLater(person().asks(profile(OrderType::kSaveProfile, "p-1")));
+  auto loaded = askLater(person().asks(of(orders::LoadProfile{"p-2"})));
+  auto saved = askLater(person().asks(of(orders::SaveProfile{"p-1"})));
   release();
   ASSERT_TRUE(loaded.get().accepted);
   ASSERT_TRUE(saved.get().accepted);
@@ -341,10 +324,10 @@ TEST_F(WaitingOrders, LoadProfile_OverwritesNothingThatWasSetLater) {
   begin();
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 15.0)).accepted);
   ASSERT_TRUE(ask(parameter("effort_limit_hand_tip_n", 5.0)).accepted);
-  ASSERT_TRUE(ask(profile(OrderType::kSaveProfile, "p-1")).accepted);
+  ASSERT_TRUE(ask(of(orders::SaveProfile{"p-1"})).accepted);
   ASSERT_TRUE(ask(parameter("effort_limit_hand_tip_n", 2.0)).accepted);
   hold();
-  Order load = person().asks(profile(OrderType::kLoadProfile, "p-1"));
+  Order load = person().asks(of(orders::LoadProfile{"p-1"}));
   load.may_raise_limits = true;
   auto loaded = askLater(load);
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 3.0)).accepted);
@@ -370,12 +353,10 @@ TEST_F(WaitingOrders, ChangeOfThePerson_SetsEverythingToItsDefault) {
       set[p.name] = uniform(random, p.lower, p.upper);
       ASSERT_TRUE(ask(parameter(p.name.c_str(), set[p.name])).accepted);
     }
-    Order help = of(OrderType::kSetHelp);
-    help.help = Help::kFull;
-    ASSERT_TRUE(ask(help).accepted);
+    ASSERT_TRUE(ask(orders::SetHelp{Help::kFull}).accepted);
     const bool therapist = random() % 2 == 0;
-    Order change = of(OrderType::kLoadExercise);
-    change.hand = hands[static_cast<std::size_t>(i) % hands.size()];
+    Order change =
+        of(orders::LoadExercise{.hand = hands[static_cast<std::size_t>(i) % hands.size()]});
     change.may_raise_limits = therapist;
     ASSERT_TRUE(ask(person().asks(change)).accepted);
     const auto after = station_->scene()->parameters;
@@ -388,8 +369,7 @@ TEST_F(WaitingOrders, ChangeOfThePerson_SetsEverythingToItsDefault) {
       if (limit && !therapist) set.erase(p.name);
     }
     if (!therapist) {  // for the next case
-      Order back = change;
-      back.hand = "adult-median-right";
+      Order back = of(orders::LoadExercise{.hand = "adult-median-right"});
       back.may_raise_limits = true;
       ASSERT_TRUE(ask(person().asks(back)).accepted);
     }
@@ -406,14 +386,10 @@ TEST_F(WaitingOrders, AnotherExerciseOfTheSamePerson_KeepsTheSettings) {
 TEST_F(WaitingOrders, RestOfTheEarlierPerson_IsNoRestOfTheNext) {
   begin(true);
   ASSERT_TRUE(rendersOn());
-  Order rest = of(OrderType::kStop);
-  rest.rest = true;
-  ASSERT_TRUE(ask(rest).accepted);
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   ASSERT_TRUE(station_->status().rested);
-  Order other_hand = of(OrderType::kLoadExercise);
-  other_hand.hand = "woman-p05-left";
-  ASSERT_TRUE(ask(other_hand).accepted);
+  ASSERT_TRUE(ask(orders::LoadExercise{.hand = "woman-p05-left"}).accepted);
   EXPECT_FALSE(station_->status().rested);
 }
 
@@ -473,13 +449,13 @@ TEST_F(ArmOverALine, ThatStays_Starts) {
 TEST_F(WaitingOrders, StopsThatAreRepeated_CountOnceUntilSomebodyArms) {
   begin();
   const Person game = person(), other = person();
-  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+  for (const orders::Any& stop : kStops) {
     const std::uint32_t shown = station_->status().endings;
     for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(game.asks(of(stop))).accepted);
     EXPECT_EQ(station_->status().endings, shown + 1);
     ASSERT_TRUE(ask(other.asks(of(stop))).accepted);
     EXPECT_EQ(station_->status().endings, shown + 2) << "somebody else's is none";
-    ASSERT_TRUE(ask(OrderType::kArm).accepted);
+    ASSERT_TRUE(ask(orders::Arm{}).accepted);
     EXPECT_TRUE(rendersOn());
     const std::uint32_t armed = station_->status().endings;
     for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(game.asks(of(stop))).accepted);
@@ -493,14 +469,14 @@ TEST_F(WaitingOrders, StopsThatAreRepeated_CountOnceUntilSomebodyArms) {
 TEST_F(WaitingOrders, StopThatIsPressedAgain_CountsAgain) {
   begin();
   const Person game = person();
-  Order pressed = game.asks(of(OrderType::kEmergencyStop));
-  pressed.number = 7;
+  Order pressed = game.asks(of(orders::EmergencyStop{}));
+  pressed.id = 7;
   ASSERT_TRUE(ask(pressed).accepted);
-  const Order late = person().asks(of(OrderType::kArm));  // sent now, and long on its way
+  const Order late = person().asks(of(orders::Arm{}));  // sent now, and long on its way
   const std::uint32_t shown = station_->status().endings;
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(pressed).accepted);
   EXPECT_EQ(station_->status().endings, shown);
-  pressed.number = 8;
+  pressed.id = 8;
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(pressed).accepted);
   EXPECT_EQ(station_->status().endings, shown + 1);
   EXPECT_EQ(ask(late).refusal, Refusal::kStopNotSeen);
@@ -509,11 +485,11 @@ TEST_F(WaitingOrders, StopThatIsPressedAgain_CountsAgain) {
 TEST_F(WaitingOrders, StopThatIsRepeatedWhileAnArmWaits_UndoesItAndCounts) {
   begin();
   const Person game = person();
-  ASSERT_TRUE(ask(game.asks(of(OrderType::kStop))).accepted);
+  ASSERT_TRUE(ask(game.asks(of(orders::Stop{}))).accepted);
   hold();
-  auto armed = askLater(person().asks(of(OrderType::kArm)));
+  auto armed = askLater(person().asks(of(orders::Arm{})));
   const std::uint32_t shown = station_->status().endings;
-  ASSERT_TRUE(ask(game.asks(of(OrderType::kStop))).accepted);
+  ASSERT_TRUE(ask(game.asks(of(orders::Stop{}))).accepted);
   EXPECT_EQ(station_->status().endings, shown + 1);
   release();
   EXPECT_EQ(armed.get().refusal, Refusal::kStopCame);
@@ -554,16 +530,16 @@ TEST_F(WaitingOrders, StopInEveryState_LeadsToNeutral) {
     const int state = static_cast<int>(random() % kStates);
     SCOPED_TRACE("state " + std::to_string(state));
     const Person stops = person();
-    Order stop = of(random() % 2 == 0 ? OrderType::kStop : OrderType::kEmergencyStop);
-    stop.rest = stop.type == OrderType::kStop && random() % 2 == 0;
+    Order stop = of(kStops[random() % 2]);
+    if (stop.is<orders::Stop>() && random() % 2 == 0) stop.what = orders::Rest{};
     OrderReply reply;
     const auto press = [&] { reply = ask(stops.asks(stop)); };
     if (state == kArming) while_it_is_built = press;
     if (state != kDisarmed && state != kStopped) {
-      EXPECT_EQ(ask(person().asks(of(OrderType::kArm))).accepted, state != kArming);
+      EXPECT_EQ(ask(person().asks(of(orders::Arm{}))).accepted, state != kArming);
     }
     while_it_is_built = nullptr;
-    if (state == kRampingDown) (void)ask(OrderType::kStop);
+    if (state == kRampingDown) (void)ask(orders::Stop{});
     if (state != kArming) press();
     EXPECT_TRUE(reply.accepted);
     EXPECT_TRUE(becomes([&] { return devices.open == 0; }));

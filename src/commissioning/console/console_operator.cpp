@@ -7,6 +7,7 @@
 #include <chrono>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 namespace wholehand {
 namespace {
@@ -178,48 +179,48 @@ void ConsoleOperator::order(const Order& order, std::function<void(OrderReply)> 
 }
 
 OrderReply ConsoleOperator::obey(const Order& order) {
-  switch (order.type) {
-    case OrderType::kAnswer:
-      return takeAnswer(order);
-    case OrderType::kHoldToMove:
-      hold(order);
-      return {true, ""};
-    case OrderType::kStop:
-    case OrderType::kEmergencyStop:
-      switch_.end();
-      return {true, ""};
-    case OrderType::kOwnerAlive:
-      if (order.value == 0.0) switch_.end();
-      return {true, ""};
-    case OrderType::kSteer:  // the controls were released or taken over
-      switch_.end();
-      return {true, ""};
-    case OrderType::kAttended:
-    case OrderType::kUnattended:
-      return {true, ""};
-    default:
-      return refused(Refusal::kNotHere, "a device is being commissioned here");
-  }
+  const auto accept = [&](bool ends) {
+    if (ends) switch_.end();
+    return OrderReply{true, ""};
+  };
+  return std::visit(
+      Overloaded{[&](const orders::Answer& answer) { return takeAnswer(answer); },
+                 [&](const orders::HoldToMove& hold) { return this->hold(hold, order.claim); },
+                 [&](const orders::Stop&) { return accept(true); },
+                 [&](const orders::Rest&) { return accept(true); },
+                 [&](const orders::EmergencyStop&) { return accept(true); },
+                 // The controls were released or taken over.
+                 [&](const orders::Steer&) { return accept(true); },
+                 [&](const orders::OwnerAlive& owner) { return accept(!owner.alive); },
+                 [&](const orders::Attended&) { return accept(false); },
+                 [&](const orders::Unattended&) { return accept(false); },
+                 [&](const auto&) {
+                   OrderReply no = notHere(order);
+                   no.reason += ": a device is being commissioned here";
+                   return no;
+                 }},
+      order.what);
 }
 
-OrderReply ConsoleOperator::takeAnswer(const Order& order) {
+OrderReply ConsoleOperator::takeAnswer(const orders::Answer& answer) {
   const bool asked = facts_->asked != Facts::Asked::kNothing;
-  if (!asked || order.number != facts_->question || answer_) {
+  if (!asked || answer.question != facts_->question || answer_) {
     return refused(Refusal::kNotAsked, "that is not what is asked now");
   }
-  if (order.name.size() > kLongestAnswer) {
+  if (answer.text.size() > kLongestAnswer) {
     return refused(Refusal::kOutOfRange, "an answer has at most 64 characters");
   }
-  answer_ = order.name;
+  answer_ = answer.text;
   answered_.notify_all();
   return {true, ""};
 }
 
 // A hold counts only while a motion waits for it. A button kept down after a question must be
 // pressed again.
-void ConsoleOperator::hold(const Order& order) {
-  switch_.beat(order.claim, order.number, now_ns_());
-  if (!order.held || facts_->asked != Facts::Asked::kNothing) switch_.end();
+OrderReply ConsoleOperator::hold(const orders::HoldToMove& hold, std::uint32_t claim) {
+  switch_.beat(claim, hold.press, now_ns_());
+  if (!hold.held || facts_->asked != Facts::Asked::kNothing) switch_.end();
+  return {true, ""};
 }
 
 std::string ConsoleOperator::reportFolder(const std::string&, std::string& why) {

@@ -76,8 +76,8 @@ class ConsoleOperator final : public Operator, public ServerBackend {
   template <class Change>
   void publish(Change&& change);
   [[nodiscard]] OrderReply obey(const Order& order);
-  [[nodiscard]] OrderReply takeAnswer(const Order& order);
-  void hold(const Order& order);
+  [[nodiscard]] OrderReply takeAnswer(const orders::Answer& answer);
+  OrderReply hold(const orders::HoldToMove& hold, std::uint32_t claim);
 
   const std::vector<int> places_;  ///< number of a CommissioningStep → index in the facts' steps
   const std::function<std::int64_t()> now_ns_;
