@@ -3,7 +3,7 @@
 //   bench_tick [--benchmark_filter=Tick] [--benchmark_repetitions=5]
 //
 // The figures of the whole system, with its percentiles, are those of `wholehand experiment
-// timing`; these tell a change of one part from another, on the same machine.
+// timing`; these show which part changed, on the same machine.
 #include "bench/rig_files.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "experiments/grasp_script.hpp"

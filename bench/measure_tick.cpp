@@ -28,12 +28,12 @@
 
 namespace wholehand {
 
-/// What Callgrind counts: its name is told to --toggle-collect.
+/// What Callgrind counts: its name is passed to --toggle-collect.
 [[gnu::noinline]] void measuredTick(HapticRenderer& renderer, TickRecord& record) {
   renderer.tick(1, record);
 }
 
-/// Where Callgrind writes the count of one tick: its name is told to --dump-before.
+/// Where Callgrind writes the count of one tick: its name is passed to --dump-before.
 [[gnu::noinline]] void countedTick(const TickRecord& record) {
   asm volatile("" : : "r"(&record) : "memory");
 }

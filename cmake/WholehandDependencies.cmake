@@ -65,7 +65,7 @@ set(tick_modules core dynamics control safety patient exercise physics ${engine_
 # Products of small matrices and little else: at -O3 they are inlined, to the same bits. Without
 # precompiled headers, which would bring their own -O2 along.
 set(arithmetic_modules dynamics)
-option(WHOLEHAND_FUZZ "For libFuzzer, under AddressSanitizer: count which branches of what reads strangers' bytes an input takes" OFF)
+option(WHOLEHAND_FUZZ "For libFuzzer, under AddressSanitizer: count which branches of the readers of untrusted bytes an input takes" OFF)
 # Under a sanitizer the compiler takes half as long without optimisation, and what computes little
 # runs as fast. Only what computes at length is optimised (docs/adr/0072): these modules, and the targets
 # of which wholehand_computes() says so.

@@ -14,7 +14,7 @@ using namespace wholehand;
 
 // A box under the hand; its top is 60 mm below the middle of the workspace.
 SceneBody makeBox() {
-  Shape shape;  // a box, unless told otherwise
+  Shape shape;  // a box by default
   shape.half_extents_m = {0.3, 0.3, 0.1};
   SceneBody body;
   body.name = "box";
@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   TickRecord record;
   for (int tick = 0; tick <= 2000; ++tick) {
     renderer.tick(1, record);  // in real time, once a millisecond: see Session
-    if (any(record.faults & kStopping)) return 3;
+    if (any(record.faults & kStoppingFaults)) return 3;
     if (tick % 100 != 0) continue;
     std::printf("%8.1f %12.2f %12.2f %12.3f %10d\n", tick * 1e-3, record.q_m[z] * 1e3,
                 record.q_s[z] * 1e3, record.sent[z], record.contact_count);

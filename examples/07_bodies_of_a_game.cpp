@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     std::copy_n(orders.begin(), record.command_count, record.commands.begin());
     orders.erase(orders.begin(), orders.begin() + record.command_count);
     renderer.tick(1, record);  // a Session takes commands from its queue: tryCommand()
-    if (any(record.faults & kStopping)) return 3;
+    if (any(record.faults & kStoppingFaults)) return 3;
     for (int i = 0; i < record.exercise.event_count; ++i) {
       const ExerciseEvent& event = record.exercise.events[i];
       std::printf("%5.3f s  slot %d %s\n", tick * 1e-3, event.index, events[event.type].c_str());

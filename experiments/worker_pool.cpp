@@ -78,7 +78,7 @@ Worker start(int jobs, Shared& shared, const std::function<std::string(int)>& wo
 }
 
 // Hands over the whole lines; false at the end of the worker's results.
-bool read(Worker& worker, const std::function<void(int, const std::string&)>& done, int& told) {
+bool read(Worker& worker, const std::function<void(int, const std::string&)>& done, int& reported) {
   std::array<char, 4096> buffer{};
   const ssize_t n = ::read(worker.results, buffer.data(), buffer.size());
   if (n < 0 && errno == EINTR) return true;
@@ -89,7 +89,7 @@ bool read(Worker& worker, const std::function<void(int, const std::string&)>& do
     worker.text.erase(0, end + 1);
     const std::size_t space = line.find(' ');
     done(std::stoi(line.substr(0, space)), line.substr(space + 1));
-    ++told;
+    ++reported;
   }
   return true;
 }
@@ -104,7 +104,7 @@ bool workInProcesses(int jobs, int workers, const std::function<std::string(int)
   const int count = std::clamp(workers, 1, std::max(jobs, 1));
   std::vector<Worker> all;
   for (int i = 0; i < count; ++i) all.push_back(start(jobs, *shared, work));
-  int told = 0;
+  int reported = 0;
   for (;;) {
     std::vector<pollfd> waiting;
     for (const Worker& w : all) waiting.push_back({w.results, POLLIN, 0});  // -1 is left out
@@ -112,7 +112,7 @@ bool workInProcesses(int jobs, int workers, const std::function<std::string(int)
     if (stop && stop()) shared->stop = true;
     if (::poll(waiting.data(), waiting.size(), kLookForStop_ms) < 0) continue;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (waiting[i].revents == 0 || read(all[i], done, told)) continue;
+      if (waiting[i].revents == 0 || read(all[i], done, reported)) continue;
       ::close(all[i].results);
       all[i].results = -1;
     }
@@ -122,7 +122,7 @@ bool workInProcesses(int jobs, int workers, const std::function<std::string(int)
     }
   }
   ::munmap(shared, sizeof *shared);
-  return told == jobs;
+  return reported == jobs;
 }
 
 }  // namespace wholehand

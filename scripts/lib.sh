@@ -213,7 +213,7 @@ answer_at_once() {
       -h | --help)
         say "usage: ./start [--lab] [options of \`wholehand run\`]: installs what is missing, builds, opens the cocktail bar."
         if [[ -x $root/build/release/wholehand ]]; then exec "$root/build/release/wholehand" run --help; fi
-        say 'What each option does is told once the program is built, by ./start --help, and by docs/program.md:'
+        say './start --help explains each option once the program is built; so does docs/program.md:'
         # shellcheck disable=SC2086
         printf '  %s\n' $options
         exit 0
@@ -288,9 +288,9 @@ configure() {
 }
 
 # show_progress <what>: one line that counts up on a terminal; elsewhere a line every tenth of the way. How
-# long it will take is said once a minute of compiling tells how fast this machine is.
+# long it will take is said once a minute of compiling has shown how fast this machine is.
 show_progress() {
-  local line done_ of name tenth last=-1 terminal=0 compiling=0 told=0 left=""
+  local line done_ of name tenth last=-1 terminal=0 compiling=0 reported=0 left=""
   local start=$SECONDS took
   [[ -t 1 ]] && terminal=1
   while IFS= read -r line; do
@@ -307,10 +307,10 @@ show_progress() {
     if ((terminal)); then
       name=${line##*/}
       printf '\r%s: %d of %d%s, %.40s\033[K' "$1" "$done_" "$of" "$left" "${name%.o}"
-    elif ((of > 10 && tenth != last || took >= 60 && !told)); then
+    elif ((of > 10 && tenth != last || took >= 60 && !reported)); then
       printf '%s: %d of %d%s\n' "$1" "$done_" "$of" "$left"
     fi
-    if ((took >= 60)); then told=1; fi
+    if ((took >= 60)); then reported=1; fi
     last=$tenth
   done
   if ((terminal)); then printf '\r\033[K'; fi

@@ -40,7 +40,7 @@ class ForceDimensionDevice {
   /// The SDK's time guard is WH_NOTHING_NEW.
   [[nodiscard]] int read(wh_sample& sample);
   [[nodiscard]] int write(const wh_command& command);
-  /// Serial number and SDK; the SDK tells nothing of the firmware. Waits.
+  /// Serial number and SDK; the SDK reports nothing of the firmware. Waits.
   void identify(wh_identity& identity);
 
  private:

@@ -24,18 +24,18 @@ wf_frame questionOf(std::uint8_t kind, std::uint8_t axes, std::uint8_t index) {
   return frame;
 }
 
-wh_axis axisOf(const wf_axis& told) {
+wh_axis axisOf(const wf_axis& reported) {
   wh_axis axis{};
   axis.size = sizeof(axis);
-  std::memcpy(axis.name, told.name, sizeof(axis.name));
-  axis.kind = told.kind;
-  axis.effort_meaning = told.effort_meaning;
-  axis.lower = static_cast<double>(told.lower);
-  axis.upper = static_cast<double>(told.upper);
-  axis.effort_limit = static_cast<double>(told.effort_limit);
-  axis.resolution = static_cast<double>(told.resolution);
-  axis.delay_s = static_cast<double>(told.delay_s);
-  axis.silence_s = static_cast<double>(told.silence_s);
+  std::memcpy(axis.name, reported.name, sizeof(axis.name));
+  axis.kind = reported.kind;
+  axis.effort_meaning = reported.effort_meaning;
+  axis.lower = static_cast<double>(reported.lower);
+  axis.upper = static_cast<double>(reported.upper);
+  axis.effort_limit = static_cast<double>(reported.effort_limit);
+  axis.resolution = static_cast<double>(reported.resolution);
+  axis.delay_s = static_cast<double>(reported.delay_s);
+  axis.silence_s = static_cast<double>(reported.silence_s);
   return axis;
 }
 
@@ -45,7 +45,7 @@ Expected<std::unique_ptr<FrameDevice>> FrameDevice::open(std::unique_ptr<Carrier
                                                          std::uint32_t session, const Wait& wait) {
   std::unique_ptr<FrameDevice> device(new FrameDevice(std::move(carrier), session));
   if (Expected<Done> met = device->shakeHands(wait); !met) return met.errors();
-  if (Expected<Done> told = device->askAxes(wait); !told) return told.errors();
+  if (Expected<Done> reported = device->askAxes(wait); !reported) return reported.errors();
   wh_sample first{};
   const std::int64_t until_ns = wait() + kHandshake_ns;
   while (device->read(first) < 0) {
@@ -94,12 +94,12 @@ Expected<Done> FrameDevice::askAxes(const Wait& wait) {
     const std::string which = "axis " + std::to_string(i) + " (" + axis.name + ") ";
     if (axis.kind > WH_ROTATION || axis.effort_meaning > WH_VIBRATION) {
       return Diagnostic{
-          "", 0, "", "", which + "is of a kind that device.h does not know", "mend the firmware"};
+          "", 0, "", "", which + "is of a kind that device.h does not know", "fix the firmware"};
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (std::strcmp(axes_[k].name, axis.name) != 0) continue;
       return Diagnostic{
-          "", 0, "", "", which + "has the name of axis " + std::to_string(k), "mend the firmware"};
+          "", 0, "", "", which + "has the name of axis " + std::to_string(k), "fix the firmware"};
     }
   }
   return Done{};

@@ -17,7 +17,7 @@ namespace wholehand::moteus {
 inline constexpr double kLongestTimeout_s = 0.1;
 
 /// Reads the settings of a drive that decide what it does when nobody commands it, or that add to
-/// the torque it is told, and says which of them are not safe and how to set them:
+/// its commanded torque, and says which of them are not safe and how to set them:
 ///
 /// | setting | taken | because |
 /// |---|---|---|

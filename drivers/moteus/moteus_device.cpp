@@ -68,7 +68,7 @@ void MoteusDevice::identify(wh_identity& identity) {
   for (std::size_t i = 0; i < settings_.motors.size(); ++i) {
     const auto drive = identifyDrive(*bus_, *clock_, settings_.motors[i].id);
     if (!drive) return;
-    // Alike on all drives as a rule: then it is told once.
+    // Alike on all drives as a rule: then it is reported once.
     std::array<char, 16> version{};
     std::snprintf(version.data(), version.size(), "%x", drive->firmware);
     if (i == 0) firmware = all = version.data();
@@ -262,7 +262,8 @@ int MoteusDevice::read(wh_sample& sample) noexcept {
     sample.temperature_c[a] = round_.completedState(map_.axes()[a].motor).temperature_c;
     if (std::isfinite(q[a])) sample.valid |= 1U << a;
   }
-  return std::exchange(told_, round_.completed()) == round_.completed() ? WH_NOTHING_NEW : WH_OK;
+  return std::exchange(reported_, round_.completed()) == round_.completed() ? WH_NOTHING_NEW
+                                                                            : WH_OK;
 }
 
 int MoteusDevice::write(const wh_command& command) noexcept {

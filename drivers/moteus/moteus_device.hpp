@@ -71,7 +71,7 @@ class MoteusDevice {
   bool enabled_ = false, feeds_ = true, failed_ = false;
   bool pending_ = false;
   PerMotor torque_nm_{};
-  std::uint64_t told_ = 0;  ///< rounds that read() has handed over
+  std::uint64_t reported_ = 0;  ///< rounds that read() has handed over
 };
 
 }  // namespace wholehand::moteus

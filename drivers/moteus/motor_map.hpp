@@ -18,8 +18,8 @@ struct Motor {
   double sign = 1.0;              ///< -1: it turns against its joint
   double gear_ratio = 1.0;        ///< turns of the motor for one of the joint
   double offset_rad = 0.0;        ///< position of the motor where the joint is at zero
-  double max_torque_nm = 0.0;     ///< the most that it is ever told
-  double encoder_step_rad = 0.0;  ///< smallest change of position that its drive can tell
+  double max_torque_nm = 0.0;     ///< the most that it is ever commanded
+  double encoder_step_rad = 0.0;  ///< smallest change of position that its drive resolves
 };
 
 /// An axis: the joint of its motor, and shares of axes before it in the series. A thumb whose
@@ -64,7 +64,7 @@ class MotorMap {
   [[nodiscard]] Interval motorTravel(std::size_t axis) const noexcept;
   /// The largest torque of the motor of an axis while no axis exceeds its effort limit [N.m].
   [[nodiscard]] double worstTorque(std::size_t axis) const noexcept;
-  /// Smallest change of an axis that its motors together can tell [rad].
+  /// Smallest change of an axis that its motors together resolve [rad].
   [[nodiscard]] double resolution(std::size_t axis) const noexcept;
 
  private:

@@ -107,7 +107,7 @@ void checkMap(std::vector<TomlTable>& tables, const Settings& settings) {
                      "takes the motor " + motor.name + " from " + formatNumber(travel.lower) +
                          " to " + formatNumber(travel.upper) + " rad",
                      "must stay within half a turn of the motor to both sides: beyond it the drive "
-                     "cannot tell one turn from the next when it is switched on");
+                     "cannot distinguish one turn from the next when it is switched on");
     }
     if (map.worstTorque(a) > motor.max_torque_nm * (1.0 + 1e-9)) {
       tables[a].fail("effort_limit_nm",

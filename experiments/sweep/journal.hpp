@@ -9,8 +9,8 @@
 namespace wholehand {
 
 /// The finished cells of a sweep that is under way: a folder with a file for each process that
-/// works on it, to which each finished cell is appended at once. Whoever is killed loses only the
-/// cell that it was running. Works on a folder that several machines share.
+/// works on it, to which each finished cell is appended at once. A process that is killed loses
+/// only the cell that it was running. Works on a folder that several machines share.
 class SweepJournal {
  public:
   /// Prepares the folder. Refused: one that holds cells of another grid, or of another program.

@@ -89,7 +89,7 @@ class Sweep {
   // In a worker. Empty: finished; otherwise why not.
   std::string runOne(int cell) {
     const std::string scratch = plan_.out + ".cells/scenes-" + std::to_string(::getpid());
-    std::error_code ignored;  // a folder that is missing is told by who writes there
+    std::error_code ignored;  // a missing folder is reported by the writer
     fs::create_directories(scratch, ignored);
     auto figures = runCell(grid_, cell, plan_.find, scratch);
     if (!figures) return oneLine(figures.errors());

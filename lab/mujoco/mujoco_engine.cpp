@@ -338,7 +338,7 @@ void MujocoEngine::moveFreely(const Body& body, double period_s) noexcept {
 }
 
 bool MujocoEngine::integrate(double period_s) noexcept {
-  // The solver ends near M q̈ = f; from the forces that are told the motion follows exactly.
+  // The solver ends near M q̈ = f; the motion follows exactly from the reported forces.
   mj_solveM(model_.get(), data_.get(), data_->qacc, data_->qfrc_constraint, 1);
   for (int i = 0; i < model_->nv; ++i) {
     data_->qacc[i] += data_->qacc_smooth[i];

@@ -196,9 +196,9 @@ class FilledWorld {
     timer_.finish(record_);
     if (ticks_++ >= kPoolFirst_ticks) count();
     countBodies();
-    if (!any(record_.faults & kStopping)) return Done{};
+    if (!any(record_.faults & kStoppingFaults)) return Done{};
     ended_ = true;  // by the strong hand's own motion, or by what it threw
-    stopped_by_ = record_.faults & kStopping;
+    stopped_by_ = record_.faults & kStoppingFaults;
     const Fault fault = record_.faults & kOfTheWorld;
     if (!any(fault)) return Done{};
     return Diagnostic{rig_.models.files.exercise,

@@ -111,7 +111,7 @@ class Attempt {
         return Diagnostic{"", 0, "", "", "the rehearsal was stopped", ""};
       }
       tick(move);
-      if (any(record_.faults & kStopping)) return recover(move);
+      if (any(record_.faults & kStoppingFaults)) return recover(move);
       blocked = record_.contact_count > 0 && still() ? blocked + 1 : 0;
       if (!player_.pressing() && (player_.arrived() || blocked > still_for)) player_.press();
       if (player_.pressing() && player_.arrived()) ++held;
@@ -186,7 +186,7 @@ class Attempt {
             "bodies",
             name,
             "the rehearsal broke the simulated world here: " + faultNames(fault),
-            "mend or remove what lies there: its mass, or what it overlaps"};
+            "correct or remove what lies there: its mass, or what it overlaps"};
   }
 
   // Finds the stage and the body behind the slowest hundredth of the ticks.

@@ -195,13 +195,13 @@ Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan) {
   const std::string record = plan.record;
   const std::int64_t began_ns = monotonicNow_ns();
   Run* running = nullptr;
-  bool told_of_loss = false;
+  bool loss_reported = false;
   const auto tell = [&] {
     if (!status && !notice) return;
     const TickSummary now = running->summary();
     if (status) status(now, rateOf(now, began_ns));
-    if (!notice || record.empty() || told_of_loss || running->droppedRecords() == 0) return;
-    told_of_loss = true;
+    if (!notice || record.empty() || loss_reported || running->droppedRecords() == 0) return;
+    loss_reported = true;
     notice(lossNotice(now.time_s, record));
   };
   if (simulated_clock) {
@@ -229,14 +229,14 @@ std::vector<ResultValue> exerciseResults(const Models& models, const TickSummary
   std::vector<ResultValue> out;
   if (!models.exercise) return out;
   const std::vector<std::string>& names = models.exercise->description().value_names;
-  for (const PanelValue& told : models.exercise_panel.values) {
-    const auto at = std::find(names.begin(), names.end(), told.name) - names.begin();
-    if (!told.result || at >= summary.value_count) continue;
+  for (const PanelValue& reported : models.exercise_panel.values) {
+    const auto at = std::find(names.begin(), names.end(), reported.name) - names.begin();
+    if (!reported.result || at >= summary.value_count) continue;
     const double value = summary.values[at];
     std::string shown =
-        fmt::format("{} {:.{}f}", told.label.en, value * told.factor, told.decimals);
-    if (!told.unit.empty()) shown += " " + told.unit;
-    out.push_back({told.name, value, std::move(shown)});
+        fmt::format("{} {:.{}f}", reported.label.en, value * reported.factor, reported.decimals);
+    if (!reported.unit.empty()) shown += " " + reported.unit;
+    out.push_back({reported.name, value, std::move(shown)});
   }
   return out;
 }

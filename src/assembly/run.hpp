@@ -105,7 +105,7 @@ class Run {
   void requestStop() noexcept { session_->requestStop(); }
   void requestGentleStop() noexcept { session_->requestGentleStop(); }
   void requestEmergencyStop() noexcept { session_->requestEmergencyStop(); }
-  void setOwnerAlive(bool alive) noexcept { session_->setOwnerAlive(alive); }
+  void setHolderAlive(bool alive) noexcept { session_->setHolderAlive(alive); }
   [[nodiscard]] bool running() const { return session_->running(); }
   [[nodiscard]] TickSummary summary() const { return statistics_.snapshot(); }
   /// Number of ticks missing in the recording: the loop, the recorder's thread or the disk had no

@@ -13,8 +13,8 @@ std::string describe(const SafetyTransition& t) {
 }
 
 SafetyLog::SafetyLog(DeviceModel device, double period_s,
-                     std::function<void(const SafetyTransition&)> told)
-    : device_(std::move(device)), period_s_(period_s), told_(std::move(told)) {}
+                     std::function<void(const SafetyTransition&)> on_transition)
+    : device_(std::move(device)), period_s_(period_s), on_transition_(std::move(on_transition)) {}
 
 void SafetyLog::beginSession() {
   const std::lock_guard lock(mutex_);
@@ -35,7 +35,7 @@ void SafetyLog::add(const TickRecord& record) {
       state_ = transition.to;
       transitions_.push_back(transition);
     }
-    if (told_) told_(transition);
+    if (on_transition_) on_transition_(transition);
   }
   known_ = true;
   last_tick_ = record.tick;
@@ -71,7 +71,7 @@ SafetyTransition SafetyLog::transitionAt(const TickRecord& record) const {
 }
 
 void SafetyLog::nameFault(const TickRecord& record, SafetyTransition& out) const {
-  out.faults = record.faults & kStopping;
+  out.faults = record.faults & kStoppingFaults;
   out.cause = any(out.faults) ? faultNames(out.faults) : "a fault whose record was dropped";
   const bool of_axis = record.fault_axis >= 0 && record.fault_axis < device_.axisCount();
   if (of_axis) {

@@ -32,9 +32,9 @@ struct SafetyTransition {
 /// from any thread. Locks: not real-time safe.
 class SafetyLog {
  public:
-  /// @param told called for every transition, in the thread that adds; may be null
+  /// @param on_transition called for every transition, in the thread that adds; may be null
   SafetyLog(DeviceModel device, double period_s,
-            std::function<void(const SafetyTransition&)> told = nullptr);
+            std::function<void(const SafetyTransition&)> on_transition = nullptr);
 
   /// Adds a record. A tick number that does not increase begins a new session: its list is empty,
   /// but the last state is kept.
@@ -53,7 +53,7 @@ class SafetyLog {
 
   const DeviceModel device_;
   const double period_s_;
-  const std::function<void(const SafetyTransition&)> told_;
+  const std::function<void(const SafetyTransition&)> on_transition_;
 
   void beginSession();
 

@@ -31,7 +31,7 @@ constexpr double kProve_s = 0.08;    // after it let go
 constexpr double kSettles_s = 0.02;  // at the beginning of each: delay and ramp
 constexpr int kRefusedWrites = 20;   // ticks in which a sample may say why
 
-// Tells the person when a motion is over, however it ends.
+// Informs the person when a motion is over, however it ends.
 class MotionEnd {
  public:
   MotionEnd(Operator& person, const Motion& motion) : person_(person), motion_(motion) {}
@@ -252,7 +252,7 @@ Expected<Done> Bench::keyStillHeld() {
     if (waited_s > kKeySeen_s || person_->gaveUp()) {
       return no("", "the key was let go", "repeat the step");
     }
-    if (auto sent = send(neutral(), HostReason::kNone); !sent) return sent;
+    if (auto sent = send(neutral(), ReleaseReason::kNone); !sent) return sent;
     clock_->waitForTick();
   }
   return Done{};
@@ -270,7 +270,7 @@ Expected<Done> Bench::enable() {
   return Done{};
 }
 
-Expected<Done> Bench::send(const std::vector<double>& effort, HostReason let_go) {
+Expected<Done> Bench::send(const std::vector<double>& effort, ReleaseReason let_go) {
   HostCommand command{};
   command.session = guard_.session;
   command.sequence = guard_.sequence + 1;
@@ -291,7 +291,7 @@ Expected<Done> Bench::send(const std::vector<double>& effort, HostReason let_go)
   if (!taken) {
     return no("", "the device refuses an effort", "look at the device, and repeat the step");
   }
-  if (guard_.phase != HostPhase::kRendering && let_go == HostReason::kNone) {
+  if (guard_.phase != HostPhase::kRendering && let_go == ReleaseReason::kNone) {
     return no("", fmt::format("the guard let go: {}", describe(guard_.reason)),
               "let nothing else run on this machine, and repeat the step");
   }
@@ -300,7 +300,7 @@ Expected<Done> Bench::send(const std::vector<double>& effort, HostReason let_go)
 
 Expected<Done> Bench::letGo() {
   for (int i = 0; guard_.phase != HostPhase::kLatched && i < 1000; ++i) {
-    if (!send(neutral(), HostReason::kLoopEnded)) break;
+    if (!send(neutral(), ReleaseReason::kLoopEnded)) break;
     clock_->waitForTick();
   }
   guard_ = endSession(guard_, config_);
@@ -331,7 +331,7 @@ Expected<Done> Bench::guarded(const Look& look, const Law& law) {
       if (!goes_on) return goes_on.errors();
       if (!*goes_on) return Done{};
     }
-    Expected<Done> sent = now.silent ? Done{} : send(now.effort, HostReason::kNone);
+    Expected<Done> sent = now.silent ? Done{} : send(now.effort, ReleaseReason::kNone);
     refused = sent || seen == Seen::kProve ? 0 : refused + 1;
     if (refused > kRefusedWrites) return sent;
     clock_->waitForTick();

@@ -85,7 +85,7 @@ class Bench {
     const wh_sample& sample;
     const wh_command& command;
     HostPhase phase = HostPhase::kIdle;
-    HostReason reason = HostReason::kNone;  ///< why the guard let go
+    ReleaseReason reason = ReleaseReason::kNone;  ///< why the guard let go
   };
   /// Called every tick; returns false when the move is done.
   using Law = std::function<Expected<bool>(Now&)>;
@@ -150,7 +150,7 @@ class Bench {
   [[nodiscard]] Expected<Done> keyStillHeld();
   [[nodiscard]] Expected<Done> enable();
   [[nodiscard]] Expected<Done> guarded(const Look& look, const Law& law);
-  [[nodiscard]] Expected<Done> send(const std::vector<double>& effort, HostReason let_go);
+  [[nodiscard]] Expected<Done> send(const std::vector<double>& effort, ReleaseReason let_go);
   [[nodiscard]] Expected<Done> letGo();
 
   DeviceDriver* driver_;

@@ -181,7 +181,7 @@ Expected<Done> Commissioning::carryOut(CommissioningStep step) {
                              kNames.at(at),
                              fmt::format("needs the step {} first", kNames.at(before)),
                              fmt::format("do {}", kNames.at(before))};
-    return told(step, [&]() -> Expected<Done> { return missing; });
+    return report(step, [&]() -> Expected<Done> { return missing; });
   }
   using Method = Expected<Done> (Commissioning::*)();
   static constexpr std::array<Method, kCommissioningSteps> kMethods = {
@@ -190,13 +190,13 @@ Expected<Done> Commissioning::carryOut(CommissioningStep step) {
       &Commissioning::knownWeight,    &Commissioning::watchdog, &Commissioning::emergencyStop,
       &Commissioning::rangeStops,     &Commissioning::write};
   done_.back() = false;  // a new measurement makes the passport outdated
-  Expected<Done> result = told(step, [&] { return (this->*kMethods.at(at))(); });
+  Expected<Done> result = report(step, [&] { return (this->*kMethods.at(at))(); });
   done_.at(at) = result.ok();
   return result;
 }
 
-Expected<Done> Commissioning::told(CommissioningStep step,
-                                   const std::function<Expected<Done>()>& do_it) {
+Expected<Done> Commissioning::report(CommissioningStep step,
+                                     const std::function<Expected<Done>()>& do_it) {
   StepNews news{static_cast<int>(step), StepNews::What::kBegins, {}};
   step_under_way_ = news.step;
   bench_.person().tellStep(news);
@@ -210,13 +210,12 @@ Expected<Done> Commissioning::told(CommissioningStep step,
 
 Expected<Done> Commissioning::identify() {
   if (passport_.identity.serial.empty()) {
-    return Diagnostic{
-        bench_.model().path,
-        0,
-        "serial",
-        "",
-        "the driver says no serial number: a passport could not be told to be its own",
-        "let the driver fill in wh_plugin.identify"};
+    return Diagnostic{bench_.model().path,
+                      0,
+                      "serial",
+                      "",
+                      "the driver says no serial number: a passport could not be matched to it",
+                      "let the driver fill in wh_plugin.identify"};
   }
   (void)bench_.driver().control(WH_IDENTIFY, 0.0);  // optional: the device also has a label
   const auto is_this =
@@ -334,14 +333,16 @@ Expected<Done> Commissioning::checkToday() {
   const auto kept = passportInForce();
   if (!kept) return kept.errors();
   const DeviceModel& model = bench_.model();
-  if (auto good = told(CommissioningStep::kHome, [&] { return atItsMark(*kept); }); !good) {
+  if (auto good = report(CommissioningStep::kHome, [&] { return atItsMark(*kept); }); !good) {
     return good;
   }
-  if (auto good = told(CommissioningStep::kSigns, [&] { return motorSigns(); }); !good) return good;
-  if (auto good = told(CommissioningStep::kWatchdog, [&] { return watchdog(); }); !good) {
+  if (auto good = report(CommissioningStep::kSigns, [&] { return motorSigns(); }); !good)
+    return good;
+  if (auto good = report(CommissioningStep::kWatchdog, [&] { return watchdog(); }); !good) {
     return good;
   }
-  if (auto good = told(CommissioningStep::kEmergencyStop, [&] { return emergencyStop(); }); !good) {
+  if (auto good = report(CommissioningStep::kEmergencyStop, [&] { return emergencyStop(); });
+      !good) {
     return good;
   }
   const DailyCheck check{kept->sha256, plan_.operator_name, plan_.now()};

@@ -96,8 +96,8 @@ class Commissioning {
     bench_.person().tell(line, findings);
   }
   /// Runs one step or part of the daily check and reports its beginning and end.
-  [[nodiscard]] Expected<Done> told(CommissioningStep step,
-                                    const std::function<Expected<Done>()>& do_it);
+  [[nodiscard]] Expected<Done> report(CommissioningStep step,
+                                      const std::function<Expected<Done>()>& do_it);
   [[nodiscard]] Expected<Done> atItsMark(const Passport& kept);
   [[nodiscard]] Expected<Done> motorSigns();
 

@@ -68,7 +68,7 @@ Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& 
                       0,
                       "serial",
                       "",
-                      "the driver says no serial number: no passport can be told to be its own",
+                      "the driver says no serial number: no passport can be matched to it",
                       "let the driver fill in wh_plugin.identify"};
   }
   const std::string path = passportPath(model.path, identity.serial);

@@ -58,8 +58,8 @@ Vec3 unpacked(double number) noexcept {
 
 }  // namespace
 
-const char* refusalName(OrderRefusal refusal) noexcept {
-  static constexpr std::array<const char*, kOrderRefusals> kNames{
+const char* refusalName(BodyRefusal refusal) noexcept {
+  static constexpr std::array<const char*, kBodyRefusals> kNames{
       "none",           "no_such_slot", "wrong_generation", "slot_taken",
       "no_such_shapes", "shapes_busy",  "bad_shapes",       "bad_pose",
       "bad_mass",       "overlap",      "budget",           "not_the_games",

@@ -34,7 +34,7 @@ enum class SlotState : std::int32_t {
 };
 
 /// Why the pool refused an order.
-enum class OrderRefusal : std::int32_t {
+enum class BodyRefusal : std::int32_t {
   kNone,
   kNoSuchSlot,       ///< slot out of range
   kWrongGeneration,  ///< the slot holds another body, or none
@@ -47,12 +47,12 @@ enum class OrderRefusal : std::int32_t {
   kOverlap,          ///< spawn with `refuse_overlap` where something is
   kBudget,           ///< as many bodies move as the budget allows
   kNotTheGames,      ///< target for a body whose owner is not the game
-  kBusy,             ///< the body is being let go
+  kLettingGo,        ///< the body is being let go
   kSilent            ///< the game is silent, or the run stops
 };
-inline constexpr int kOrderRefusals = 14;
+inline constexpr int kBodyRefusals = 14;
 /// snake_case name, as in events and docs/protocol.md.
-[[nodiscard]] const char* refusalName(OrderRefusal refusal) noexcept;
+[[nodiscard]] const char* refusalName(BodyRefusal refusal) noexcept;
 
 /// What the pool says of a slot.
 struct SlotReport {
@@ -65,7 +65,7 @@ struct SlotReport {
 /// An order that was refused in this tick.
 struct RefusedOrder {
   std::int32_t slot = -1;
-  OrderRefusal refusal = OrderRefusal::kNone;
+  BodyRefusal refusal = BodyRefusal::kNone;
 };
 
 /// What the pool says in a tick. A slot's body is body first_body + slot of the record.

@@ -10,11 +10,11 @@ namespace wholehand {
 
 enum class CommandType : std::int32_t {
   kNone,
-  kParameter,  ///< index: live parameter; value: target of its ramp
-  kAction,     ///< index: an ExerciseAction
-  kOwner,      ///< value: 1 while the client that shows the exercise is alive, 0 when it is silent
-  kAim,        ///< aim: target pose of the person at the screen; index: a Help, of its page
-  kSteer,      ///< index: a Steering
+  kParameter,    ///< index: live parameter; value: target of its ramp
+  kAction,       ///< index: an ExerciseAction
+  kHolderAlive,  ///< value: 1 while the controls' holder is alive, 0 when it is silent
+  kAim,          ///< aim: target pose of the person at the screen; index: a Help, of its page
+  kSteer,        ///< index: a Steering
   // Orders of a game to its bodies; core/body_order.hpp makes and reads them.
   kShapeSet,       ///< index: shape set; value: pieces
   kShapePiece,     ///< index: shape set; value: piece

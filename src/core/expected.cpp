@@ -43,7 +43,7 @@ Diagnostics firstFaults(Diagnostics faults, const std::string& path) {
   faults.resize(kMost);
   faults.push_back({path, 0, "", "",
                     "has " + std::to_string(more) + (more == 1 ? " more fault" : " more faults"),
-                    "mend these first"});
+                    "correct these first"});
   return faults;
 }
 

@@ -6,8 +6,8 @@
 
 namespace wholehand {
 
-/// Faults of a tick, as bits OR-ed into its record; never exceptions. The bits in kStopping start a
-/// ramp to the device's neutral effort in the same tick.
+/// Faults of a tick, as bits OR-ed into its record; never exceptions. The bits in kStoppingFaults
+/// start a ramp to the device's neutral effort in the same tick.
 enum class Fault : std::uint32_t {
   kNone = 0,
   kDeviceRead = 1U << 0,         ///< the device delivered no position
@@ -30,7 +30,7 @@ enum class Fault : std::uint32_t {
   kEncoderStuck = 1U << 17,      ///< a position stands still although the effort should move it
   kLateInARow = 1U << 18,        ///< more late ticks in a row than the device allows
   kLongGap = 1U << 19,           ///< a gap between ticks longer than the device allows
-  kOwnerSilent = 1U << 20,       ///< information: the owner is silent; the exercise fades out
+  kHolderSilent = 1U << 20,      ///< information: the holder is silent; the exercise fades out
   kBodiesExploded = 1U << 21,  ///< the bodies gained energy in one step that nobody put in, or the
                                ///< simulated hand is implausibly fast
   kTankEmpty = 1U << 22,       ///< information: an empty energy tank added damping
@@ -67,7 +67,7 @@ inline constexpr int kFaultBits = 32;
 enum class FaultReaction {
   kStops,     ///< the ramp to neutral begins
   kCounted,   ///< rendering goes on; the fault is counted and listed in the summary
-  kRecorded,  ///< a request, or an owner who is gone; only recorded
+  kRecorded,  ///< a request, or a holder who is gone; only recorded
 };
 
 /// Name and reaction of one bit. Records, summaries, metrics and the safety page use this table.
@@ -99,7 +99,7 @@ inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
     {Fault::kEncoderStuck, "encoder stuck", FaultReaction::kStops},
     {Fault::kLateInARow, "late ticks in a row", FaultReaction::kStops},
     {Fault::kLongGap, "gap too long", FaultReaction::kStops},
-    {Fault::kOwnerSilent, "owner silent", FaultReaction::kRecorded},
+    {Fault::kHolderSilent, "owner silent", FaultReaction::kRecorded},
     {Fault::kBodiesExploded, "bodies exploded", FaultReaction::kStops},
     {Fault::kTankEmpty, "tank damped", FaultReaction::kCounted},
     {Fault::kDriveFault, "drive fault", FaultReaction::kStops},
@@ -128,7 +128,7 @@ inline constexpr Fault kOfReading = Fault::kDeviceRead | Fault::kDriveFault | Fa
                                     Fault::kEffortAstray;
 
 /// The faults that stop rendering; the others are counted and shown.
-inline constexpr Fault kStopping = faultsWith(FaultReaction::kStops);
+inline constexpr Fault kStoppingFaults = faultsWith(FaultReaction::kStops);
 
 /// Name of one bit (0 .. kFaultBits - 1) for people, e.g. "device read failed".
 [[nodiscard]] const char* faultName(int bit) noexcept;
@@ -142,7 +142,7 @@ inline constexpr Fault kStopping = faultsWith(FaultReaction::kStops);
 ///   Disarmed → Armed       a person arms and the checks of arm() pass
 ///   Armed → Rendering      the effort is fully blended in
 ///   Armed, Rendering → Disarmed   a stop was requested and the device is at its neutral effort
-///   Armed, Rendering → Faulted    a fault of kStopping; the ramp to neutral begins in that tick
+///   Armed, Rendering → Faulted    a stopping fault; the ramp to neutral begins in that tick
 ///   Faulted → Armed        a person arms again
 enum class SafetyState : std::int32_t { kDisarmed, kArmed, kRendering, kFaulted };
 

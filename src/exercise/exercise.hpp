@@ -39,7 +39,7 @@ struct ExerciseInput {
   const ArticulatedBody* hand = nullptr;  ///< link poses at observed->theta; null: not known
   const double* parameters = nullptr;     ///< current values, in the description's order
   const PoolReport* pool = nullptr;       ///< bodies of a game; null without slots for them
-  bool may_push = true;  ///< false: owner silent or stop requested; f_e must fade out
+  bool may_push = true;  ///< false: holder silent or stop requested; f_e must fade out
 };
 
 /// A task for the person, which may add an effort to the rendering. It uses no sockets and no

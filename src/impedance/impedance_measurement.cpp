@@ -27,7 +27,7 @@ constexpr const char* kNeverSettles = "the loop does not settle by itself";
 /// Why the tick was not linear on the axis; empty: it was.
 std::string interference(const TickRecord& record, const AxisEffort& neutral, int axis,
                          double phi) {
-  if (any(record.faults & kStopping)) return "a fault stopped the loop";
+  if (any(record.faults & kStoppingFaults)) return "a fault stopped the loop";
   for (const double effort : record.tank_effort) {
     if (effort != 0.0) return "the energy tank stepped in";
   }

@@ -67,12 +67,12 @@ ExercisePanel readExercisePanel(TomlTable& panel) {
   return out;
 }
 
-void checkExercisePanel(TomlTable& panel, const ExercisePanel& told,
+void checkExercisePanel(TomlTable& panel, const ExercisePanel& parsed,
                         const std::vector<std::string>& value_names,
                         const std::vector<std::string>& event_names) {
   std::vector<TomlTable> tables = panel.tables("values", 0);
   for (std::size_t i = 0; i < tables.size(); ++i) {
-    const PanelValue& value = told.values[i];
+    const PanelValue& value = parsed.values[i];
     if (!has(value_names, value.name)) {
       tables[i].fail("name", "is not a value of this exercise", listed(value_names));
     }
@@ -83,12 +83,12 @@ void checkExercisePanel(TomlTable& panel, const ExercisePanel& told,
       }
     }
   }
-  if (!told.instructions.empty() && !has(value_names, kInstructionValue)) {
+  if (!parsed.instructions.empty() && !has(value_names, kInstructionValue)) {
     panel.fail("instructions", "are never shown: the exercise has no value \"instruction\"",
                "remove them, or choose an exercise with that value");
   }
   if (std::optional<TomlTable> events = panel.optionalTable("events")) {
-    for (const PanelEvent& event : told.events) {
+    for (const PanelEvent& event : parsed.events) {
       if (!has(event_names, event.name)) {
         events->fail(event.name, "is not an event of this exercise", listed(event_names));
       }

@@ -50,8 +50,8 @@ inline constexpr std::string_view kDoneValue = "done";                ///< 1: fi
 [[nodiscard]] ExercisePanel readExercisePanel(TomlTable& panel);
 
 /// Reports every name that the exercise does not have.
-/// @param panel the table that `told` was read from
-void checkExercisePanel(TomlTable& panel, const ExercisePanel& told,
+/// @param panel the table that `parsed` was read from
+void checkExercisePanel(TomlTable& panel, const ExercisePanel& parsed,
                         const std::vector<std::string>& value_names,
                         const std::vector<std::string>& event_names);
 

@@ -91,18 +91,18 @@ void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
   config.axes.resize(device.axes.size());
   std::vector<std::string> without_gains;
   for (const DeviceAxis& axis : device.axes) without_gains.push_back(axis.name);
-  std::vector<NamedAxis> strangers;
+  std::vector<NamedAxis> unknown;
   for (NamedAxis& axis : readAxisNames(root)) {
     const int i = device.axisIndex(axis.name);
     if (i < 0) {
-      strangers.push_back(axis);
+      unknown.push_back(axis);
       continue;
     }
     std::erase(without_gains, axis.name);
     config.axes[i] = readAxis(axis.table, device.axes[i], common, config.paper);
   }
-  for (NamedAxis& axis : strangers) {
-    refuseAxis(axis, device, strangers.size() == 1, without_gains);
+  for (NamedAxis& axis : unknown) {
+    refuseAxis(axis, device, unknown.size() == 1, without_gains);
   }
   // An unreadable [[axes]] was reported already.
   if (root.isGood("axes") && !without_gains.empty()) {

@@ -138,7 +138,7 @@ class Reader {
   const DeviceModel* device_;
   MotionFile motion_;
   Diagnostics faults_;
-  std::size_t untold_ = 0;
+  std::size_t unreported_ = 0;
   int line_ = 0;
   std::vector<std::string> header_;  // the columns as written
   std::size_t time_place_ = 0;
@@ -148,7 +148,7 @@ class Reader {
 void Reader::fault(std::string key, std::string_view value, std::string problem,
                    std::string remedy) {
   if (faults_.size() == kMostFaults) {
-    ++untold_;
+    ++unreported_;
     return;
   }
   faults_.push_back(
@@ -312,9 +312,9 @@ Expected<MotionFile> Reader::read() {
     if (!line(text)) return faults_;
   }
   checkWhole();
-  if (untold_ > 0) {
-    faults_.push_back({motion_.path, 0, "", "", "has " + counted(untold_, "more fault"),
-                       "mend the ones above first"});
+  if (unreported_ > 0) {
+    faults_.push_back({motion_.path, 0, "", "", "has " + counted(unreported_, "more fault"),
+                       "correct the ones above first"});
   }
   if (!faults_.empty()) return faults_;
   return std::move(motion_);

@@ -14,7 +14,7 @@ namespace wholehand {
 class ArticulatedBody;
 
 /// State of the world before a step.
-struct WorldState {
+struct PhysicsState {
   AxisPosition q_s;  ///< reduced coordinates of the hand
   AxisVelocity qd_s;
   JointPosition theta;  ///< joint coordinates, θ = θ₀ + G q_s
@@ -67,7 +67,7 @@ class PhysicsWorld {
 
   /// Returns the state before the next step. A body's position is that of its centre of mass, its
   /// orientation that of the scene's body frame.
-  [[nodiscard]] WHOLEHAND_RT virtual Fault observe(WorldState& state) noexcept = 0;
+  [[nodiscard]] WHOLEHAND_RT virtual Fault observe(PhysicsState& state) noexcept = 0;
 
   /// Places bodies for an exercise, before a step; observe() shows it at once. A free body
   /// continues with the given velocity and without rotation. A fixed body stays there: its velocity

@@ -6,8 +6,8 @@
 
 namespace wholehand {
 
-/// Makes the kernel report the calling thread's system calls to a counter, whoever makes them.
-/// Every call that sleeps, waits, reads, writes or grows memory is seen; clocks that the vDSO
+/// Makes the kernel report the calling thread's system calls to a counter, whichever code makes
+/// them. Every call that sleeps, waits, reads, writes or grows memory is seen; clocks that the vDSO
 /// serves are not system calls. Call once per thread before counting; takes over the process's
 /// SIGSYS. Needs Linux 5.11 on x86-64, and no sanitizer.
 /// @return empty; else the reason why counting is not available

@@ -19,10 +19,10 @@ bool fixed(BodyOwner owner) {
 }
 
 /// Refusals that only a spawn meets.
-bool refusesSpawn(OrderRefusal refusal) {
-  return refusal == OrderRefusal::kSlotTaken || refusal == OrderRefusal::kNoSuchShapes ||
-         refusal == OrderRefusal::kBadMass || refusal == OrderRefusal::kBudget ||
-         refusal == OrderRefusal::kSilent;
+bool refusesSpawn(BodyRefusal refusal) {
+  return refusal == BodyRefusal::kSlotTaken || refusal == BodyRefusal::kNoSuchShapes ||
+         refusal == BodyRefusal::kBadMass || refusal == BodyRefusal::kBudget ||
+         refusal == BodyRefusal::kSilent;
 }
 
 // Which of the registered bodies have slots.
@@ -94,30 +94,30 @@ std::vector<RegisteredBody> BodyRegistry::bodies() const {
   return out;
 }
 
-OrderRefusal BodyRegistry::add(const SpawnOrder& order, double radius_m) {
-  if (!isRegistered(order.slot)) return OrderRefusal::kNoSuchSlot;
-  if (find(order.slot) != nullptr) return OrderRefusal::kSlotTaken;
-  if (bodies_.size() >= std::size_t{kMostRegistered}) return OrderRefusal::kBudget;
-  if (silent_since_s_ >= 0.0) return OrderRefusal::kSilent;
+BodyRefusal BodyRegistry::add(const SpawnOrder& order, double radius_m) {
+  if (!isRegistered(order.slot)) return BodyRefusal::kNoSuchSlot;
+  if (find(order.slot) != nullptr) return BodyRefusal::kSlotTaken;
+  if (bodies_.size() >= std::size_t{kMostRegistered}) return BodyRefusal::kBudget;
+  if (silent_since_s_ >= 0.0) return BodyRefusal::kSilent;
   Body body;
   body.spawn = order;
   body.spawn.refuse_overlap = false;
   body.radius_m = radius_m;
   bodies_.emplace(order.slot, body);
   ++version_;
-  return OrderRefusal::kNone;
+  return BodyRefusal::kNone;
 }
 
-OrderRefusal BodyRegistry::obey(const Command& command) {
+BodyRefusal BodyRegistry::obey(const Command& command) {
   Body* body = find(command.index);
   if (body == nullptr || command.value != body->spawn.generation) {
-    return OrderRefusal::kWrongGeneration;
+    return BodyRefusal::kWrongGeneration;
   }
   if (command.type == CommandType::kBodyTarget && body->spawn.owner != BodyOwner::kGame) {
-    return OrderRefusal::kNotTheGames;
+    return BodyRefusal::kNotTheGames;
   }
   if (body->slot >= 0) {
-    if (const OrderRefusal no = orderInSlot(*body, command); no != OrderRefusal::kNone) return no;
+    if (const BodyRefusal no = orderInSlot(*body, command); no != BodyRefusal::kNone) return no;
   }
   switch (command.type) {
     case CommandType::kRemove:
@@ -132,17 +132,17 @@ OrderRefusal BodyRegistry::obey(const Command& command) {
       body->spawn.velocity_m_s = body->spawn.spin_rad_s = Vec3{};
       if (body->slot < 0 || body->moved_away) ++moves_;
   }
-  return OrderRefusal::kNone;
+  return BodyRefusal::kNone;
 }
 
-OrderRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
+BodyRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
   Held& held = held_[body.slot];
   if (held.leaving) {  // it is on its way out: what is ordered holds there
     if (command.type == CommandType::kRemove) held.number = -1;
     const bool moves =
         command.type == CommandType::kTeleport || command.type == CommandType::kBodyTarget;
     body.moved_away = body.moved_away || moves;
-    return OrderRefusal::kNone;
+    return BodyRefusal::kNone;
   }
   Command order = command;
   order.index = body.slot;
@@ -151,7 +151,7 @@ OrderRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
     const bool moves = !fixed(spawnOrderOf(command).owner);
     const auto moving = std::count_if(held_.begin(), held_.end(),
                                       [](const Held& h) { return h.number != 0 && h.moves; });
-    if (moves && !held.moves && moving >= budget_.awake) return OrderRefusal::kBudget;
+    if (moves && !held.moves && moving >= budget_.awake) return BodyRefusal::kBudget;
     held.moves = held.moves || moves;
   }
   if (command.type == CommandType::kRemove) {
@@ -160,7 +160,7 @@ OrderRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
     held.since_s = time_s_;
   }
   for_loop_.push_back(order);
-  return OrderRefusal::kNone;
+  return BodyRefusal::kNone;
 }
 
 bool BodyRegistry::parked(int slot, const TickRecord& record) const {
@@ -171,7 +171,7 @@ bool BodyRegistry::parked(int slot, const TickRecord& record) const {
 void BodyRegistry::see(const TickRecord& record) {
   if (reach_ == nullptr) return;
   time_s_ = record.time_s;
-  const bool silent = any(record.faults & (Fault::kOwnerSilent | Fault::kStopRequested));
+  const bool silent = any(record.faults & (Fault::kHolderSilent | Fault::kStopRequested));
   if (!silent) silent_since_s_ = -1.0;
   if (silent && silent_since_s_ < 0.0) silent_since_s_ = time_s_;
   if (silent && time_s_ - silent_since_s_ > kLeaves_s) clear();
@@ -204,7 +204,7 @@ void BodyRegistry::noteRefused(const TickRecord& record) {
     const ExerciseEvent& event = record.exercise.events[i];
     if (event.type != refused_event_ || event.index < 0 || event.index >= budget_.slots) continue;
     const Held& held = held_[event.index];
-    const auto refusal = static_cast<OrderRefusal>(static_cast<int>(event.value));
+    const auto refusal = static_cast<BodyRefusal>(static_cast<int>(event.value));
     if (held.number != 0 && !held.seen && refusesSpawn(refusal)) freeSlot(event.index);
   }
 }

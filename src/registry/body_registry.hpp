@@ -38,9 +38,9 @@ class BodyRegistry {
 
   /// Registers a body; `order.slot` is its number. `refuse_overlap` is not heeded.
   /// @param radius_m of a ball about the centre of mass that holds its shapes
-  [[nodiscard]] OrderRefusal add(const SpawnOrder& order, double radius_m);
+  [[nodiscard]] BodyRefusal add(const SpawnOrder& order, double radius_m);
   /// Removes, teleports, hands over or moves a body; Command::index is its number.
-  [[nodiscard]] OrderRefusal obey(const Command& command);
+  [[nodiscard]] BodyRefusal obey(const Command& command);
   /// True while a registered body has this slot, or is on its way into or out of it.
   [[nodiscard]] bool holds(int slot) const { return held_[slot].number != 0; }
   /// Somebody else spawns into this slot: it is left to them until the record shows the body.
@@ -87,7 +87,7 @@ class BodyRegistry {
   [[nodiscard]] Body* find(int number);
   [[nodiscard]] bool parked(int slot, const TickRecord& record) const;
   void setWhereabouts(Body& body, Whereabouts whereabouts);
-  OrderRefusal orderInSlot(Body& body, const Command& command);
+  BodyRefusal orderInSlot(Body& body, const Command& command);
   void watchOthers(const TickRecord& record);
   void followSlot(int slot, const TickRecord& record);
   void keepState(int slot, const BodyState& state);

@@ -104,7 +104,7 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   contacts_ = ContactList{};
   query_ = WorldQuery{};
   probe_->reset();
-  owner_alive_ = true;
+  holder_alive_ = true;
   if (exercise_ != nullptr) {
     exercise_->reset();
     query_ = exercise_->query();

@@ -95,18 +95,18 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
   lap(Stage::kContacts);
 }
 
-// Whoever shows the exercise is alive, and nobody has asked for a stop.
+// The controls' holder is alive, and nobody has asked for a stop.
 bool HapticRenderer::mayPush(const TickRecord& record) const noexcept {
-  return owner_alive_ && !any(record.faults & Fault::kStopRequested);
+  return holder_alive_ && !any(record.faults & Fault::kStopRequested);
 }
 
 void HapticRenderer::takeCommands(TickRecord& record) noexcept {
   for (int i = 0; i < record.command_count; ++i) {
     const Command& command = record.commands[i];
     if (command.type == CommandType::kParameter) parameters_.ask(command.index, command.value);
-    if (command.type == CommandType::kOwner) owner_alive_ = command.value != 0.0;
+    if (command.type == CommandType::kHolderAlive) holder_alive_ = command.value != 0.0;
   }
-  if (!owner_alive_) record.faults |= Fault::kOwnerSilent;
+  if (!holder_alive_) record.faults |= Fault::kHolderSilent;
   parameters_.advance(static_cast<int>(record.elapsed_periods), config_.period_s);
   config_.live.apply(parameters_.values(), config_.safety.effort_limit, config_.damping,
                      effort_limit_, damping_config_);
@@ -151,7 +151,7 @@ void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
 }
 
 void HapticRenderer::probeHand(TickRecord& record) noexcept {
-  if (any(record.faults & kStopping)) {
+  if (any(record.faults & kStoppingFaults)) {
     probe_->clearMeasurements(record);
   } else {
     probe_->look(&dynamics_.linkPose(0), query_, record);
@@ -160,7 +160,8 @@ void HapticRenderer::probeHand(TickRecord& record) noexcept {
 
 void HapticRenderer::couple(TickRecord& record) noexcept {
   const CouplingGains& gains = config_.gains;
-  if (any(record.faults & kStopping)) {  // the reading cannot be trusted: nothing new is computed
+  if (any(record.faults &
+          kStoppingFaults)) {  // the reading cannot be trusted: nothing new is computed
     record.qd_mf = velocity_.filtered;
     record.f_s = AxisEffort(gains.axes);
     record.coupling = AxisEffort(gains.axes);
@@ -181,7 +182,7 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   record.exercise.effort = AxisEffort(axes);
   record.exercise.event_count = 0;
   record.placements.count = 0;
-  if (any(record.faults & kStopping)) {  // no effort, so no transition and no wall either
+  if (any(record.faults & kStoppingFaults)) {  // no effort, so no transition and no wall either
     record.exercise.alpha = 0.0;
     record.exercise.wall_active = AxisFlag(axes);
     return;
@@ -204,7 +205,7 @@ void HapticRenderer::damp(TickRecord& record) noexcept {
   const CouplingGains& gains = config_.gains;
   record.damping = AxisEffort(gains.axes);
   record.phi = damping_.phi;
-  if (any(record.faults & kStopping)) return;
+  if (any(record.faults & kStoppingFaults)) return;
   damping_ = adaptDamping(damping_, sum(record.coupling, record.exercise.effort), damping_config_,
                           static_cast<int>(record.elapsed_periods), config_.period_s);
   record.phi = damping_.phi;

@@ -79,7 +79,7 @@ class HapticRenderer {
   /// One tick; fills the record except the fields that the session writes, and obeys the record's
   /// commands. Real-time safe.
   /// @param periods 1 + those skipped since the last tick; 0 counts as 1
-  /// @param stages told when each stage ends; may be null
+  /// @param stages notified when each stage ends; may be null
   WHOLEHAND_RT void tick(std::uint32_t periods, TickRecord& record,
                          StageListener* stages = nullptr) noexcept;
 
@@ -149,13 +149,13 @@ class HapticRenderer {
   AxisEffort effort_limit_;               ///< in force now
   AdaptiveDampingConfig damping_config_;  ///< in force now
   WorldQuery query_;
-  bool owner_alive_ = true;  ///< the program or game that shows the exercise is connected
+  bool holder_alive_ = true;  ///< the program or game that shows the exercise is connected
   std::vector<std::string> axis_names_;
   ArticulatedBody dynamics_;
   std::unique_ptr<HandProbe> probe_;
   AxisPosition armed_position_;
   DeviceReading reading_;
-  WorldState state_;
+  PhysicsState state_;
   PoolReport pool_report_;
   ContactList contacts_;
   VelocityState velocity_;

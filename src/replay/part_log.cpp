@@ -186,15 +186,15 @@ Json PartLog::resultsJson() const {
 void PartLog::write(Json& out) const {
   Json parts = Json::array(), sums = Json::object();
   for (const FinishedPart& part : parts_) {
-    Json told = part.moved.json();
-    told["event"] = part.event;
-    told["index"] = part.index;
-    told["value"] = part.value;
-    told["from_s"] = part.from_s;
-    told["to_s"] = part.to_s;
-    told["stars"] = part.stars;
-    told["steps"] = part.steps;
-    parts.push_back(std::move(told));
+    Json reported = part.moved.json();
+    reported["event"] = part.event;
+    reported["index"] = part.index;
+    reported["value"] = part.value;
+    reported["from_s"] = part.from_s;
+    reported["to_s"] = part.to_s;
+    reported["stars"] = part.stars;
+    reported["steps"] = part.steps;
+    parts.push_back(std::move(reported));
   }
   for (std::size_t k = 0; k < sums_.size(); ++k) {
     if (ends_[k] < 0) continue;

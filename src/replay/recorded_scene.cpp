@@ -118,7 +118,7 @@ LoopStatus recordedStatus(const TickRecord& record) {
   status.session = kReplayedSession;
   status.run_state = RunState::kRendering;
   status.safety_state = record.safety_state;
-  status.latched = record.faults & kStopping;
+  status.latched = record.faults & kStoppingFaults;
   status.fault_axis = record.fault_axis;
   status.parameters.assign(record.parameters.begin(),
                            record.parameters.begin() + record.parameter_count);

@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kReplayedSession = 1;
 [[nodiscard]] Expected<SceneFacts> recordedScene(const RecordingMeta& meta,
                                                  const std::string& recording_path);
 
-/// Loop status of a tick, as far as the record tells.
+/// Loop status of a tick, as far as it is recorded.
 [[nodiscard]] LoopStatus recordedStatus(const TickRecord& record);
 
 /// Description of a recording, which a page requests first, as JSON: docs/protocol.md.

@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<std::pair<Fault, const char*>, 3> kRequests = {
     {{Fault::kStopRequested, "stop"},
      {Fault::kEmergencyStop, "emergency_stop"},
-     {Fault::kOwnerSilent, "controls_lost"}}};
+     {Fault::kHolderSilent, "controls_lost"}}};
 
 Fault without(Fault bits, Fault gone) {
   return static_cast<Fault>(static_cast<std::uint32_t>(bits) & ~static_cast<std::uint32_t>(gone));
@@ -65,7 +65,7 @@ std::vector<RecordingMark> marksOf(const TickRecord& record, const TickRecord* b
   for (const auto& [bit, kind] : kRequests) {
     if (any(begun & bit)) mark(kind);
   }
-  if (const Fault stopping = begun & kStopping; any(stopping)) {
+  if (const Fault stopping = begun & kStoppingFaults; any(stopping)) {
     const auto axis = static_cast<std::size_t>(record.fault_axis);
     mark("fault", faultNames(stopping),
          axis < meta.axis_names.size() ? meta.axis_names[axis] : std::string());

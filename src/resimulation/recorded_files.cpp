@@ -57,7 +57,7 @@ bool mirrorsAnother(const fs::path& path) {
   return file.readable() && file.root().has("mirror_of");
 }
 
-// Restores the recorded files in their folder structure; their kinds tell which is which.
+// Restores the recorded files in their folder structure; each is identified by its kind.
 Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
   ModelFiles files{"", "", "", "", "", "", "", meta.level};
   for (const auto& [name, text] : meta.files) {

@@ -110,13 +110,13 @@ void answerAgain(int asked) {
 
 // The loops check the counter themselves; a stop needs nothing from this thread.
 void serveSignals() {
-  for (int told = 1;;) {
+  for (int reported = 1;;) {
     while (::sem_wait(&g_signal) != 0) {
     }
     if (g_ending.load()) return;
     const int asked = g_interrupts.asked.load();
-    if (asked <= told) continue;
-    told = asked;
+    if (asked <= reported) continue;
+    reported = asked;
     answerAgain(asked);
   }
 }

@@ -98,14 +98,14 @@ void Session::followInterrupts() noexcept {
 
 void Session::takeCommands() noexcept {
   record_.command_count = 0;
-  const bool alive = owner_alive_.load();
-  if (alive != owner_told_alive_) {
-    Command& owner = record_.commands[0];
-    owner = Command{};
-    owner.type = CommandType::kOwner;
-    owner.value = alive ? 1.0 : 0.0;
+  const bool alive = holder_alive_.load();
+  if (alive != reported_alive_) {
+    Command& sign = record_.commands[0];
+    sign = Command{};
+    sign.type = CommandType::kHolderAlive;
+    sign.value = alive ? 1.0 : 0.0;
     record_.command_count = 1;
-    owner_told_alive_ = alive;
+    reported_alive_ = alive;
   }
   while (record_.command_count < kMaxCommands) {
     Command& command = record_.commands[record_.command_count];
@@ -123,7 +123,7 @@ void Session::count(std::uint64_t allocations) noexcept {
   for (unsigned bit = 0; bit < kFaultBits; ++bit) {
     c.faults[bit] += static_cast<std::uint32_t>(record_.faults) >> bit & 1U;
   }
-  if (any(record_.faults & kStopping)) ++c.stopping_faults;
+  if (any(record_.faults & kStoppingFaults)) ++c.stopping_faults;
 }
 
 }  // namespace wholehand

@@ -86,7 +86,7 @@ class Session {
   /// Says whether the program or game that shows the exercise is alive. While it is not, the
   /// exercise's effort fades out. Only the latest value counts, and a full command queue cannot
   /// lose it. Any thread.
-  void setOwnerAlive(bool alive) noexcept { owner_alive_.store(alive); }
+  void setHolderAlive(bool alive) noexcept { holder_alive_.store(alive); }
   /// As requestStop(); the records mark it as an emergency stop. Any thread, also a signal handler.
   void requestEmergencyStop() noexcept { renderer_.requestEmergencyStop(); }
 
@@ -109,8 +109,8 @@ class Session {
   TickRecord record_;  ///< the tick's own record, reused
   std::uint64_t next_tick_ = 0;
   bool time_is_over_ = false;
-  std::atomic<bool> owner_alive_{true};
-  bool interrupted_ = false, owner_told_alive_ = true;  ///< ticking thread only
+  std::atomic<bool> holder_alive_{true};
+  bool interrupted_ = false, reported_alive_ = true;  ///< ticking thread only
   SessionCounters counters_;
   std::unique_ptr<PeriodicThread> thread_;  ///< last member: joined before the data it writes is
                                             ///< destroyed

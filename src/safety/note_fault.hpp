@@ -9,8 +9,8 @@ namespace wholehand {
 /// if that fault has no axis; without such a fault, the first axis that was limited.
 /// @param axis of the faults; -1: none. Real-time safe.
 WHOLEHAND_RT inline void noteFault(Fault faults, int axis, TickRecord& record) noexcept {
-  const bool stopped = any(record.faults & kStopping);
-  const bool stops = any(faults & kStopping);
+  const bool stopped = any(record.faults & kStoppingFaults);
+  const bool stops = any(faults & kStoppingFaults);
   if (!stopped && (stops || record.fault_axis < 0)) record.fault_axis = axis;
   record.faults |= faults;
 }

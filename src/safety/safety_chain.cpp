@@ -118,7 +118,7 @@ void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
   if (record.q_m.size() != gains_.axes) {  // a missing axis would read as 0 and be pulled there
     record.faults |= Fault::kDeviceRead;
     record.q_m = AxisPosition(gains_.axes, std::numeric_limits<double>::quiet_NaN());
-  } else if (!any(read & kStopping) && !allFinite(record.q_m)) {
+  } else if (!any(read & kStoppingFaults) && !allFinite(record.q_m)) {
     record.faults |= Fault::kNonFinitePosition;
     for (int i = gains_.axes; i-- > 0;) {
       if (!std::isfinite(record.q_m[i])) record.fault_axis = i;
@@ -126,7 +126,7 @@ void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
   }
   // During the ramp to neutral, motion is not judged: a released device is pushed by compressed
   // springs.
-  if (any(record.faults & kStopping) || !rendering()) return;
+  if (any(record.faults & kStoppingFaults) || !rendering()) return;
   reengage_s_ = blendTime_s(record);
   const Finding finding =
       watchDevice(device_watch_, record.q_m, ramp_.sent, elapsedOf(record), config_.supervisor);
@@ -158,7 +158,7 @@ void SafetyChain::judgeWorld(const Contact* contacts, int contact_count, const P
 void SafetyChain::watchEnergy(double avatar_j, TickRecord& record) noexcept {
   record.tank_effort = AxisEffort(gains_.axes);
   record.tank = tank_.energy;
-  if (config_.tank.axes == 0 || any(record.faults & kStopping)) return;
+  if (config_.tank.axes == 0 || any(record.faults & kStoppingFaults)) return;
   WorldEnergy world = bodies_.energy();
   world.held_j += avatar_j;
   const EnergyTankStep step =
@@ -178,7 +178,7 @@ void SafetyChain::watchEnergy(double avatar_j, TickRecord& record) noexcept {
 
 void SafetyChain::limitEffort(TickRecord& record) noexcept {
   const AxisEffort wanted = withinLimits(record);
-  latched_ |= record.faults & kStopping;
+  latched_ |= record.faults & kStoppingFaults;
   slew_.note(ramp_.sent);
   NeutralRampConfig ramp = config_.ramp;
   ramp.reengage_s = reengage_s_;
@@ -216,7 +216,7 @@ void SafetyChain::noteSentInTank(const TickRecord& record) noexcept {
 
 void SafetyChain::judgeWrite(Fault written, TickRecord& record) noexcept {
   noteFault(written, -1, record);
-  latched_ |= written & kStopping;
+  latched_ |= written & kStoppingFaults;
   if (!any(written & Fault::kDeviceWrite)) {
     acknowledged_ = record.sent;
     return;
@@ -228,7 +228,7 @@ void SafetyChain::judgeWrite(Fault written, TickRecord& record) noexcept {
 
 void SafetyChain::judgeStep(Fault stepped, TickRecord& record) noexcept {
   noteFault(stepped, -1, record);
-  latched_ |= stepped & kStopping;
+  latched_ |= stepped & kStoppingFaults;
 }
 
 void SafetyChain::conclude(TickRecord& record) noexcept {

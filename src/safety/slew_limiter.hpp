@@ -6,8 +6,8 @@
 
 namespace wholehand {
 
-/// Window of the slew limit. Within it, neither a person nor a mechanism can tell a step from a
-/// ramp, and a damper's step at an impact is equally high at every rate.
+/// Window of the slew limit. Within it, neither a person nor a mechanism can distinguish a step
+/// from a ramp, and a damper's step at an impact is equally high at every rate.
 inline constexpr double kSlewWindow_s = 1e-3;
 inline constexpr int kMostSlewTicks = 16;
 

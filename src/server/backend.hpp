@@ -3,6 +3,7 @@
 #include "core/axis_array.hpp"
 #include "core/body_order.hpp"
 #include "core/command.hpp"
+#include "core/release_reason.hpp"
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
 #include "model/exercise_panel.hpp"
@@ -72,7 +73,7 @@ enum class Refusal : std::uint8_t {
 struct RefusedItem {
   int item = 0;   ///< index in the message
   int slot = -1;  ///< -1: an item without one
-  OrderRefusal refusal = OrderRefusal::kNone;
+  BodyRefusal refusal = BodyRefusal::kNone;
   std::string reason;  ///< for people, in English
 };
 
@@ -130,9 +131,8 @@ struct ShownBody {
 /// All registered bodies, by number.
 using RegisteredBodies = std::vector<ShownBody>;
 
-/// State of the loop as clients see it. Same order as protocol RunState; kRampingDown is its
-/// Stopping.
-enum class RunState : std::int8_t { kDisarmed, kRendering, kRampingDown, kStopped, kFaulted };
+/// State of the loop as clients see it. Same order as protocol RunState.
+enum class RunState : std::int8_t { kDisarmed, kRendering, kStopping, kStopped, kFaulted };
 
 enum class LiveParameterGroup : std::int8_t { kPatient, kHand, kExercise };
 
@@ -165,17 +165,6 @@ struct SceneFacts {
   std::string recording;                      ///< name of the file being written; empty: none
 };
 
-/// Why the host process released its device. Same order as in the schema and in device/host.
-enum class ReleaseReason : std::uint8_t {
-  kNot,
-  kLoopSilent,
-  kSilentAtNeutral,
-  kBadCommand,
-  kLoopEnded,
-  kHostEnds,
-  kNeverCommanded
-};
-
 /// Status that a real device reports.
 struct DeviceStatus {
   bool enabled = false, homed = false, silenced = false;
@@ -184,7 +173,7 @@ struct DeviceStatus {
   double sample_age_s = -1.0;  ///< below 0: no sample yet
   bool hosted = false;         ///< runs in its own process
   double host_age_s = -1.0;    ///< time since the host's last cycle; below 0: none yet
-  ReleaseReason let_go = ReleaseReason::kNot;
+  ReleaseReason let_go = ReleaseReason::kNone;
 };
 
 /// State of the loop that its newest record does not hold.

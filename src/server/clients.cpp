@@ -325,7 +325,7 @@ void Clients::followControls(std::int64_t now_ns) {
   if (advice.give_back) {
     orderQuietly(orders::Steer{Steering::kVirtualPatient}, advice.claim);
   }
-  if (advice.owner_alive) orderQuietly(orders::OwnerAlive{*advice.owner_alive}, advice.claim);
+  if (advice.holder_alive) orderQuietly(orders::OwnerAlive{*advice.holder_alive}, advice.claim);
   if (advice.unattended) orderQuietly(orders::Unattended{});
   if (advice.suspended_client != 0) {
     log_.write(fmt::format("client {} is silent", advice.suspended_client), now_ns);
@@ -421,7 +421,8 @@ void Clients::sendState(LoopStatus status, std::int64_t now_ns) {
       ++traffic_.states_skipped;
     }
   }
-  // After the state that shows the ending: a page uses it to tell a stop from a loss of controls.
+  // After the state that shows the ending: a page uses it to distinguish a stop from a loss of
+  // controls.
   followEndings(shown_, now_ns);
 }
 
@@ -498,7 +499,7 @@ void Clients::noteOrder(Entry entry, const Order& order, const LoopStatus& statu
     paused_in_.reset();
     if (therapist && action->act == ExerciseAction::kPause) paused_in_ = status.session;
   }
-  // The right to go on stays with whoever rested first.
+  // The right to go on stays with the client that rested first.
   if (order.is<orders::Rest>() && !status.rested) {
     resting_ = entry->first;
     log_.write(fmt::format("client {} rests", entry->first), now_ns);
@@ -594,8 +595,8 @@ void Clients::aim(Entry entry, Order order, std::int64_t now_ns) {
 void Clients::aimed(std::uint32_t client, std::uint32_t command, const OrderReply& reply) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
-  const bool told = std::exchange(entry->second.aim_refused, !reply.accepted);
-  if (!reply.accepted && !told) refuse(entry, command, "order", reply, monotonicNow_ns());
+  const bool reported = std::exchange(entry->second.aim_refused, !reply.accepted);
+  if (!reply.accepted && !reported) refuse(entry, command, "order", reply, monotonicNow_ns());
 }
 
 // Bodies of a game, as reported to all clients.

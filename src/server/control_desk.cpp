@@ -21,7 +21,7 @@ void ControlDesk::holdsNow(Client client, const ControlsArbiter::Taken& taken,
   if (taken.predecessor_lost) give_back_ = true;
   // Another server's clients held the controls in between; its reports since then may arrive too
   // late to count.
-  if (taken.claim > own_claim_ + 1) told_alive_.reset();
+  if (taken.claim > own_claim_ + 1) reported_alive_.reset();
   lost_ns_.reset();
   abandoned_ = false;
   own_holder_ = client;
@@ -64,7 +64,7 @@ void ControlDesk::followOthers(std::int64_t now_ns) {
     // The other server reports whether its client is alive, and that client chooses the steering.
     lost_ns_.reset();
     abandoned_ = false;
-    told_alive_ = true;
+    reported_alive_ = true;
   } else if (other_holds_ && holder == 0) {
     claim_ = claim;
     if (arbiter_.handedBack()) {
@@ -101,7 +101,7 @@ ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
     give_back_ = true;
   }
   const bool alive = !abandoned_ && !suspended_;
-  if (alive != told_alive_) advice.owner_alive = told_alive_ = alive;
+  if (alive != reported_alive_) advice.holder_alive = reported_alive_ = alive;
   advice.claim = claim_;
   advice.give_back = give_back_;
   give_back_ = false;
@@ -109,8 +109,8 @@ ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
   if (holder != 0 || !free_ns_) free_ns_ = now_ns;
   advice.unattended = now_ns - *free_ns_ > kUnattended_ns;
   if (advice.unattended) free_ns_ = now_ns;
-  advice.holder_changed = holder != told_;
-  told_ = holder;
+  advice.holder_changed = holder != reported_;
+  reported_ = holder;
   return advice;
 }
 

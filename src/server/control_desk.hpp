@@ -41,15 +41,15 @@ class ControlDesk {
 
   using Client = ControlsArbiter::Client;
 
-  /// What the desk tells the program.
+  /// What the desk reports to the program.
   struct Advice {
-    std::optional<bool> owner_alive;  ///< set when it changed
-    bool give_back = false;           ///< steering returns to the virtual patient
-    bool unattended = false;          ///< for kUnattended_ns nobody held the controls or ordered
-    bool holder_changed = false;      ///< to be reported to all clients
-    Client silent_client = 0;         ///< client that lost the controls by silence; 0: none
-    Client suspended_client = 0;      ///< client whose silence began; 0: none
-    std::uint32_t claim = 0;          ///< claim on the controls that this advice concerns
+    std::optional<bool> holder_alive;  ///< set when it changed
+    bool give_back = false;            ///< steering returns to the virtual patient
+    bool unattended = false;           ///< for kUnattended_ns nobody held the controls or ordered
+    bool holder_changed = false;       ///< to be reported to all clients
+    Client silent_client = 0;          ///< client that lost the controls by silence; 0: none
+    Client suspended_client = 0;       ///< client whose silence began; 0: none
+    std::uint32_t claim = 0;           ///< claim on the controls that this advice concerns
   };
 
   /// @pre the arbiter outlives the desk
@@ -88,19 +88,19 @@ class ControlDesk {
   Client own_holder_ = 0;        ///< holder, if a client of this server
   std::uint32_t claim_ = 0;      ///< claim of the newest holder known to this desk
   std::uint32_t own_claim_ = 0;  ///< claim of the newest holder among this server's clients
-  Client told_ = 0;              ///< holder in the last advice
+  Client reported_ = 0;          ///< holder in the last advice
   bool other_holds_ = false;     ///< another server's client held them at the last advice
   std::int64_t heard_ns_ = 0;    ///< time of the last message of own_holder_
   std::int64_t looked_ns_ = 0;   ///< time of the last advice
   bool excused_ = false;         ///< the present silence began anew by a late wake-up
   bool suspended_ = false;       ///< own_holder_ is silent
-  std::optional<std::int64_t> resumed_ns_;  ///< when it was last heard after a silence
+  std::optional<std::int64_t> resumed_ns_;  ///< when its first message after a silence came
   bool abandoned_ = false;                  ///< the last holder was lost and has no successor
   std::optional<std::int64_t> lost_ns_;     ///< time of that loss, until the virtual patient steers
   std::optional<std::int64_t> free_ns_;  ///< since when nobody has held them or ordered anything,
                                          ///< until unattended is advised
   bool give_back_ = false;
-  std::optional<bool> told_alive_ = true;  ///< empty: another server has reported since
+  std::optional<bool> reported_alive_ = true;  ///< empty: another server has reported since
 };
 
 }  // namespace wholehand

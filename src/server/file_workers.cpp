@@ -12,7 +12,7 @@ namespace wholehand {
 
 namespace {
 
-// A job for which no memory is left cannot even say so; whoever waits for it gives up.
+// A job for which no memory is left cannot even say so; its caller gives up.
 void carryOut(const FileWorkers::Job& job) {
   try {
     job();

@@ -15,7 +15,7 @@ enum class Role : std::uint8_t {
               ///< may stop
   kWatcher,   ///< sees everything; may stop
   kPlayer,    ///< the patient: steers, rests and stops
-  kTherapist  ///< leads: may order whoever holds the controls, and may take them
+  kTherapist  ///< leads: may command whichever client holds the controls, and may take them
 };
 
 /// Reads "therapist", "player" or "watcher".

@@ -122,8 +122,9 @@ void Host::follow(Peer& peer, const Header& header, std::int64_t now_ns) {
   peer.newest = header.sequence;
   peer.their_ns = header.sent_ns;
   peer.heard_ns = now_ns;
-  const auto& told = peer.sent_times_ns;
-  if (header.echo_ns != 0 && std::find(told.begin(), told.end(), header.echo_ns) != told.end()) {
+  const auto& reported = peer.sent_times_ns;
+  if (header.echo_ns != 0 &&
+      std::find(reported.begin(), reported.end(), header.echo_ns) != reported.end()) {
     peer.address_verified = true;
   }
   if (header.rate_or_stop == peer.rate_hz) return;
@@ -223,7 +224,8 @@ void Host::send(Peer& peer, Kind kind, std::span<const std::uint8_t> message, st
   header.sent_ns = peer.sent_ns = now_ns;
   header.echo_ns = peer.their_ns;
   header.echo_age_us = static_cast<std::uint32_t>((now_ns - peer.heard_ns) / 1000);
-  if (!peer.address_verified) peer.sent_times_ns[peer.told++ % peer.sent_times_ns.size()] = now_ns;
+  if (!peer.address_verified)
+    peer.sent_times_ns[peer.reported++ % peer.sent_times_ns.size()] = now_ns;
   Datagram datagram;
   const std::size_t size = write(datagram, header, message);
   const UdpSent sent = send_(peer.endpoint, {datagram.data(), size});

@@ -61,7 +61,7 @@ struct Peer {
   /// address can be forged, and a datagram can be a replay of an earlier conversation.
   bool address_verified = false;
   std::array<std::int64_t, 8> sent_times_ns{};  ///< sent_ns of recent datagrams to it; 0: none
-  std::size_t told = 0;
+  std::size_t reported = 0;
 
   std::uint32_t sequence = 0;  ///< of the program's last datagram to it
   std::int64_t sent_ns = 0;    ///< sent_ns of that datagram

@@ -124,7 +124,7 @@ orders::HoldToMove read(const fb::HoldToMove& in) {
 }
 
 // Orders to a game's bodies. Counts that no scene allows are refused, and what a picture or a shape
-// cannot be made of. Numbers of a body are read as they are: whoever obeys checks them.
+// cannot be made of. Numbers of a body are read as they are: the code that obeys checks them.
 
 Eigen::Vector3d fromWire(const fb::Vec3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
@@ -224,7 +224,7 @@ Expected<orders::PrepareShapes> read(const fb::PrepareShapes& in) {
         readShape(*in.pieces()->Get(i), fmt::format("pieces[{}]", i), out->pieces.emplace_back());
     if (read) continue;
     out->faults.push_back(
-        {static_cast<int>(i), -1, OrderRefusal::kBadShapes, format(read.errors())});
+        {static_cast<int>(i), -1, BodyRefusal::kBadShapes, format(read.errors())});
   }
   return orders::PrepareShapes{{std::move(out)}};
 }

@@ -502,7 +502,7 @@ Bytes controlsMessage(const ControlsFacts& f) {
 }
 
 static_assert(static_cast<int>(Refusal::kRefusedBefore) == static_cast<int>(fb::Refusal::MAX));
-static_assert(kOrderRefusals - 1 == static_cast<int>(fb::BodyRefusal::MAX));
+static_assert(kBodyRefusals - 1 == static_cast<int>(fb::BodyRefusal::MAX));
 
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   Builder b;

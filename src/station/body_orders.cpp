@@ -19,7 +19,7 @@ namespace wholehand {
 namespace {
 
 struct Problem {
-  OrderRefusal refusal = OrderRefusal::kNone;
+  BodyRefusal refusal = BodyRefusal::kNone;
   std::string reason;
 };
 
@@ -28,38 +28,38 @@ std::optional<Problem> poseProblem(const BodyPose& pose) {
   const double far_m = pose.position_m.eigen().norm();
   if (!(far_m <= kFarthest_m)) {
     return Problem{
-        OrderRefusal::kBadPose,
+        BodyRefusal::kBadPose,
         fmt::format("position ({:.4g}, {:.4g}, {:.4g}) m: must be finite, and within {:.4g} m "
                     "of the origin",
                     pose.position_m.x, pose.position_m.y, pose.position_m.z, kFarthest_m)};
   }
-  return Problem{OrderRefusal::kBadPose,
+  return Problem{BodyRefusal::kBadPose,
                  fmt::format("orientation_xyzw has norm {:.6g}: must be 1, within {:.4g}",
                              pose.orientation_xyzw.eigen().norm(), kMostNormFault)};
 }
 
 std::optional<Problem> shapeSetProblem(int set, const GameBudget& budget) {
   if (set >= 0 && set < budget.shape_sets) return std::nullopt;
-  return Problem{OrderRefusal::kNoSuchShapes,
+  return Problem{BodyRefusal::kNoSuchShapes,
                  fmt::format("shape set {}: must be in [0, {}] (budget.shape_sets)", set,
                              budget.shape_sets - 1)};
 }
 
 std::optional<Problem> ownerProblem(BodyOwner owner) {
   if (isBodyOwner(owner)) return std::nullopt;
-  return Problem{OrderRefusal::kBadPose,
+  return Problem{BodyRefusal::kBadPose,
                  fmt::format("owner {}: must be Loop, Game or Fixed", static_cast<int>(owner))};
 }
 
 std::optional<Problem> massProblem(const SpawnOrder& spawn, const GameBudget& budget) {
   if (!(spawn.mass_kg >= budget.least_kg && spawn.mass_kg <= budget.most_kg)) {
-    return Problem{OrderRefusal::kBadMass,
+    return Problem{BodyRefusal::kBadMass,
                    fmt::format("mass_kg = {:.6g}: must be in [{:.4g}, {:.4g}] kg (budget.mass_kg)",
                                spawn.mass_kg, budget.least_kg, budget.most_kg)};
   }
   if (!(spawn.friction >= 0.0 && spawn.friction <= kMostBodyFriction)) {
-    return Problem{OrderRefusal::kBadMass, fmt::format("friction = {:.6g}: must be in [0, {:.4g}]",
-                                                       spawn.friction, kMostBodyFriction)};
+    return Problem{BodyRefusal::kBadMass, fmt::format("friction = {:.6g}: must be in [0, {:.4g}]",
+                                                      spawn.friction, kMostBodyFriction)};
   }
   return std::nullopt;
 }
@@ -70,7 +70,7 @@ std::optional<Problem> spawnProblem(const SpawnOrder& spawn, const GameBudget& b
   if (auto problem = ownerProblem(spawn.owner)) return problem;
   const double speed_m_s = spawn.velocity_m_s.eigen().norm();
   if (!(speed_m_s <= kMostSpawnSpeed_m_s)) {
-    return Problem{OrderRefusal::kBadPose,
+    return Problem{BodyRefusal::kBadPose,
                    fmt::format("velocity_m_s has norm {:.4g}: at most {:.4g} m/s", speed_m_s,
                                kMostSpawnSpeed_m_s)};
   }
@@ -80,13 +80,13 @@ std::optional<Problem> spawnProblem(const SpawnOrder& spawn, const GameBudget& b
 std::optional<Problem> problemOf(const Command& command, const GameBudget& budget) {
   const bool in_pool = command.index >= 0 && command.index < budget.slots;
   if (!in_pool && !isRegistered(command.index)) {
-    return Problem{OrderRefusal::kNoSuchSlot,
+    return Problem{BodyRefusal::kNoSuchSlot,
                    fmt::format("slot {}: must be in [0, {}] (budget.slots), or in [{}, {}] for a "
                                "body of the registry",
                                command.index, budget.slots - 1, kFirstNumber, kLastNumber)};
   }
   if (!(command.value >= 1.0 && command.value <= kMostGeneration)) {
-    return Problem{OrderRefusal::kWrongGeneration,
+    return Problem{BodyRefusal::kWrongGeneration,
                    fmt::format("slot {}, generation {:.0f}: must be in [1, {}]", command.index,
                                command.value, kMostGeneration)};
   }
@@ -116,7 +116,7 @@ int pieceOf(const std::string& key) {
 void refuseShapes(const Diagnostics& faults, std::vector<RefusedItem>& refused) {
   for (const Diagnostic& fault : faults) {
     const int piece = pieceOf(fault.key);
-    refused.push_back({piece, -1, OrderRefusal::kBadShapes, format(fault)});
+    refused.push_back({piece, -1, BodyRefusal::kBadShapes, format(fault)});
   }
 }
 
@@ -129,7 +129,7 @@ std::vector<RefusedItem> spreadFaults(const PreparedShapes& shapes, const GameBu
     double far_m = piece.in_body.translation_m.norm();
     for (const Eigen::Vector3d& p : piece.points_m) far_m = std::max(far_m, p.norm());
     if (far_m <= most_m) continue;
-    faults.push_back({static_cast<int>(i), -1, OrderRefusal::kBadShapes,
+    faults.push_back({static_cast<int>(i), -1, BodyRefusal::kBadShapes,
                       fmt::format("pieces[{}]: is {:.4g} m off: must be within {:.4g} m of the "
                                   "centre of mass, and its vertices of its own frame (twice "
                                   "budget.size_m)",
@@ -137,7 +137,7 @@ std::vector<RefusedItem> spreadFaults(const PreparedShapes& shapes, const GameBu
   }
   const double widest_m2 = shapes.moments_per_kg.maxCoeff();
   if (faults.empty() && widest_m2 > most_m2) {
-    faults.push_back({0, -1, OrderRefusal::kBadShapes,
+    faults.push_back({0, -1, BodyRefusal::kBadShapes,
                       fmt::format("pieces: are spread too far, with {:.4g} m² of inertia for each "
                                   "kg: at most {:.4g} m² (the square of budget.size_m)",
                                   widest_m2, most_m2)});
@@ -199,10 +199,10 @@ CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget) {
   for (std::size_t i = 0; i < orders.commands.size(); ++i) {
     const Command& command = orders.commands[i];
     auto problem = problemOf(command, budget);
-    const bool slot_exists = !problem || problem->refusal != OrderRefusal::kNoSuchSlot;
+    const bool slot_exists = !problem || problem->refusal != BodyRefusal::kNoSuchSlot;
     if (slot_exists && !named.insert(command.index).second) {
       problem = Problem{
-          OrderRefusal::kSlotTaken,
+          BodyRefusal::kSlotTaken,
           fmt::format("slot {} stands in this message before: name it once", command.index)};
     }
     if (problem) {

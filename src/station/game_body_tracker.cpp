@@ -11,10 +11,10 @@ namespace {
 constexpr std::uint64_t kAnsweredWithin = 1000;
 
 /// Refusals that only a spawn meets.
-bool endsSpawn(OrderRefusal refusal) {
-  return refusal == OrderRefusal::kSlotTaken || refusal == OrderRefusal::kNoSuchShapes ||
-         refusal == OrderRefusal::kBadMass || refusal == OrderRefusal::kOverlap ||
-         refusal == OrderRefusal::kBudget || refusal == OrderRefusal::kSilent;
+bool endsSpawn(BodyRefusal refusal) {
+  return refusal == BodyRefusal::kSlotTaken || refusal == BodyRefusal::kNoSuchShapes ||
+         refusal == BodyRefusal::kBadMass || refusal == BodyRefusal::kOverlap ||
+         refusal == BodyRefusal::kBudget || refusal == BodyRefusal::kSilent;
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ void GameBodyTracker::refuseBusy(CheckedOrders& orders) {
   const std::lock_guard lock(mutex_);
   if (orders.shapes && inUse(orders.shape_set)) {
     orders.refused.push_back(
-        {0, -1, OrderRefusal::kShapesBusy,
+        {0, -1, BodyRefusal::kShapesBusy,
          fmt::format("shape set {} belongs to a body in the world: remove the body first, or use "
                      "another set",
                      orders.shape_set)});
@@ -67,7 +67,7 @@ void GameBodyTracker::refuseBusy(CheckedOrders& orders) {
     if (!unknown && !under_way) return false;
     orders.refused.push_back(
         {orders.item_of_slot[command.index], command.index,
-         unknown ? OrderRefusal::kNoSuchShapes : OrderRefusal::kSlotTaken,
+         unknown ? BodyRefusal::kNoSuchShapes : BodyRefusal::kSlotTaken,
          unknown
              ? fmt::format("shape set {} was not prepared in this session: prepare it first",
                            spawn.shape_set)
@@ -118,7 +118,7 @@ void GameBodyTracker::take(const ExerciseEvent& event) {
   if (found == types_.end() || event.index < 0 || event.index >= kMaxSlots) return;
   const auto what = static_cast<Event>(found - types_.begin());
   if (what != kRefused) return takeState(what, event.index, static_cast<int>(event.value));
-  if (endsSpawn(static_cast<OrderRefusal>(static_cast<int>(event.value)))) {
+  if (endsSpawn(static_cast<BodyRefusal>(static_cast<int>(event.value)))) {
     pending_[event.index] = Pending{};
   }
 }

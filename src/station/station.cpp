@@ -171,7 +171,7 @@ class Station::Core {
   OrderReply carryOut(const Order& order, std::uint64_t asked);
   OrderReply setHelp(const orders::SetHelp& order, std::uint64_t asked);
   OrderReply aim(const orders::Aim& order);
-  OrderReply setOwnerAlive(bool alive);
+  OrderReply setHolderAlive(bool alive);
   OrderReply leaveAlone(const Order& order, std::uint64_t asked);
   void catchUp(const std::vector<double>& parameters, std::optional<double> place);
   OrderReply steer(Steering by);
@@ -213,8 +213,8 @@ class Station::Core {
   std::uint64_t arming_ = 0;
   mutable std::atomic<std::uint32_t> rehearsed_ticks_{0};   ///< of a rehearsal under way
   std::string record_path_, began_utc_, recorded_profile_;  ///< of the running session
-  std::string being_written_;  ///< recording that scene_ names; guarded by mutex_
-  bool told_of_loss_ = false;  ///< its loss of ticks was reported
+  std::string being_written_;   ///< recording that scene_ names; guarded by mutex_
+  bool loss_reported_ = false;  ///< its loss of ticks was reported
   StationClock::time_point status_at_;
   std::optional<StationClock::time_point> ends_at_;  ///< end of a run with a duration
   StationOutcome outcome_;
@@ -233,13 +233,13 @@ class Station::Core {
   std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> stops_;
   bool armed_for_client_ = false;        ///< else armed by the program itself
   bool joined_ = false;                  ///< somebody takes part in the session, or in the next one
-  bool left_alone_ = false;              ///< whoever took part has left
+  bool left_alone_ = false;              ///< all who took part have left
   bool keep_recording_ = false;          ///< somebody took part before the session was to end
   bool renewing_ = false;                ///< the session ends, and the program arms the next one
   StationClock::time_point began_at_;    ///< of the running session
   std::uint32_t claim_ = 0;              ///< newest claim on the controls
   bool over_ = false;                    ///< no more orders are carried out
-  bool owner_alive_ = true;              ///< latest value; passed to a session that begins
+  bool holder_alive_ = true;             ///< latest value; passed to a session that begins
   std::optional<Command> unsent_steer_;  ///< the command queue was full
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
@@ -297,22 +297,22 @@ std::size_t forLoop(const CheckedOrders& orders) {
 constexpr std::size_t kMostAhead = 64;
 constexpr auto kMovesEvery = std::chrono::milliseconds(50);
 
-std::string reasonOf(OrderRefusal refusal, const Command& command) {
+std::string reasonOf(BodyRefusal refusal, const Command& command) {
   switch (refusal) {
-    case OrderRefusal::kSlotTaken:
+    case BodyRefusal::kSlotTaken:
       return fmt::format("body {} is registered already: remove it first", command.index);
-    case OrderRefusal::kBudget:
+    case BodyRefusal::kBudget:
       return command.type == CommandType::kSpawn
                  ? fmt::format("body {}: {} are registered, which is the most: remove some first",
                                command.index, kMostRegistered)
                  : fmt::format("body {}: as many bodies move as budget.awake allows",
                                command.index);
-    case OrderRefusal::kNotTheGames:
+    case BodyRefusal::kNotTheGames:
       return fmt::format("body {}: a target is for bodies of owner Game", command.index);
-    case OrderRefusal::kNoSuchShapes:
+    case BodyRefusal::kNoSuchShapes:
       return fmt::format("body {}: shape set {} was not prepared in this session: prepare it first",
                          command.index, spawnOrderOf(command).shape_set);
-    case OrderRefusal::kSilent:
+    case BodyRefusal::kSilent:
       return fmt::format("body {}: the game is silent", command.index);
     default:
       return fmt::format("body {}: no body of generation {:.0f} is registered", command.index,
@@ -476,7 +476,7 @@ void Station::Core::quit() {
 
 void Station::Core::beginStop(bool at_once) {
   if (!live_) return;
-  status_.run_state = RunState::kRampingDown;
+  status_.run_state = RunState::kStopping;
   if (at_once) {
     live_->requestEmergencyStop();
   } else {
@@ -570,7 +570,7 @@ bool Station::Core::superseded(const Order& order) {
 bool Station::Core::rested() const {
   const RunState now = status_.run_state;
   return status_.endings == rest_ending_ &&
-         (now == RunState::kRampingDown || now == RunState::kStopped);
+         (now == RunState::kStopping || now == RunState::kStopped);
 }
 
 // Takes effect and is published even when nothing renders: an order to arm may be under way.
@@ -635,7 +635,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
                  [&](const orders::Aim& aim) { return this->aim(aim); },
                  [&](const orders::Steer& steer) { return this->steer(steer.by); },
                  [&](const orders::Action& action) { return act(action.act); },
-                 [&](const orders::OwnerAlive& owner) { return setOwnerAlive(owner.alive); },
+                 [&](const orders::OwnerAlive& owner) { return setHolderAlive(owner.alive); },
                  [&](const orders::Unattended&) { return leaveAlone(order, asked); },
                  [&](const orders::Attended&) {
                    return OrderReply{true, ""};
@@ -664,10 +664,10 @@ OrderReply Station::Core::aim(const orders::Aim& order) {
   return push(command);
 }
 
-OrderReply Station::Core::setOwnerAlive(bool alive) {
-  owner_alive_ = alive;
+OrderReply Station::Core::setHolderAlive(bool alive) {
+  holder_alive_ = alive;
   if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
-  live_->setOwnerAlive(alive);
+  live_->setHolderAlive(alive);
   return {true, ""};
 }
 
@@ -714,7 +714,7 @@ void Station::Core::nameSafety(LoopStatus& status) const {
   status.safety_state = safety_->state();
   // Likewise the loop, which stops by itself after a signal.
   if (InterruptScope::interrupted() && status.run_state == RunState::kRendering) {
-    status.run_state = RunState::kRampingDown;
+    status.run_state = RunState::kStopping;
   }
   {
     // Before the session's first record, the newest one is of the session before.
@@ -727,7 +727,7 @@ void Station::Core::nameSafety(LoopStatus& status) const {
   status.fault_axis = fault.axis;
   status.fault_value = fault.value;
   status.fault_limit = fault.limit;
-  if (status.run_state == RunState::kRendering) status.run_state = RunState::kRampingDown;
+  if (status.run_state == RunState::kRendering) status.run_state = RunState::kStopping;
 }
 
 // Telemetry thread.
@@ -820,7 +820,7 @@ OrderReply Station::Core::keep(CheckedOrders& checked, std::uint32_t claim) {
     if (command.type != CommandType::kRemove || isRegistered(command.index)) return false;
     if (!takeBack(command)) {
       checked.refused.push_back(
-          {checked.item_of_slot[command.index], command.index, OrderRefusal::kWrongGeneration,
+          {checked.item_of_slot[command.index], command.index, BodyRefusal::kWrongGeneration,
            fmt::format("slot {}: no spawn of generation {:.0f} is kept for the next arming",
                        command.index, command.value)});
     }
@@ -906,15 +906,15 @@ void Station::Core::beginRegistry() {
 void Station::Core::orderRegistered(CheckedOrders& orders) {
   std::erase_if(orders.commands, [&](const Command& command) {
     if (orders.shapes || !isRegistered(command.index)) return false;
-    OrderRefusal refusal = OrderRefusal::kNone;
+    BodyRefusal refusal = BodyRefusal::kNone;
     if (command.type == CommandType::kSpawn) {
       const SpawnOrder spawn = spawnOrderOf(command);
       const auto shapes = tracker_.shapesOf(spawn.shape_set);
-      refusal = shapes ? registry_.add(spawn, shapes->radius_m) : OrderRefusal::kNoSuchShapes;
+      refusal = shapes ? registry_.add(spawn, shapes->radius_m) : BodyRefusal::kNoSuchShapes;
     } else {
       refusal = registry_.obey(command);
     }
-    if (refusal != OrderRefusal::kNone) {
+    if (refusal != BodyRefusal::kNone) {
       orders.refused.push_back(
           {orders.item_of_slot[command.index], command.index, refusal, reasonOf(refusal, command)});
     }
@@ -926,7 +926,7 @@ void Station::Core::orderRegistered(CheckedOrders& orders) {
 // A game that also names slots: none that a registered body has, and no shapes of one.
 void Station::Core::keepSlotsApart(CheckedOrders& orders) {
   if (orders.shapes && registry_.usesShapes(orders.shape_set)) {
-    orders.refused.push_back({0, -1, OrderRefusal::kShapesBusy,
+    orders.refused.push_back({0, -1, BodyRefusal::kShapesBusy,
                               fmt::format("shape set {} belongs to a registered body: remove the "
                                           "body first, or use another set",
                                           orders.shape_set)});
@@ -941,7 +941,7 @@ void Station::Core::keepSlotsApart(CheckedOrders& orders) {
       return false;
     }
     orders.refused.push_back(
-        {orders.item_of_slot[command.index], command.index, OrderRefusal::kSlotTaken,
+        {orders.item_of_slot[command.index], command.index, BodyRefusal::kSlotTaken,
          fmt::format("slot {} holds a registered body: name another slot", command.index)});
     return true;
   });
@@ -1252,7 +1252,7 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   record_path_ = record;
   began_utc_ = utcNow();
   recorded_profile_ = profile_;
-  told_of_loss_ = false;
+  loss_reported_ = false;
   {
     const std::lock_guard lock(mutex_);
     kept_.clear();
@@ -1292,7 +1292,7 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
 
 // Sends the session what was ordered during its construction.
 void Station::Core::catchUp(const std::vector<double>& parameters, std::optional<double> place) {
-  live_->setOwnerAlive(owner_alive_);
+  live_->setHolderAlive(holder_alive_);
   if (place) {
     Command begin;
     begin.type = CommandType::kAction;
@@ -1478,7 +1478,7 @@ bool Station::Core::discardUnjoined(RunOutcome& ended) {
   {
     const std::lock_guard lock(mutex_);
     joined = std::exchange(keep_recording_, false) || joined_;
-    joined_ = joined_ && renewing_;  // whoever joins while it ends is in the next one, too
+    joined_ = joined_ && renewing_;  // a client that joins while it ends is in the next one, too
     asked_for = armed_for_client_ || !config_.record.empty();
   }
   if (joined || asked_for || ended.faulted || record_path_.empty()) return false;
@@ -1637,7 +1637,7 @@ void Station::Core::refreshStatus() {
     status_.recording_bytes = bytes;
     state = status_.run_state;
   }
-  if (dropped > 0 && !std::exchange(told_of_loss_, true) && !record_path_.empty()) {
+  if (dropped > 0 && !std::exchange(loss_reported_, true) && !record_path_.empty()) {
     say(lossNotice(summary.time_s, record_path_));
   }
   if (config_.status) config_.status(state, summary);
@@ -1679,7 +1679,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
     first.asked = kFirstArming;
     first.starts = true;
     const OrderReply reply = armUnasked(first, duration_ticks);
-    // Whoever stopped may arm.
+    // The client that stopped may arm.
     const bool stopped = reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
     if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {
       return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};

@@ -40,8 +40,8 @@ struct StationConfig {
   std::string config_folder;      ///< holds exercises/ and hands/, which clients may load
   std::string profiles_folder;    ///< patient profiles (station/profiles.hpp); empty: none
   std::string recordings_folder;  ///< recordings of all sessions; empty: none are made
-  /// File of the first session, whoever arms it; later ones are numbered (pathOfSession). Empty:
-  /// recordings_folder.
+  /// File of the first session, whichever client arms it; later ones are numbered (pathOfSession).
+  /// Empty: recordings_folder.
   std::string record;
   /// How long a session that run() armed lasts while nobody takes part in it (Station).
   std::chrono::seconds renew_after{600};

@@ -152,7 +152,7 @@ class MappedBox final : public BlackBox, public CrashHandler {
                                        ///< reads
 };
 
-constexpr Fault kWanting = kStopping | Fault::kEmergencyStop;
+constexpr Fault kWanting = kStoppingFaults | Fault::kEmergencyStop;
 /// Time after a run's end for the ramp to neutral, with a margin.
 constexpr double kRamp_s = 1.0;
 /// Kept beyond the requested time: this much may be overwritten while a crash is written.
@@ -326,7 +326,7 @@ void MappedBox::keepWhole(const TickRecord& record) noexcept {
   const std::uint64_t n = entries_done_.load(std::memory_order_relaxed);
   const std::uint64_t at = begin % sizes_.data;
   if (at + kMostPackedBytes > sizes_.data) begin += sizes_.data - at;  // ticks are contiguous
-  // Announced before it is overwritten, so that a concurrent reader can tell afterwards which data
+  // Announced before it is overwritten, so that a concurrent reader knows afterwards which data
   // is invalid.
   entries_begun_.store(n + 1, std::memory_order_relaxed);
   data_begun_.store(begin + kMostPackedBytes, std::memory_order_relaxed);

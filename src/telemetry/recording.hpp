@@ -145,7 +145,7 @@ struct LeftOut {
 
 /// As RecordingReader::open(), but a file with unreadable ticks at its end is read up to them.
 /// Refuses black boxes. A file that is being written, or whose writer was killed, is not marked as
-/// read, so that a later reader can still tell these two cases apart
+/// read, so that a later reader can still distinguish these two cases
 /// (RecordingOutline::being_written).
 [[nodiscard]] Expected<ViewedRecording> viewRecording(const std::string& path,
                                                       const LeftOut& left_out = {});

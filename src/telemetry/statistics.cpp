@@ -111,7 +111,7 @@ void TickStatistics::add(const TickRecord& r) {
     t.faults[bit] += set ? 1 : 0;
   }
   countAxis(t, r);
-  if (any(r.faults & kStopping)) ++t.stopping_faults;
+  if (any(r.faults & kStoppingFaults)) ++t.stopping_faults;
   keepLargest(t.max_effort, r.sent);
   t.contacts_max = std::max(t.contacts_max, r.contact_count + r.contacts_dropped);
   t.max_coupling_error_rad = std::max(t.max_coupling_error_rad, std::abs(r.coupling_error_rad));
@@ -139,7 +139,7 @@ TickSummary TickStatistics::snapshot() const {
 }
 
 std::string faultText(const TickSummary& summary, const std::vector<DeviceAxis>& axes) {
-  return countText(summary, kStopping, axes);
+  return countText(summary, kStoppingFaults, axes);
 }
 
 std::string noticeText(const TickSummary& summary, const std::vector<DeviceAxis>& axes) {

@@ -27,7 +27,7 @@ class Arena {
   [[nodiscard]] std::vector<std::string> enter(const Case& c, int level);
 
   /// The patient, as shipped but for when it happens, who does the exercise, or grasps and fights
-  /// where it has no virtual patient. `change` may spoil the rig. @pre enter()
+  /// where it has no virtual patient. `change` may change the rig. @pre enter()
   /// @return nothing where the hand starts inside a body
   std::optional<Outcome> run(const Case& c, int ticks, Random& random,
                              const std::function<void(Rig&)>& change = {});

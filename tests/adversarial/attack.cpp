@@ -131,9 +131,9 @@ std::optional<Outcome> attack(Rig& rig, ChangingDevice& device, Player& player, 
     record->time_s = k * kPeriod_s;
     renderer.tick(1, *record);
     player.see(*record);
-    if (stop_tick < 0 && any(record->faults & kStopping)) {
+    if (stop_tick < 0 && any(record->faults & kStoppingFaults)) {
       stop_tick = k;
-      out.stopped_by = record->faults & kStopping;
+      out.stopped_by = record->faults & kStoppingFaults;
     }
     out.broken = judge(*record, before, rig, bones, out);
     out.touched_ticks += record->contact_count > 0 ? 1 : 0;

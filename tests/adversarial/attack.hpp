@@ -6,7 +6,7 @@
 #include <optional>
 
 /// One patient on one device, hand and exercise, on the simulated clock; and what must hold of
-/// every tick, whoever the person is.
+/// every tick, for every kind of person.
 namespace wholehand::test {
 
 /// A device whose person changes while the rig around it stays.

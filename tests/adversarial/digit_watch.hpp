@@ -47,7 +47,7 @@ class DigitWatch {
 
   /// Until a stop: then the effort falls to neutral, whatever the exercise would give.
   void see(const TickRecord& r) {
-    stopped_ = stopped_ || any(r.faults & kStopping);
+    stopped_ = stopped_ || any(r.faults & kStoppingFaults);
     if (stopped_) return;
     for (Digit& digit : digits_) look(digit, r);
   }

@@ -1,5 +1,5 @@
-// Every shipped device, hand, exercise and patient together: whoever the person is, the device is
-// pushed within its limits and comes to rest when it is told to.
+// Every shipped device, hand, exercise and patient together: for every kind of person the device is
+// pushed within its limits and comes to rest when it is asked to.
 #include "adversarial/arena.hpp"
 #include "support/file_bytes.hpp"
 #include "support/says.hpp"

@@ -45,7 +45,7 @@ Bounce flung(const Throw& how, double wall_m = std::numeric_limits<double>::quie
       out.impact_m_s = speed;
       out.stretch_m = sign * (r.q_m[axis] - r.q_s[axis]);
     }
-    out.faults |= r.faults & kStopping;
+    out.faults |= r.faults & kStoppingFaults;
     if (!(touched = touched || r.contact_count > 0)) return;
     out.rebound_m_s = std::max(out.rebound_m_s, -speed);
     out.peak_n = std::max(out.peak_n, std::abs(r.sent[axis]));

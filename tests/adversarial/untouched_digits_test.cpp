@@ -44,7 +44,7 @@ UntouchedEffort reachFor(const AxisPosition& goal, double y_m, int& touching_tic
   EXPECT_TRUE(rig->renderer->arm());
   DigitWatch watch(*rig);
   runTicks(*rig->renderer, 4500, [&](const TickRecord& r) {
-    EXPECT_EQ(r.faults & kStopping, Fault::kNone);
+    EXPECT_EQ(r.faults & kStoppingFaults, Fault::kNone);
     watch.see(r);
     touching_ticks += r.contact_count > 0 ? 1 : 0;
   });
@@ -237,7 +237,7 @@ void tryOne(Stages& stages, std::uint32_t number, DigitTally& tally) {
     watch.see(r);
     engaged = engaged || r.exercise.alpha > 0.0;
     touched = touched || r.contact_count > 0;
-    stopped = stopped || any(r.faults & kStopping);
+    stopped = stopped || any(r.faults & kStoppingFaults);
     if (appears && r.tick == appears_at) putAround(*rig, r, target, random);
   });
   tally.engaged += engaged ? 1 : 0;

@@ -97,7 +97,7 @@ def decode(buffer):
 
 
 class Page:
-    """A WebSocket. Whoever holds the controls shows every 50 ms that it is alive, until it falls silent."""
+    """A WebSocket. While it holds the controls it shows every 50 ms that it is alive, until it falls silent."""
 
     def __init__(self, port, role=None):
         path = f"/ws?role={role}" if role else "/ws"
@@ -176,11 +176,11 @@ class Page:
     def wait_for_endings(self, count):
         until = time.monotonic() + HANG_S
         while self.state is None or self.state.number(ENDINGS, "I") < count:
-            assert time.monotonic() < until, f"ending {count} is not told of"
+            assert time.monotonic() < until, f"ending {count} is not reported"
             time.sleep(0.01)
 
     def arm(self, endings_seen):
-        """Whether it was accepted, and why not, once the program has told of as many endings."""
+        """Whether it was accepted, and why not, once the program has reported as many endings."""
         if endings_seen > 1:
             self.wait_for_endings(endings_seen)
         return self.answer(self.say(ARM, ("I", endings_seen)))

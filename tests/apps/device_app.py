@@ -65,7 +65,7 @@ class DeviceTest(PacedTest):
         return run
 
     def wait_for_ticks(self, run, count):
-        """Of the session that renders, as the page is told."""
+        """Of the session that renders, as reported to the page."""
         self.wait_until(run, lambda: self.page.state is not None and self.page.state.number(1, "Q") >= count)
 
     def arm(self, endings_seen=1):

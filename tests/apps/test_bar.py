@@ -37,15 +37,15 @@ class Level(AppTest):
         meta, events = recording["meta"].attrs, recording["events"]
         self.assertEqual((meta["exercise"], meta["level"]), (b"cocktail-bar", 1))
         names = [text.decode() for text in meta["event_names"]]
-        told = [names[event] for event in events["type"][:]]
-        self.assertEqual(told[-1], "level_done", told)
+        reported = [names[event] for event in events["type"][:]]
+        self.assertEqual(reported[-1], "level_done", reported)
         # In the order in which anybody does it.
-        order = [told.index(name) for name in
+        order = [reported.index(name) for name in
                  ("approached", "engaged", "pour_began", "line_reached", "pour_ended", "step_done",
                   "drink_done", "level_done")]
-        self.assertEqual(order, sorted(order), told)
+        self.assertEqual(order, sorted(order), reported)
         for mishap in ("overfilled", "spilt", "wrong_dispenser", "restarted"):
-            self.assertNotIn(mishap, told)
+            self.assertNotIn(mishap, reported)
         last = {name: column[-1] for name, column in self.values(recording).items()}
         self.assertEqual(last["stage"], 5)  # level done, docs/exercises.md
         # One drink of 40 ml, 6 ml of tolerance: the shipped file.

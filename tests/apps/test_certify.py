@@ -273,7 +273,7 @@ class Certify(AppTest):
         self.assertFalse((self.folder / "c.json").exists())  # nothing half-written
         self.assertFalse((self.folder / "c.html").exists())
 
-    def test_faults_of_all_files_are_told_at_once(self):
+    def test_faults_of_all_files_are_reported_at_once(self):
         bad_gains = self.gains(("gamma = 0.3", "gamma = 2.0"), name="bad-gains.toml")
         bad_hand = self.write("bad-hand.toml", HAND.read_text().replace("length_m = 0.1880", "length_m = -1"))
         result = self.run_app("certify", "--rendering", bad_gains, "--hand", bad_hand)

@@ -1,4 +1,4 @@
-"""What is damaged, missing or taken away is told, and never passed over."""
+"""What is damaged, missing or taken away is reported, and never passed over."""
 import json
 import os
 import resource
@@ -20,7 +20,7 @@ class DamagedRecording(AppTest):
     def commands(self, path):
         return (["replay", "--speed", "1000", path], ["replay", "--resimulate", path])
 
-    def test_one_spoiled_chunk_is_told_by_all_that_reads_it(self):
+    def test_one_corrupted_chunk_is_reported_by_all_that_reads_it(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r") as f:
             chunk = f["ticks/rendered"].id.get_chunk_info(1)
@@ -41,7 +41,7 @@ class DamagedRecording(AppTest):
         shown = [round(10 * float(line.split()[0])) for line in lines if "missing" not in line]
         self.assertEqual(shown, [tenth for tenth in range((ticks + 99) // 100) if not 10 <= tenth < 20])
 
-    def test_hole_is_told_and_what_follows_is_read(self):
+    def test_hole_is_reported_and_what_follows_is_read(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r+", libver="latest") as f:
             ticks = len(f["ticks/tick"])
@@ -72,7 +72,7 @@ class DamagedRecording(AppTest):
                     self.expect_refused(self.run_app(*arguments), "run.h5", text, lines=1)
 
 
-class Stranger(AppTest):
+class UntrustedFile(AppTest):
     """Files, names and numbers from somebody else."""
 
     def test_toml_beyond_bounds_is_refused_at_once(self):
@@ -95,7 +95,7 @@ class Stranger(AppTest):
     def test_at_most_20_faults_of_a_file_are_listed(self):
         body = '[[bodies]]\nname = "b"\nshape = "cone"\n'
         self.write("scene.toml", 'kind = "scene"\nversion = 1\nname = "many"\n' + body * 300)
-        result = self.expect_refused(self.run_app("validate", "scene.toml"), "more faults; mend these first", lines=21)
+        result = self.expect_refused(self.run_app("validate", "scene.toml"), "more faults; correct these first", lines=21)
         self.assertRegex(result.err.splitlines()[-1], r"has \d{3,} more faults")
 
     def test_nothing_of_theirs_steers_the_terminal(self):

@@ -72,18 +72,18 @@ class Decompose(AppTest):
         done = self.expect(self.decompose(self.mesh(L), "--json", "l.json"), DONE, "mesh 40 cm3, pieces 40 cm3",
                            "written  2 pieces")
         self.assertNotIn("note", done.out)
-        told = json.loads((self.folder / "l.json").read_text())
-        self.assertEqual([p["file"] for p in told["pieces"]], ["part_01.obj", "part_02.obj"])
-        self.assertAlmostEqual(told["volume_m3"], 40e-6, delta=40e-12)
-        self.assertAlmostEqual(sum(p["volume_m3"] for p in told["pieces"]), told["volume_m3"], delta=1e-15)
-        self.assertLess(abs(told["volume_difference"]), 1e-6)
+        reported = json.loads((self.folder / "l.json").read_text())
+        self.assertEqual([p["file"] for p in reported["pieces"]], ["part_01.obj", "part_02.obj"])
+        self.assertAlmostEqual(reported["volume_m3"], 40e-6, delta=40e-12)
+        self.assertAlmostEqual(sum(p["volume_m3"] for p in reported["pieces"]), reported["volume_m3"], delta=1e-15)
+        self.assertLess(abs(reported["volume_difference"]), 1e-6)
         # Two boxes, 24 and 16 cm3, with their centres at (30, 10, 10) and (10, 40, 10) mm.
-        for mass in (told["mass"], told["mesh"]["mass"]):
+        for mass in (reported["mass"], reported["mesh"]["mass"]):
             self.assertAlmostEqual(mass["mass_kg"], 0.04, delta=1e-8)
             for found, expected in zip(mass["com_m"], (0.022, 0.022, 0.01)):
                 self.assertAlmostEqual(found, expected, delta=1e-8)
         self.assertEqual(self.names_in(self.folder / "out"), ["part.toml", "part.urdf", "part_01.obj", "part_02.obj"])
-        for piece in told["pieces"]:
+        for piece in reported["pieces"]:
             text = (self.folder / "out" / piece["file"]).read_text()
             written = [[float(x) for x in line.split()[1:]] for line in text.splitlines() if line[0] == "v"]
             self.assertEqual(numpy.float32(written).tolist(), piece["points_m"])
@@ -101,11 +101,11 @@ class Decompose(AppTest):
         in_mm = [(1e3 * x, 1e3 * y, 1e3 * z) for x, y, z in CUBE[0]], CUBE[1]
         self.expect(self.decompose(self.mesh(in_mm), "--scale", "0.001", "--mass-kg", "0.3", "--json", "c.json"), DONE,
                     "written  1 piece,")
-        told = json.loads((self.folder / "c.json").read_text())
-        self.assertAlmostEqual(told["volume_m3"], 125e-6, delta=1e-11)
+        reported = json.loads((self.folder / "c.json").read_text())
+        self.assertAlmostEqual(reported["volume_m3"], 125e-6, delta=1e-11)
         moment = 0.3 * 0.05 ** 2 / 6  # of a cube
         for k in range(3):
-            self.assertAlmostEqual(told["mass"]["inertia_kg_m2"][k][k], moment, delta=1e-6 * moment)
+            self.assertAlmostEqual(reported["mass"]["inertia_kg_m2"][k][k], moment, delta=1e-6 * moment)
         self.assertIn("mass_kg = 0.3\n", (self.folder / "out/part.toml").read_text())
 
     def test_a_ball_falls_into_the_cup_and_rests_on_its_floor(self):
@@ -125,7 +125,7 @@ class Decompose(AppTest):
             heights[scene] = ball[-1, 2]
             self.assertLess(math.hypot(ball[-1, 0] - 0.6, ball[-1, 1]), 0.022)
             self.assertLess(max(abs(ball[-1, 7:10])), 1e-2)
-        inside = -0.1 + 0.004 + 0.01  # on the floor, which a piece may raise by what the command told
+        inside = -0.1 + 0.004 + 0.01  # on the floor, which a piece may raise by what the command reported
         self.assertGreater(heights["pieces"], inside - 1e-4)
         self.assertLess(heights["pieces"], inside + filled + 1e-4)
         self.assertAlmostEqual(heights["hull"], -0.1 + 0.09 + 0.01, delta=1e-4)  # on the opening, which a hull closes
@@ -141,7 +141,7 @@ class Decompose(AppTest):
 
     def test_bad_meshes_are_named_with_the_remedy(self):
         points, faces = CUBE
-        spoiled = {
+        faulty = {
             "open.obj": (obj(points, faces[1:]), "not closed", "close its holes"),
             "both.obj": (obj(points, [faces[0][::-1], *faces[1:]]), "wound both ways", "outward"),
             "flat.obj": (obj([(x, y, 0) for x, y, _ in points], faces), "flat", "thickness"),
@@ -152,7 +152,7 @@ class Decompose(AppTest):
             "far.obj": (obj([(1e3 * x, 1e3 * y, 1e3 * z) for x, y, z in points], faces), "across", "scale = 0.001"),
             "many.obj": (obj(points, faces * 1700), "triangles", "simplify"),
         }
-        for name, (text, problem, remedy) in spoiled.items():
+        for name, (text, problem, remedy) in faulty.items():
             with self.subTest(name):
                 self.expect_refused(self.decompose(self.write(name, text)), name, problem, remedy, lines=1)
         self.expect_refused(self.decompose("none.obj"), "none.obj", "no such file", lines=1)

@@ -54,7 +54,7 @@ class Device(AppTest):
         self.assertEqual({(a["effort_limit"], a["silence_s"], a["temperature_c"]) for a in found["axes"]},
                          {(8.0, 0.02, None)})
         self.assertNotIn("enabled", found["status"])
-        self.expect_refused(self.run_app("device", "inspect", "--driver", DRIVERS / "spoiled.so", "--driver-settings",
+        self.expect_refused(self.run_app("device", "inspect", "--driver", DRIVERS / "faulty.so", "--driver-settings",
                                          "deaf", "--device", DESKTOP), "no watchdog")
         self.expect_refused(self.run_app(*rails, "--device", CONFIG / "devices/lambda-pride.toml"), "finger_flexion",
                             "has no such axis")

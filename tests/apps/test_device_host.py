@@ -153,7 +153,7 @@ class DeviceHost(DeviceTest):
         run.send_signal(signal.SIGCONT)
         self.wait_until(host, lambda: self.host_says().endswith(": ended\n"), self.host_says)
         after = self.efforts()[before:]
-        self.assertTrue(all(e == (0.0, 0.0, 0.0) for _, e in after), ALWAYS + "the loop is heard after the host let go")
+        self.assertTrue(all(e == (0.0, 0.0, 0.0) for _, e in after), ALWAYS + "the host obeys the loop after it let go")
         self.arm_until_it_pushes(run)  # of its own will, it is served again
 
     def test_lost_host_is_a_fault_of_the_loop_and_a_new_host_serves_it(self):
@@ -191,7 +191,7 @@ class DeviceHost(DeviceTest):
         self.arm_until_it_pushes(run)
         host.terminate()
         self.assertEqual(host.wait(timeout=HANG_S), 0, self.host_says())
-        self.assertIn("LETS GO: the host was told to end", self.host_says())
+        self.assertIn("LETS GO: the host was asked to end", self.host_says())
         self.assertEqual(self.efforts()[-1][1], (0.0, 0.0, 0.0))
         self.assertFalse(pathlib.Path("/dev/shm/wholehand-" + NAME).exists())
         time.sleep(0.3)

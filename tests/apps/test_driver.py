@@ -57,7 +57,7 @@ class Driver(DeviceTest):
         self.expect_same_when_run_again(self.recordings()[0])
 
     def test_device_that_is_unplugged_while_rendering_ends_at_a_fault_and_nothing_is_lost(self):
-        run = self.start(DRIVERS / "spoiled.so", "--driver-settings", "unplug@1500")
+        run = self.start(DRIVERS / "faulty.so", "--driver-settings", "unplug@1500")
         self.arm()
         deadline = time.monotonic() + HANG_S
         while time.monotonic() < deadline and not self.stopped():
@@ -76,20 +76,20 @@ class Driver(DeviceTest):
 
     def test_what_does_not_fit_is_refused_before_anything_opens(self):
         device = ("--device", CONFIG / "devices/desktop-3axis.toml")
-        spoiled = ("--driver", DRIVERS / "spoiled.so")
+        faulty = ("--driver", DRIVERS / "faulty.so")
         for arguments, words in (
                 (("--driver", "none.so", *device), ("none.so", "cannot open", "give the path of a driver")),
                 (("--driver", DRIVERS / "no_symbol.so", *device), ("no_symbol.so", "wh_plugin_v1")),
                 (("--driver", DRIVERS / "other_major.so", *device), ("version 2",)),
-                ((*spoiled, "--device-at", "nowhere", *device), ("no device was found at nowhere: nothing answers",)),
-                ((*spoiled, "--driver-settings", "deaf", *device), ("x", "no watchdog")),
-                (spoiled, ("finger_flexion", "has no such axis", "lambda-pride")),
-                ((*spoiled, *device, "--no-rehearsal"), ("--no-rehearsal", "simulated")),
-                ((*spoiled, *device, "--uncertified"), ("--uncertified", "simulated")),
-                ((*spoiled, *device, "--simulated-clock"), ("--simulated-clock", "simulated")),
-                ((*spoiled, *device, "--engine", "bullet-paper"),
+                ((*faulty, "--device-at", "nowhere", *device), ("no device was found at nowhere: nothing answers",)),
+                ((*faulty, "--driver-settings", "deaf", *device), ("x", "no watchdog")),
+                (faulty, ("finger_flexion", "has no such axis", "lambda-pride")),
+                ((*faulty, *device, "--no-rehearsal"), ("--no-rehearsal", "simulated")),
+                ((*faulty, *device, "--uncertified"), ("--uncertified", "simulated")),
+                ((*faulty, *device, "--simulated-clock"), ("--simulated-clock", "simulated")),
+                ((*faulty, *device, "--engine", "bullet-paper"),
                  ("--engine = bullet-paper: is not for real devices" if LAB else "is not built into this program",)),
-                ((*spoiled, *device, "--no-web"), ("--driver", "console"))):
+                ((*faulty, *device, "--no-web"), ("--driver", "console"))):
             with self.subTest(arguments=arguments):
                 self.expect_refused(self.run_app(*HARDWARE[:-2], *arguments, "--without-passport"), *words)
 
@@ -101,7 +101,7 @@ class Passport(AppTest):
         run = (*HARDWARE, "--device", CONFIG / "devices/desktop-3axis.toml", "--driver")
         self.expect_refused(self.run_app(*run, DRIVERS / "rails.so"), "desktop-3axis.rails-0001.passport.toml",
                             "device rails-0001 has no passport", "wholehand device commission")
-        self.expect_refused(self.run_app(*run, DRIVERS / "spoiled.so", "--driver-settings", "anonymous"),
+        self.expect_refused(self.run_app(*run, DRIVERS / "faulty.so", "--driver-settings", "anonymous"),
                             "no serial number", "wh_plugin.identify")
 
     def test_damaged_passport_is_refused(self):

@@ -162,13 +162,13 @@ class Refused(AppTest):
                     self.assertLessEqual(len(result.err.splitlines()), 2, result)
         self.assertEqual(self.names_in(self.folder), [])
 
-    def test_doors_of_a_run_that_opens_none_are_refused(self):
-        for door in (["--port", 0], ["--wait"], ["--udp", 0], ["--address", "127.0.0.1"],
+    def test_options_of_ports_are_refused_by_a_run_without_ports(self):
+        for option in (["--port", 0], ["--wait"], ["--udp", 0], ["--address", "127.0.0.1"],
                      ["--token", "0123456789abcdef"]):
             for how in ("--simulated-clock", "--no-web"):
-                with self.subTest(door=door, how=how):
-                    self.expect_refused(self.run_app("run", *door, how, "--duration", 1),
-                                        door[0], how, lines=1)
+                with self.subTest(option=option, how=how):
+                    self.expect_refused(self.run_app("run", *option, how, "--duration", 1),
+                                        option[0], how, lines=1)
         self.assertEqual(self.names_in(self.folder), [])
 
     def test_open_to_others_only_with_a_token(self):

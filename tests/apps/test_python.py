@@ -137,14 +137,14 @@ class ClientTest(Connected):
                 self.assertLess(time.monotonic(), until)
                 watcher.next_state(timeout_s=60.0)
 
-    def test_a_program_that_ends_is_told_at_the_next_call(self):
+    def test_a_program_that_ends_is_reported_at_the_next_call(self):
         self.run.kill()
         self.run.wait()
         with self.assertRaisesRegex(Lost, "the connection to the program ended"):
             while True:
                 self.program.next_state(timeout_s=60.0)
 
-    def test_no_program_is_told_with_the_remedy(self):
+    def test_no_program_is_reported_with_the_remedy(self):
         with self.assertRaisesRegex(Lost, "no program answers at ws://127.0.0.1:1/ws.*wholehand run"):
             Client("127.0.0.1:1")
         with self.assertRaisesRegex(Lost, "400"):
@@ -200,9 +200,9 @@ class BodiesTest(Connected):
             self.program.body_targets((2, 7, goal))
             return abs(state.bodies["position_m"][index] - goal).max() < 2e-3
         self.states_until(there)
-        told = self.program.bodies
-        self.assertEqual([(b["slot"], b["generation"]) for b in told.bodies], [(2, 7)])
-        self.assertEqual(messages.SLOT_STATES[told.bodies[0]["state"]], "Solid")
+        reported = self.program.bodies
+        self.assertEqual([(b["slot"], b["generation"]) for b in reported.bodies], [(2, 7)])
+        self.assertEqual(messages.SLOT_STATES[reported.bodies[0]["state"]], "Solid")
         self.program.set_owner((2, 7, FIXED))
         self.program.teleport((2, 7, self.ASIDE_M))
         self.states_until(lambda state: abs(state.bodies["position_m"][index] - self.ASIDE_M).max() < 1e-6)

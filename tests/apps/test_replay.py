@@ -74,7 +74,7 @@ class Same(AppTest):
         summary = json.loads((self.folder / "run.json").read_text())
         with read_recording(self.folder / "run.h5") as f:
             tick, elapsed = f["ticks/tick"][:], f["ticks/elapsed_periods"][:]
-        # Skipped periods keep their place in time: no burst, no drift; all of them are told.
+        # Skipped periods keep their place in time: no burst, no drift; all of them are reported.
         self.assertGreaterEqual((elapsed > 20).sum(), 3)
         self.assertTrue((tick[1:].astype(int) - tick[:-1].astype(int) == elapsed[1:]).all())
         self.assertGreaterEqual(summary["missed_deadlines"], 3)
@@ -148,7 +148,7 @@ class BlackBox(AppTest):
         self.expect_refused(self.run_app("replay", path, "--extract", "x.h5"), "is a recording already", lines=1)
         self.assertFalse((self.folder / "x.h5").exists())
 
-    def test_extract_of_a_spoiled_box_is_refused(self):
+    def test_extract_of_a_corrupted_box_is_refused(self):
         self.crash("--record", "crashed.h5", after=0.0)
         whole = (self.folder / "crashed.wbb").read_bytes()
         self.write("cut.wbb", whole[: len(whole) // 2])
@@ -270,16 +270,16 @@ class Foreign(AppTest):
             self.write("cut.h5", whole[: int(len(whole) * share)])
             self.expect_all_refuse("cut.h5")
 
-    def test_spoiled_bytes_never_crash(self):
+    def test_corrupted_bytes_never_crash(self):
         whole = self.record(duration=1.0).read_bytes()
         for trial in range(300 if FULL else 20):
-            spoiled = bytearray(whole)
+            corrupted = bytearray(whole)
             # Everywhere, or in the second half, where the ticks are and one may still be read.
-            first = 0 if trial % 2 else len(spoiled) // 2
+            first = 0 if trial % 2 else len(corrupted) // 2
             for _ in range(self.random.randrange(1, 100)):
-                at = self.random.randrange(first, len(spoiled))
-                spoiled[at] = self.random.randrange(256)
-            path = self.write("spoiled.h5", bytes(spoiled))
+                at = self.random.randrange(first, len(corrupted))
+                corrupted[at] = self.random.randrange(256)
+            path = self.write("corrupted.h5", bytes(corrupted))
             with self.subTest(trial=trial):
                 result = self.run_app("replay", "--resimulate", path)
                 self.assertIn(result.code, (DONE, DIFFERENT, BAD_INPUT), result)

@@ -1,4 +1,4 @@
-"""`wholehand replay --web`: what pages are told of a recording, over HTTP; and every file that is refused."""
+"""`wholehand replay --web`: what pages get of a recording, over HTTP; and every file that is refused."""
 import http.client
 import json
 import pathlib
@@ -208,15 +208,15 @@ class Refused(ReplayWeb):
                 run.kill()
                 run.wait()
 
-    def test_one_spoiled_chunk_costs_its_second(self):
+    def test_one_corrupted_chunk_costs_its_second(self):
         path = self.record("run.h5", duration=2.5)
         with h5py.File(path, "r") as f:
             chunk = f["ticks/q_s"].id.get_chunk_info(1)
             first, rows, ticks = chunk.chunk_offset[0], f["ticks/q_s"].chunks[0], len(f["ticks/tick"])
-        spoilt = bytearray(path.read_bytes())
+        corrupted = bytearray(path.read_bytes())
         for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
-            spoilt[at] ^= 0xFF
-        path.write_bytes(spoilt)
+            corrupted[at] ^= 0xFF
+        path.write_bytes(corrupted)
         self.serve(path)
         self.assertEqual(self.about()["ticks"], ticks)
         self.assertIn("cannot be read", self.error(f"states?tick={first}&count=1&step=1"))

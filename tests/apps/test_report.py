@@ -99,7 +99,7 @@ class SessionBefore(ReportTest):
         self.expect(self.run_app("report", now, "--out", "folder", "--before", before), DONE)
         self.assertEqual((self.folder / "folder/index.html").read_bytes(), (self.folder / "page.html").read_bytes())
 
-    def test_of_another_hand_device_and_exercise_is_told_as_it_was(self):
+    def test_of_another_hand_device_and_exercise_is_reported_as_it_was(self):
         before = self.record("before.h5", "--device", str(SOURCE / "config/devices/desktop-3axis.toml"),
                              "--hand", str(SOURCE / "config/hands/woman-p05-left.toml"), duration=0.5)
         now = self.record("now.h5", "--exercise", "cocktail-bar", duration=0.5)
@@ -147,7 +147,7 @@ class WhatIsInIt(ReportTest):
         self.assertEqual(data["states"]["rows"][-1], len(time) - 1)
         self.assertEqual(data["therapy"]["limits"][0], [[0.0, 20.0]])  # config/devices/lambda-pride.toml
 
-    def test_damage_is_told_and_the_rest_is_shown(self):
+    def test_damage_is_reported_and_the_rest_is_shown(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r") as f:
             chunk = f["ticks/rendered"].id.get_chunk_info(1)
@@ -159,7 +159,7 @@ class WhatIsInIt(ReportTest):
         (hole,) = Series(unpacked(self.report(path, code=NOT_WHOLE)["series"])).header["unreadable"]
         self.assertAlmostEqual(hole["from_s"], first * 1e-3, delta=2e-3)
 
-    def test_missing_ticks_are_told(self):
+    def test_missing_ticks_are_reported(self):
         path = self.record(duration=2.0)
         lose_ticks(path, 500, 1200)
         data = self.report(path, code=NOT_WHOLE)

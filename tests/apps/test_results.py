@@ -5,31 +5,31 @@ from app import DONE, FREE_RUN, AppTest, main, read_recording, report_data
 
 
 class Results(AppTest):
-    def test_of_an_exercise_that_is_not_the_bar_are_told_everywhere(self):
+    def test_of_an_exercise_that_is_not_the_bar_are_reported_everywhere(self):
         # The virtual patient has held all three levels after 15 s.
         result = self.run_app("run", "--exercise", "squeeze-to-level", "--simulated-clock", "--duration", 25,
                               "--record", "s.h5", "--json", "s.json", "--report", "page")
         self.expect(result, DONE, "squeeze-to-level, level 1", "Levels done 3; Score ", "faults   none")
-        told = json.loads((self.folder / "s.json").read_text())["exercise"]
-        self.assertEqual((told["name"], told["level"]), ("squeeze-to-level", 1))
-        self.assertEqual(list(told["results"]), ["bands_done", "score"])
+        reported = json.loads((self.folder / "s.json").read_text())["exercise"]
+        self.assertEqual((reported["name"], reported["level"]), ("squeeze-to-level", 1))
+        self.assertEqual(list(reported["results"]), ["bands_done", "score"])
         # The same in three places: the recording's last values are the source.
         recording = read_recording(self.folder / "s.h5")
         self.addCleanup(recording.close)
         names = [text.decode() for text in recording["meta"].attrs["value_names"]]
         last = dict(zip(names, recording["ticks/exercise_values"][-1]))
-        self.assertEqual(told["results"], {name: last[name] for name in told["results"]})
-        self.assertEqual(told["results"]["bands_done"], 3)
-        self.assertGreater(told["results"]["score"], 50)
+        self.assertEqual(reported["results"], {name: last[name] for name in reported["results"]})
+        self.assertEqual(reported["results"]["bands_done"], 3)
+        self.assertGreater(reported["results"]["score"], 50)
         shown = report_data(self.folder / "page/index.html")["about"]["result"]
         self.assertEqual([(r["label"], r["value"], r["decimals"]) for r in shown],
-                         [("Levels done", 3, 0), ("Score", told["results"]["score"], 0)])
+                         [("Levels done", 3, 0), ("Score", reported["results"]["score"], 0)])
 
     def test_of_the_bar_have_their_units(self):
         result = self.run_app("run", "--simulated-clock", "--duration", 2, "--json", "b.json")
         self.expect(result, DONE, "result   Poured 0 ml; Spilt 0 ml; Score 0")
-        told = json.loads((self.folder / "b.json").read_text())["exercise"]
-        self.assertEqual(told["results"], {"poured_total_l": 0.0, "spilt_l": 0.0, "score": 0.0})
+        reported = json.loads((self.folder / "b.json").read_text())["exercise"]
+        self.assertEqual(reported["results"], {"poured_total_l": 0.0, "spilt_l": 0.0, "score": 0.0})
 
     def test_without_an_exercise_are_none(self):
         result = self.run_app(*FREE_RUN, "--simulated-clock", "--duration", 0.5, "--json", "m.json")

@@ -76,7 +76,7 @@ class WhatItWrites(AppTest):
             self.assertEqual(list(units), ["N", "N", "N", "N·m", "N·m", "N·m"])
             self.assertEqual(len(time_s), summary["ticks"])
             self.assertAlmostEqual(time_s[-1] - time_s[0], (summary["ticks"] - 1) * 1e-3, places=9)
-            for axis, name in enumerate(AXES):  # the two outputs tell the same
+            for axis, name in enumerate(AXES):  # the two outputs report the same
                 self.assertEqual(abs(sent[:, axis]).max(), numpy.float32(summary["max_effort"][name]))
             self.assertEqual(f["ticks/contact_count"][:].max(), summary["contacts_max"])
             embedded = {group.attrs["name"].decode() for group in f["meta/files"].values()}

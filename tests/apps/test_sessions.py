@@ -1,4 +1,4 @@
-"""Several sessions in one run, and recordings that the disk had no room for: told, and named alike."""
+"""Several sessions in one run, and recordings that the disk had no room for: reported, and named alike."""
 import calendar
 import fcntl
 import json

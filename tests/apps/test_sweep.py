@@ -166,7 +166,7 @@ class Sweep(AppTest):
                 self.assertIn("3 of them run now", self.sweep(name, "--processes", 1).out)
                 self.assertEqual(digest(self.folder / name), digest(self.folder / "whole.h5"))
 
-    def test_a_worker_that_dies_is_told_and_the_same_command_goes_on(self):
+    def test_a_worker_that_dies_is_reported_and_the_same_command_goes_on(self):
         run = self.start_app("sweep", "grid.toml", "--out", "a.h5", "--processes", 2)
         children = lambda: subprocess.run(["pgrep", "-P", str(run.pid)], capture_output=True, text=True).stdout.split()
         self.wait_until(run, lambda: len(children()) == 2)

@@ -11,7 +11,7 @@ HAND, PATIENT = CONFIG / "hands/adult-median-right.toml", CONFIG / "patients/rel
 SCENE, TABLE = CONFIG / "scenes/four-shapes.toml", CONFIG / "scenes/table.toml"
 MUG, PRISM = CONFIG / "scenes/assets/mug.urdf", CONFIG / "scenes/assets/octagonal-prism.obj"
 
-# What is spoiled, how, and what the one message must contain besides the file. Where the new text is
+# What is changed, how, and what the one message must contain besides the file. Where the new text is
 # not empty, its line must be named too.
 #   (what is wrong, file, old text, new text, texts of the message)
 MISTAKES = [
@@ -145,7 +145,7 @@ class Mistakes(AppTest):
         self.assertLess(len(result.err), 500, result)
         return result
 
-    def spoiled(self, name, base, old, new):
+    def changed(self, name, base, old, new):
         text = base.read_text()
         self.assertIn(old, text)
         at = text.index(old)
@@ -153,12 +153,12 @@ class Mistakes(AppTest):
         changed_line = text[:at].count("\n") + 1 + (new.count("\n") if new else 0)
         return path, changed_line
 
-    def test_every_mistake_is_told_once_with_place_and_remedy(self):
+    def test_every_mistake_is_reported_once_with_place_and_remedy(self):
         for number, (what, base, old, new, texts) in enumerate(MISTAKES):
             with self.subTest(what, text=new or old):
-                path, line = self.spoiled(f"{number}.toml", base, old, new)
-                told_by_line = new and not new.startswith("#") and not {"unstable", "drives nothing"} & {*texts}
-                self.expect_one_message(path, texts, line if told_by_line else 0)
+                path, line = self.changed(f"{number}.toml", base, old, new)
+                reported_by_line = new and not new.startswith("#") and not {"unstable", "drives nothing"} & {*texts}
+                self.expect_one_message(path, texts, line if reported_by_line else 0)
 
     def test_motion_files(self):
         for number, (what, text, texts) in enumerate(MOTION_MISTAKES):
@@ -249,9 +249,9 @@ class Mistakes(AppTest):
         self.expect_refused(self.run_app("validate", path), "r.urdf", "handle", "collision", lines=1)
 
     def test_all_faults_of_all_files_in_one_call(self):
-        device, _ = self.spoiled("device.toml", DEVICE, "mass_kg = 0.8", "mass_kg = nan")
+        device, _ = self.changed("device.toml", DEVICE, "mass_kg = 0.8", "mass_kg = nan")
         device.write_text(device.read_text().replace("encoder_step_m", "encoder_stp_m", 1))
-        scene, _ = self.spoiled("scene.toml", SCENE, "friction = 0.8 ", "friction = 3.0 ")
+        scene, _ = self.changed("scene.toml", SCENE, "friction = 0.8 ", "friction = 3.0 ")
         motion = self.write("motion.csv", "time_s,x_m\n0,0\n0.01,abc\n0.02,\n")
         result = self.expect_refused(self.run_app("validate", device, HAND, scene, motion, "none.toml"))
         lines = result.err.splitlines()

@@ -12,7 +12,7 @@ class Figures(Compared):
                  self.record("squeeze.h5", "--exercise", "squeeze-to-level", "--seed", str(SEED), duration=40)]
         kinds = self.compare_drawn(bases, CASES)
         print(f"figure: {CASES} sessions recounted, parts of {len(kinds)} of 9 kinds")
-        self.assertGreaterEqual(len(kinds), 6)  # that the draws reach what is to be told apart
+        self.assertGreaterEqual(len(kinds), 6)  # that the draws reach what is to be distinguished
 
     def test_of_the_virtual_patient_alone_and_of_a_motion_are_nobodys(self):
         bar = self.record("bar.h5", "--exercise", "cocktail-bar", duration=30)

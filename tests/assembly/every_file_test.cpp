@@ -68,7 +68,7 @@ TEST_P(EveryFile, OnThisDevice_BuildsArmsAndRunsASecond) {
       double coupling_error = 0.0;
       int touched = 0;
       runTicks(*rig->renderer, 1000, [&](const TickRecord& r) {
-        ASSERT_EQ(r.faults & kStopping, Fault::kNone) << "tick " << r.tick;
+        ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone) << "tick " << r.tick;
         ASSERT_EQ(r.contacts_dropped, 0);
         for (int i = 0; i < r.body_count; ++i) {
           ASSERT_LT(r.bodies[i].velocity_m_s.eigen().norm(), 10.0) << "tick " << r.tick;
@@ -195,7 +195,7 @@ void expectBegins(Models models, std::uint64_t seed) {
   const auto armed = rig->renderer->arm();
   ASSERT_TRUE(armed.ok()) << format(armed.errors());
   runTicks(*rig->renderer, 20, [](const TickRecord& r) {
-    ASSERT_EQ(r.faults & kStopping, Fault::kNone) << "tick " << r.tick;
+    ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone) << "tick " << r.tick;
     ASSERT_EQ(r.contact_count, 0) << "touches at tick " << r.tick;
   });
 }

@@ -18,7 +18,9 @@ class StandingWorld final : public PhysicsWorld {
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override {
     return world_.placeHand(q_s);
   }
-  [[nodiscard]] Fault observe(WorldState& state) noexcept override { return world_.observe(state); }
+  [[nodiscard]] Fault observe(PhysicsState& state) noexcept override {
+    return world_.observe(state);
+  }
   void placeBodies(const BodyPlacements&) noexcept override {}
   [[nodiscard]] Fault step(const HandDrive& drive, double) noexcept override {
     drive_ = drive;

@@ -1,4 +1,4 @@
-// A run when something fails: what is left open, what is told, which signals end it gently.
+// A run when something fails: what is left open, what is reported, which signals end it gently.
 #include "assembly/run.hpp"
 
 #include "assembly/run_files.hpp"
@@ -147,7 +147,7 @@ TEST(Run, WithoutRealTimePriorityOrLockedMemory_EnablesNothingWhereTheyAreRequir
 }
 
 // What is written to a file that nobody can find any more is lost, and is said to be.
-TEST(RunAndRecord, RecordingThatIsRemovedMeanwhile_IsToldAndCountsAsDropped) {
+TEST(RunAndRecord, RecordingThatIsRemovedMeanwhile_IsReportedAndCountsAsDropped) {
   const TemporaryFile file;
   Story story;
   const auto rig = watched(story);
@@ -194,14 +194,14 @@ TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
   plan.duration_ticks = 5000;
   plan.queue_bytes = 0;
   bool first = true;
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   plan.sinks.emplace_back([&](const TickRecord& r) {
     // Longer than the run: all but the first records are dropped.
     if (std::exchange(first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(1000));
-    told += any(r.faults & kStopping) ? 1 : 0;
+    reported += any(r.faults & kStoppingFaults) ? 1 : 0;
   });
   const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
-  ASSERT_EQ(told, 0U);
+  ASSERT_EQ(reported, 0U);
   EXPECT_TRUE(outcome.faulted);
   EXPECT_GT(outcome.dropped_records, 0U);
   EXPECT_GT(outcome.summary.stopping_faults, 0U);
@@ -212,7 +212,7 @@ TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
   EXPECT_FALSE(story.open);
 }
 
-TEST(RunAndRecord, SinkThatThrows_IsToldAndTheLoopRunsOn) {
+TEST(RunAndRecord, SinkThatThrows_IsReportedAndTheLoopRunsOn) {
   Story story;
   const auto rig = watched(story);
   RunPlan plan;
@@ -282,7 +282,7 @@ TEST(SignalsOfTheProgram, ThatItHandlesItself_StayItsOwn) {
   std::signal(SIGUSR1, before);
 }
 
-TEST(FaultText, WhatStopsNothing_IsToldApartFromFaults) {
+TEST(FaultText, WhatStopsNothing_IsReportedApartFromFaults) {
   TickSummary summary;
   summary.faults[6] = 1;  // the bits of core/fault.hpp
   summary.faults[7] = 2;

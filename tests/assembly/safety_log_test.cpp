@@ -1,4 +1,4 @@
-// What the record stream tells of the safety supervisor, on the simulated clock.
+// What the record stream reports of the safety supervisor, on the simulated clock.
 #include "assembly/safety_log.hpp"
 
 #include "patient/player.hpp"
@@ -19,16 +19,16 @@ std::unique_ptr<Rig> scripted(ScriptedDevice::Script script) {
 
 std::vector<SafetyTransition> play(Rig& rig, int ticks,
                                    const std::function<void(const TickRecord&)>& at = {}) {
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   SafetyLog log(rig.models.device, rig.options.period_s,
-                [&told](const SafetyTransition& t) { told.push_back(describe(t)); });
+                [&reported](const SafetyTransition& t) { reported.push_back(describe(t)); });
   orThrow(rig.renderer->arm());
   runTicks(*rig.renderer, ticks, [&](const TickRecord& record) {
     log.add(record);
     if (at) at(record);
   });
   const auto transitions = log.transitions();
-  EXPECT_EQ(told.size(), transitions.size());
+  EXPECT_EQ(reported.size(), transitions.size());
   EXPECT_EQ(log.state(), rig.renderer->safetyState());
   return transitions;
 }
@@ -112,9 +112,9 @@ TEST(SafetyLog, ArmedAfterAFault_GoesFromFaultedToArmed) {
   EXPECT_EQ(log.fault().to, SafetyState::kDisarmed) << "of this session there is none";
 }
 
-// Whoever shows the bar goes silent while the virtual patient squeezes: the record says so from
+// The controls' holder goes silent while the virtual patient squeezes: the record says so from
 // that tick on, and the exercise has let go within the time that its description states.
-TEST(SafetyLog, OwnerSilent_IsRecordedAndTheExerciseFadesInItsTime) {
+TEST(SafetyLog, HolderSilent_IsRecordedAndTheExerciseFadesInItsTime) {
   const Models models = load(exerciseFiles("cocktail-bar"));
   std::unique_ptr<Player> player = models.exercise->makePlayer(1);
   Player& hand = *player;
@@ -131,16 +131,16 @@ TEST(SafetyLog, OwnerSilent_IsRecordedAndTheExerciseFadesInItsTime) {
   session.runSimulated([&](const TickRecord& record) {
     if (silent == 0 && record.exercise.alpha == 1.0) {
       Command command;
-      command.type = CommandType::kOwner;
+      command.type = CommandType::kHolderAlive;
       command.value = 0.0;
       EXPECT_TRUE(session.tryCommand(command));
-      EXPECT_FALSE(any(record.faults & Fault::kOwnerSilent));
+      EXPECT_FALSE(any(record.faults & Fault::kHolderSilent));
       silent = record.tick + 1;
       return;
     }
     if (silent == 0) return;
-    EXPECT_TRUE(any(record.faults & Fault::kOwnerSilent)) << record.tick;
-    EXPECT_FALSE(any(record.faults & kStopping)) << "it fades, the loop runs on";
+    EXPECT_TRUE(any(record.faults & Fault::kHolderSilent)) << record.tick;
+    EXPECT_FALSE(any(record.faults & kStoppingFaults)) << "it fades, the loop runs on";
     if (faded == 0 && record.exercise.alpha == 0.0) {
       faded = record.tick;
       session.requestStop();
@@ -178,7 +178,7 @@ TEST(FaultText, FaultOfAnAxis_NamesIt) {
   EXPECT_EQ(faultText(summary), "speed limit exceeded in 1 tick") << "the axes have no names";
 }
 
-TEST(FaultText, EveryLimitThatHeldAnEffort_IsToldAsNoticed) {
+TEST(FaultText, EveryLimitThatHeldAnEffort_IsReportedAsNoticed) {
   TickSummary summary;
   summary.faults[14] = 1;  // the bits of core/fault.hpp
   summary.faults[15] = 2;

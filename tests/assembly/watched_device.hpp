@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-/// A device that tells what it went through, and a rig around it.
+/// A device that records its calls, and a rig around it.
 namespace wholehand::test {
 
 inline constexpr const char* kWatchedDevice = "desktop-3axis";

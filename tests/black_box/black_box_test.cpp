@@ -81,7 +81,7 @@ TEST(BlackBox, Description_ComesBackWithFilesByteForByte) {
 // Six axes are described: what reads a tick relies on it.
 TEST(BlackBox, TicksOfAnotherShapeThanDescribed_AreRefused) {
   const Folder folder;
-  const auto spoil = [](int which, TickRecord& r) {
+  const auto corrupt = [](int which, TickRecord& r) {
     if (which == 0) r.sent = AxisEffort(9, 1.0);
     if (which == 1) r.q_m = AxisPosition(5, 1.0);
     if (which == 2) r.theta = JointPosition(kMaxJoints, 0.0);
@@ -95,7 +95,7 @@ TEST(BlackBox, TicksOfAnotherShapeThanDescribed_AreRefused) {
     auto box = armed(planFor(path));
     for (std::uint64_t i = 0; i < 5; ++i) {
       TickRecord record = tickNumber(i);
-      if (i == 3) spoil(which, record);
+      if (i == 3) corrupt(which, record);
       giveTick(*box, record);
     }
     ASSERT_TRUE(box->write().ok());
@@ -288,15 +288,15 @@ TEST(BlackBoxReader, CutOffAnywhere_IsRefused) {
 }
 
 // One changed byte, whichever: CRC-32 finds every burst of up to 32 bits.
-TEST(BlackBoxReader, OneSpoiledByte_IsAlwaysFound) {
+TEST(BlackBoxReader, OneCorruptedByte_IsAlwaysFound) {
   const Folder folder;
-  const std::string whole = smallBox(folder), path = folder.file("spoiled.wbb");
+  const std::string whole = smallBox(folder), path = folder.file("corrupted.wbb");
   auto random = seededRandom(4106);
   for (int i = 0; i < 400; ++i) {
-    std::string spoiled = whole;
+    std::string corrupted = whole;
     const std::size_t at = i < 200 ? static_cast<std::size_t>(i) : random() % whole.size();
-    spoiled[at] = static_cast<char>(spoiled[at] ^ static_cast<char>(1 + random() % 255));
-    overwrite(path, spoiled);
+    corrupted[at] = static_cast<char>(corrupted[at] ^ static_cast<char>(1 + random() % 255));
+    overwrite(path, corrupted);
     ASSERT_NE(refusalOf(path), "opened") << "byte " << at;
   }
 }

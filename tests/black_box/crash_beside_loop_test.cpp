@@ -24,8 +24,8 @@ constexpr std::uint64_t kMostTicks = 60'000;
 constexpr std::uint64_t kNeutralWithin = 100;      // ticks of a millisecond (docs/safety.md)
 constexpr std::int64_t kHeldFor_ns = 130'000'000;  // the same page: what the loop is given
 
-/// What the child tells: in memory that outlives it.
-struct Told {
+/// What the child reports, in memory that outlives it.
+struct Reported {
   struct Tick {
     AxisEffort sent;
     Fault faults = Fault::kNone;
@@ -40,55 +40,55 @@ struct Told {
 /// Keeps every tick, and holds the one at which the other thread crashes until it does.
 class Logging final : public TickListener {
  public:
-  explicit Logging(Told& told) : told_(told) {}
+  explicit Logging(Reported& reported) : reported_(reported) {}
   void beforeTick(const TickRecord& record) noexcept override {
-    while (record.tick == kCrashAt && told_.crashed_ns == 0) ::sched_yield();
+    while (record.tick == kCrashAt && reported_.crashed_ns == 0) ::sched_yield();
   }
   void afterTick(const TickRecord& record) noexcept override {
-    const std::uint64_t n = told_.ticks;
+    const std::uint64_t n = reported_.ticks;
     if (n >= kMostTicks) return;
-    told_.log[n] = {record.sent, record.faults, record.safety_state};
-    told_.ticks = n + 1;
-    if (record.safety_state == SafetyState::kDisarmed) told_.neutral = true;
+    reported_.log[n] = {record.sent, record.faults, record.safety_state};
+    reported_.ticks = n + 1;
+    if (record.safety_state == SafetyState::kDisarmed) reported_.neutral = true;
   }
 
  private:
-  Told& told_;
+  Reported& reported_;
 };
 
-/// Told of the crash after the black box: what that waits for the loop is over. However little of
+/// Notified of the crash after the black box, whose wait for the loop is over. However little of
 /// the machine the loop gets, it comes to neutral before the process ends, and its run would return
 /// in the half second after that.
 class HoldingTheEnd final : public CrashHandler {
  public:
-  explicit HoldingTheEnd(Told& told) : told_(told) {}
+  explicit HoldingTheEnd(Reported& reported) : reported_(reported) {}
   void crashed(int) noexcept override {
-    told_.dealt_with_ns = monotonicNow_ns();
+    reported_.dealt_with_ns = monotonicNow_ns();
     const timespec a_moment{0, 1'000'000};
-    for (int i = 0; i < 30'000 && !told_.neutral; ++i) ::nanosleep(&a_moment, nullptr);
-    for (int i = 0; i < 500 && !told_.returned; ++i) ::nanosleep(&a_moment, nullptr);
+    for (int i = 0; i < 30'000 && !reported_.neutral; ++i) ::nanosleep(&a_moment, nullptr);
+    for (int i = 0; i < 500 && !reported_.returned; ++i) ::nanosleep(&a_moment, nullptr);
   }
 
  private:
-  Told& told_;
+  Reported& reported_;
 };
 
 class CrashBesideTheLoop : public testing::Test {
  protected:
   void SetUp() override {
-    void* const shared = ::mmap(nullptr, sizeof(Told), PROT_READ | PROT_WRITE,
+    void* const shared = ::mmap(nullptr, sizeof(Reported), PROT_READ | PROT_WRITE,
                                 MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     ASSERT_NE(shared, MAP_FAILED);
-    told_ = new (shared) Told;
+    reported_ = new (shared) Reported;
     Models models = load(shippedFiles());
     Intention intention = sweeping(models.device, 0.7);
     rig_ = orThrow(buildRig(std::move(models), std::move(intention), RigOptions{}));
   }
-  void TearDown() override { ::munmap(told_, sizeof(Told)); }
+  void TearDown() override { ::munmap(reported_, sizeof(Reported)); }
 
   /// In the child: the loop, as fast as it can, in a thread beside the one that crashes.
   void runAndCrash() {
-    rig_->listener = std::make_unique<Logging>(*told_);
+    rig_->listener = std::make_unique<Logging>(*reported_);
     RunPlan plan;
     plan.title = "crashed beside it";
     plan.duration_ticks = kMostTicks;
@@ -96,13 +96,13 @@ class CrashBesideTheLoop : public testing::Test {
     plan.simulated_clock = true;
     std::thread loop([&] {
       (void)runAndRecord(*rig_, plan);
-      told_->returned = true;
+      reported_->returned = true;
     });
     std::thread other([this] {
-      while (told_->ticks < kCrashAt) ::sched_yield();
-      HoldingTheEnd witness(*told_);
+      while (reported_->ticks < kCrashAt) ::sched_yield();
+      HoldingTheEnd witness(*reported_);
       const CrashGuard guard(witness);
-      told_->crashed_ns = monotonicNow_ns();
+      reported_->crashed_ns = monotonicNow_ns();
       writeToNowhere();
     });
     loop.join();
@@ -119,15 +119,15 @@ class CrashBesideTheLoop : public testing::Test {
     return most;
   }
   [[nodiscard]] double away(std::uint64_t tick, int a) const {
-    return std::abs(told_->log[tick].sent[a] - rig_->renderer->config().safety.neutral[a]);
+    return std::abs(reported_->log[tick].sent[a] - rig_->renderer->config().safety.neutral[a]);
   }
   [[nodiscard]] double change(std::uint64_t tick, int a) const {
-    return std::abs(told_->log[tick].sent[a] - told_->log[tick - 1].sent[a]);
+    return std::abs(reported_->log[tick].sent[a] - reported_->log[tick - 1].sent[a]);
   }
   [[nodiscard]] int axes() const { return rig_->models.device.axisCount(); }
   [[nodiscard]] const DeviceAxis& axis(int a) const { return rig_->models.device.axes[a]; }
 
-  Told* told_ = nullptr;
+  Reported* reported_ = nullptr;
 
  private:
   Folder folder_;
@@ -137,16 +137,16 @@ class CrashBesideTheLoop : public testing::Test {
 TEST_F(CrashBesideTheLoop, SegmentationFault_RampsToNeutralAndOnlyThenEndsTheProcess) {
   const int status = inChild([this] { runAndCrash(); });
   expectDiedOf(SIGSEGV, status);
-  EXPECT_FALSE(told_->returned) << kAlways << "the run ended as if nothing had happened";
-  EXPECT_GE(told_->dealt_with_ns - told_->crashed_ns, kHeldFor_ns);
-  ASSERT_TRUE(told_->neutral);
+  EXPECT_FALSE(reported_->returned) << kAlways << "the run ended as if nothing had happened";
+  EXPECT_GE(reported_->dealt_with_ns - reported_->crashed_ns, kHeldFor_ns);
+  ASSERT_TRUE(reported_->neutral);
 
-  const std::uint64_t ticks = told_->ticks;
+  const std::uint64_t ticks = reported_->ticks;
   ASSERT_LT(ticks, kMostTicks);
   std::uint64_t stop = kCrashAt;  // the first tick that knows
-  while (stop < ticks && !any(told_->log[stop].faults & Fault::kEmergencyStop)) ++stop;
+  while (stop < ticks && !any(reported_->log[stop].faults & Fault::kEmergencyStop)) ++stop;
   ASSERT_LT(stop, ticks);
-  EXPECT_EQ(told_->log[stop - 1].state, SafetyState::kRendering);
+  EXPECT_EQ(reported_->log[stop - 1].state, SafetyState::kRendering);
   EXPECT_GT(share(stop - 1), 0.01) << "there was nothing to ramp down";
 
   for (std::uint64_t k = 1; k < ticks; ++k) {
@@ -160,7 +160,7 @@ TEST_F(CrashBesideTheLoop, SegmentationFault_RampsToNeutralAndOnlyThenEndsThePro
   }
   ASSERT_LE(ticks - stop, kNeutralWithin) << kAlways;
   EXPECT_EQ(share(ticks - 1), 0.0) << kAlways;
-  EXPECT_EQ(told_->log[ticks - 1].state, SafetyState::kDisarmed);
+  EXPECT_EQ(reported_->log[ticks - 1].state, SafetyState::kDisarmed);
   figure("ticks from a crash beside the loop to neutral", static_cast<double>(ticks - stop), "");
   figure("effort then, of its limit", share(stop - 1), "");
 

@@ -58,7 +58,7 @@ TEST(PackedRecord, FullestTick_Fits) {
   EXPECT_LE(packRecord(full, packed.data()), kMostPackedBytes);
 }
 
-TEST(PackedRecord, CutOffOrSpoiled_IsRefusedOrStaysWithinItsBounds) {
+TEST(PackedRecord, CutOffOrCorrupted_IsRefusedOrStaysWithinItsBounds) {
   auto random = seededRandom(4102);
   const TickRecord want = tickAt(40, random);
   Buffer packed;
@@ -68,9 +68,9 @@ TEST(PackedRecord, CutOffOrSpoiled_IsRefusedOrStaysWithinItsBounds) {
     ASSERT_FALSE(unpackRecord(packed.data(), cut, got)) << cut;
   }
   for (int trial = 0; trial < 20'000; ++trial) {
-    Buffer spoiled = packed;
-    spoiled[random() % bytes] = static_cast<std::byte>(random());
-    if (!unpackRecord(spoiled.data(), bytes, got)) continue;
+    Buffer corrupted = packed;
+    corrupted[random() % bytes] = static_cast<std::byte>(random());
+    if (!unpackRecord(corrupted.data(), bytes, got)) continue;
     ASSERT_TRUE(got.body_count >= 0 && got.body_count <= kMaxBodies);
     ASSERT_TRUE(got.contact_count >= 0 && got.contact_count <= kMaxContacts);
     ASSERT_TRUE(got.q_m.size() >= 0 && got.q_m.size() <= kMaxAxes);
@@ -173,7 +173,7 @@ TEST_F(InputLog, PositionsThatAreNoCounts_ComeBackBitForBit) {
   }
 }
 
-// The fourth axis has no encoder: eight bytes whenever it is not told of as counts.
+// The fourth axis has no encoder: eight bytes whenever it is not reported as counts.
 TEST_F(InputLog, SlowMotionOnEncoders_TakesAByteAnAxis) {
   writing_.encoder_step[3] = reading_.encoder_step[3] = 1e-4;
   TickRecord record;
@@ -185,7 +185,7 @@ TEST_F(InputLog, SlowMotionOnEncoders_TakesAByteAnAxis) {
   EXPECT_EQ(expectComesBack(record), 1U) << "nothing moved";
 }
 
-TEST_F(InputLog, SpoiledBytes_NeverReadBeyondTheEnd) {
+TEST_F(InputLog, CorruptedBytes_NeverReadBeyondTheEnd) {
   auto random = seededRandom(4104);
   std::vector<std::byte> bytes(300);
   for (int trial = 0; trial < 20'000; ++trial) {

@@ -109,7 +109,7 @@ class OtherWays(PlayedInGodot, unittest.TestCase):
         for error, node in zip(errors, ("hand LostHand", "world LostWorld")):
             self.assertIn(f"Wholehand {node} has no connection: set connection_path", error)
 
-    def test_nobody_there_is_told_once(self):
+    def test_nobody_there_is_reported_once(self):
         self.finish(self.start("nobody_there_is_told_once", 1))
 
     def test_a_program_that_is_restarted_is_found_again(self):

@@ -155,7 +155,7 @@ TEST(CertifiedPassports, TheFilesOwnPromises_WouldHaveBeenUnstable) {
     unstable += swings ? 1 : 0;
   }
   figure("unstable with the file's own promises, of 20", unstable, "axes");
-  EXPECT_GE(unstable, 3) << "the test above would not tell";
+  EXPECT_GE(unstable, 3) << "the test above would not show it";
 }
 
 }  // namespace

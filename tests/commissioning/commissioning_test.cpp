@@ -18,10 +18,10 @@ const Motion kAnyMotion{Motion::What::kPush, "test", "", 0.0};
 
 /// A device, a person and their bench; files go into a folder of its own.
 struct Session {
-  explicit Session(const std::string& file, Spoiled spoiled = {})
+  explicit Session(const std::string& file, InjectedFaults injected = {})
       : path(folder.file("mine.toml")),
         model(load(file, path)),
-        device(model, std::move(spoiled)) {}
+        device(model, std::move(injected)) {}
 
   void begin() {
     bench.emplace(orThrow(Bench::make(device, model, person, device, 1e-3)));
@@ -220,9 +220,9 @@ TEST(Commissioning, SamplesWhoseTimesAreWrong_EndTheMoveByTheirOwnName) {
 }
 
 TEST(Commissioning, DriverThatCannotDropItsWatchdog_IsTriedBySilence) {
-  Spoiled spoiled;
-  spoiled.cannot_drop = true;
-  Session s("desktop-3axis", spoiled);
+  InjectedFaults injected;
+  injected.cannot_drop = true;
+  Session s("desktop-3axis", injected);
   EXPECT_EQ(said(s.upTo(Step::kWatchdog)), "");
 }
 
@@ -236,19 +236,19 @@ TEST(Commissioning, RepeatedStep_TakesThePassportBack) {
 
 struct Fault {
   const char* what;
-  Spoiled spoiled;
+  InjectedFaults injected;
   const char* says;
 };
 
-TEST(SpoiledDevice, OfEveryKind_IsFoundByNameAtAFifthOfTheLimitAtMost) {
+TEST(FaultyDevice, OfEveryKind_IsFoundByNameAtAFifthOfTheLimitAtMost) {
   const auto on = [](const char* axis) {
-    Spoiled s;
+    InjectedFaults s;
     s.axis = axis;
     return s;
   };
   std::vector<Fault> faults;
   for (const char* axis : {"x", "y", "z"}) {
-    Spoiled s = on(axis);
+    InjectedFaults s = on(axis);
     s.encoder_sign = true;
     faults.push_back({"encoder sign", s, "its encoder has the wrong sign"});
     s = on(axis);
@@ -281,12 +281,12 @@ TEST(SpoiledDevice, OfEveryKind_IsFoundByNameAtAFifthOfTheLimitAtMost) {
   }
   // Its weight moves it as its motor should. Of x: the others would fall while x is pushed.
   for (const double weight : {0.1, -0.1}) {
-    Spoiled s = on("x");
+    InjectedFaults s = on("x");
     s.motor_sign = true;
     s.hidden_weight = weight;
     faults.push_back({"motor sign behind a weight", s, "its motor has the wrong sign"});
   }
-  Spoiled s;
+  InjectedFaults s;
   s.no_watchdog = true;
   faults.push_back({"watchdog", s, "watchdog did not let go"});
   s.cannot_drop = true;  // then silence pulls it
@@ -300,10 +300,11 @@ TEST(SpoiledDevice, OfEveryKind_IsFoundByNameAtAFifthOfTheLimitAtMost) {
   std::size_t index = 0;
   for (const Fault& fault : faults) {
     if (leftOutUnderASanitizer(index++)) continue;
-    Session session("desktop-3axis", fault.spoiled);
+    Session session("desktop-3axis", fault.injected);
     session.begin();
     const std::string why = said(session.upTo(Step::kPassport));
-    EXPECT_TRUE(says(why, fault.says)) << fault.what << " of " << fault.spoiled.axis << ": " << why;
+    EXPECT_TRUE(says(why, fault.says))
+        << fault.what << " of " << fault.injected.axis << ": " << why;
     EXPECT_LE(session.bench->largestShare(), 0.2 + 1e-12) << fault.what;
     EXPECT_FALSE(std::filesystem::exists(session.commissioning->path())) << fault.what;
   }
@@ -318,9 +319,9 @@ TEST(Commissioning, AxesThatMoveEachOther_AreRefusedWithWhatToChange) {
 }
 
 TEST(Commissioning, DeviceWithoutSerialNumber_IsRefused) {
-  Spoiled spoiled;
-  spoiled.anonymous = true;
-  Session s("desktop-3axis", spoiled);
+  InjectedFaults injected;
+  injected.anonymous = true;
+  Session s("desktop-3axis", injected);
   EXPECT_TRUE(says(said(s.upTo(Step::kIdentify)), "no serial number"));
 }
 
@@ -366,9 +367,9 @@ TEST(Commissioning, PersonWhoGaveUp_IsNotWaitedForByTheKey) {
 }
 
 TEST(EmergencyStop, ThatNobodyPressedWhileTheWatchdogLetGo_IsNotTakenForPressed) {
-  Spoiled spoiled;
-  spoiled.stop_says_silenced = true;
-  Session s("desktop-3axis", spoiled);
+  InjectedFaults injected;
+  injected.stop_says_silenced = true;
+  Session s("desktop-3axis", injected);
   ASSERT_TRUE(s.upTo(Step::kWatchdog).ok());
   s.person.presses_stop = false;
   s.person.late_ticks = 50;  // the watchdog takes 20
@@ -386,11 +387,11 @@ TEST(LastResorts, OfADriveThatChangesOnlyBits_AreRefusedByTheMotionOfEachAxis) {
     for (const char* axis : {"x", "y", "z"}) cases.emplace_back(step, axis);
   }
   for (const auto& [step, axis] : aTenth(cases)) {
-    Spoiled spoiled;
-    spoiled.axis = axis;
-    spoiled.watchdog_bit = step == Step::kWatchdog;
-    spoiled.stop_bit = step == Step::kEmergencyStop;
-    Session s("desktop-3axis", spoiled);
+    InjectedFaults injected;
+    injected.axis = axis;
+    injected.watchdog_bit = step == Step::kWatchdog;
+    injected.stop_bit = step == Step::kEmergencyStop;
+    Session s("desktop-3axis", injected);
     ASSERT_EQ(said(s.upTo(static_cast<Step>(static_cast<int>(step) - 1))), "");
     const std::string why = said(s.commissioning->carryOut(step));
     EXPECT_TRUE(says(why, axis)) << why;
@@ -404,9 +405,9 @@ TEST(LastResorts, OfADriveThatChangesOnlyBits_AreRefusedByTheMotionOfEachAxis) {
 TEST(RunawayDevice, WhileTheWatchdogOrTheStopIsTried_IsDisabledAtItsSpeedLimitAndRefused) {
   constexpr double kRuns_m_s2 = 60.0;
   for (const Step step : {Step::kWatchdog, Step::kEmergencyStop}) {
-    Spoiled spoiled;
-    spoiled.no_watchdog = step == Step::kWatchdog;  // it would let go before
-    Session s("desktop-3axis", spoiled);
+    InjectedFaults injected;
+    injected.no_watchdog = step == Step::kWatchdog;  // it would let go before
+    Session s("desktop-3axis", injected);
     ASSERT_EQ(said(s.upTo(static_cast<Step>(static_cast<int>(step) - 1))), "");
     double fastest = 0.0;
     s.device.on_tick = [&] {

@@ -1,4 +1,4 @@
-// The person at a page, without a network: what reaches the commissioning, and what pages are told.
+// The person at a page, without a network: what reaches the commissioning, and what pages get.
 #include "commissioning/console/console_operator.hpp"
 
 #include "commissioning/commissioning.hpp"
@@ -86,7 +86,7 @@ TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
   }
 }
 
-// One press holds: the newest. Whoever lets go of it ends it, and so does whoever held before.
+// One press holds: the newest. Its release ends it, and so does the release of an earlier press.
 TEST(ConsoleOperator, KeyHeldByTwoPages_IsOnePressThatEitherEnds) {
   const auto beat = [](Page& p, std::uint32_t claim, bool held) {
     Order asked{orders::HoldToMove{1, held}};
@@ -130,7 +130,7 @@ TEST(ConsoleOperator, ButtonHeldThroughAQuestion_MovesNothingAfterIt) {
   EXPECT_TRUE(page.console.holdsKey());
 }
 
-TEST(ConsoleOperator, StepsAndFigures_AreToldWithWhatFailed) {
+TEST(ConsoleOperator, StepsAndFigures_AreReportedWithWhatFailed) {
   Page page;
   page.console.tellStep({0, StepNews::What::kBegins, {}});
   page.console.tellStep({0, StepNews::What::kDone, {}});

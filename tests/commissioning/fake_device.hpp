@@ -12,7 +12,7 @@
 namespace wholehand::test {
 
 /// What may be wrong with a device.
-struct Spoiled {
+struct InjectedFaults {
   std::string axis;  ///< that it is about
   bool encoder_sign = false, motor_sign = false, wraps = false;
   double scale = 1.0;               ///< of its position
@@ -37,14 +37,14 @@ class FakeDevice final : public DeviceDriver, public TickClock {
   std::vector<double> acting;     ///< effort of each motor in the last period [N or N·m]
   std::int64_t late_ns = 0;       ///< of the next tick; the mechanism sees a period all the same
   std::function<void()> on_tick;  ///< after each
-  std::function<std::int64_t(std::int64_t)> shown_ns;  ///< time of a sample that is told
+  std::function<std::int64_t(std::int64_t)> shown_ns;  ///< reported time of a sample
 
-  FakeDevice(const DeviceModel& model, Spoiled spoiled, double period_s = 1e-3)
-      : mechanism(mechanismOf(model, spoiled), period_s),
+  FakeDevice(const DeviceModel& model, InjectedFaults injected, double period_s = 1e-3)
+      : mechanism(mechanismOf(model, injected), period_s),
         model_(model),
-        spoiled_(std::move(spoiled)),
+        injected_(std::move(injected)),
         period_s_(period_s) {
-    if (!spoiled_.anonymous) identity_ = {"F-1", "3.1", "0.9"};
+    if (!injected_.anonymous) identity_ = {"F-1", "3.1", "0.9"};
     const std::size_t n = model.axes.size();
     for (std::size_t i = 0; i < n; ++i) order_.push_back(n - 1 - i);
     for (const std::size_t i : order_) {
@@ -71,7 +71,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
   [[nodiscard]] std::string name() const override { return "fake"; }
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double) override {
-    if (verb == WH_HOME && spoiled_.deaf_home) {
+    if (verb == WH_HOME && injected_.deaf_home) {
       return Diagnostic{"", 0, "", "", "the device did not be homed", "look at it"};
     }
     if (verb == WH_ENABLE && stop_pressed) {
@@ -84,7 +84,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
       sent_.assign(sent_.size(), 0.0);
     }
     if (verb == WH_DROP_WATCHDOG) {
-      if (spoiled_.cannot_drop) return Diagnostic{"", 0, "", "", "cannot", ""};
+      if (injected_.cannot_drop) return Diagnostic{"", 0, "", "", "cannot", ""};
       dropped_ = true;
       silent_s_ = 0.0;
     }
@@ -97,7 +97,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     }
     sample = {};
     sample.status = WH_HOMED;
-    const bool off = silenced_ && spoiled_.stop_says_silenced;
+    const bool off = silenced_ && injected_.stop_says_silenced;
     if (enabled_ && !off) sample.status |= WH_ENABLED;
     if (silenced_) sample.status |= WH_SILENCED;
     sample.sequence = ++samples_;
@@ -108,7 +108,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     return WH_OK;
   }
   [[nodiscard]] int write(const wh_command& command) noexcept override {
-    if (!enabled_ && !(cut_ && spoiled_.stop_bit)) return WH_FAILED;
+    if (!enabled_ && !(cut_ && injected_.stop_bit)) return WH_FAILED;
     if (silenced_) return WH_OK;
     if (!dropped_) silent_s_ = 0.0;
     for (std::size_t d = 0; d < order_.size(); ++d) sent_[order_[d]] = command.effort[d];
@@ -118,25 +118,26 @@ class FakeDevice final : public DeviceDriver, public TickClock {
   // TickClock
   void waitForTick() override {
     now_ += std::llround(1e9 * period_s_) + std::exchange(late_ns, 0);
-    if (stop_pressed && enabled_ && !spoiled_.no_stop_button) {
+    if (stop_pressed && enabled_ && !injected_.no_stop_button) {
       enabled_ = false;
       cut_ = true;
-      if (!spoiled_.stop_bit) sent_.assign(sent_.size(), 0.0);
+      if (!injected_.stop_bit) sent_.assign(sent_.size(), 0.0);
     }
     if (silent_s_ >= 0.0) silent_s_ += period_s_;
-    if (silent_s_ > 0.02 && !spoiled_.no_watchdog) silenced_ = true;
+    if (silent_s_ > 0.02 && !injected_.no_watchdog) silenced_ = true;
     acting.assign(sent_.size(), 0.0);
     for (std::size_t i = 0; i < sent_.size(); ++i) {
       const DeviceAxis& a = model_.axes[i];
-      const bool it = a.name == spoiled_.axis;
+      const bool it = a.name == injected_.axis;
       const bool bit_only =
-          it && ((silenced_ && spoiled_.watchdog_bit) || (cut_ && spoiled_.stop_bit));
+          it && ((silenced_ && injected_.watchdog_bit) || (cut_ && injected_.stop_bit));
       if ((!enabled_ || silenced_) && !bit_only) continue;
       std::size_t to = i;
-      if (it && !spoiled_.swapped_with.empty()) to = indexOf(spoiled_.swapped_with);
-      if (a.name == spoiled_.swapped_with) to = indexOf(spoiled_.axis);
+      if (it && !injected_.swapped_with.empty()) to = indexOf(injected_.swapped_with);
+      if (a.name == injected_.swapped_with) to = indexOf(injected_.axis);
       const double share = sent_[i] / a.effort_limit * model_.axes[to].effort_limit;
-      acting[to] = share * (it ? spoiled_.effort_scale * (spoiled_.motor_sign ? -1.0 : 1.0) : 1.0);
+      acting[to] =
+          share * (it ? injected_.effort_scale * (injected_.motor_sign ? -1.0 : 1.0) : 1.0);
     }
     mechanism.advance(acting);
     if (on_tick) on_tick();
@@ -150,7 +151,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
 
  private:
   [[nodiscard]] static std::vector<MechanismAxis> mechanismOf(const DeviceModel& model,
-                                                              const Spoiled& spoiled) {
+                                                              const InjectedFaults& injected) {
     std::vector<MechanismAxis> out;
     for (const DeviceAxis& a : model.axes) {
       MechanismAxis m;
@@ -158,7 +159,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
       m.damping = a.damping;
       m.coulomb = a.coulomb;
       m.gravity = a.neutral_effort;
-      if (a.name == spoiled.axis) m.gravity += spoiled.hidden_weight * a.effort_limit;
+      if (a.name == injected.axis) m.gravity += injected.hidden_weight * a.effort_limit;
       m.lower = a.lower - 0.01 * (a.upper - a.lower);
       m.upper = a.upper + 0.01 * (a.upper - a.lower);
       m.step = a.encoder_step;
@@ -169,22 +170,22 @@ class FakeDevice final : public DeviceDriver, public TickClock {
   }
   [[nodiscard]] double shown(std::size_t i) const noexcept {
     const std::string& name = model_.axes[i].name;
-    if (!spoiled_.encoder_of.empty()) {
-      if (name == spoiled_.axis) return mechanism.position(indexOf(spoiled_.encoder_of));
-      if (name == spoiled_.encoder_of) return mechanism.position(indexOf(spoiled_.axis));
+    if (!injected_.encoder_of.empty()) {
+      if (name == injected_.axis) return mechanism.position(indexOf(injected_.encoder_of));
+      if (name == injected_.encoder_of) return mechanism.position(indexOf(injected_.axis));
     }
     double q = mechanism.position(i);
     const DeviceAxis& a = model_.axes[i];
-    if (a.name != spoiled_.axis) return q;
-    q += spoiled_.homed_off * (a.upper - a.lower);
+    if (a.name != injected_.axis) return q;
+    q += injected_.homed_off * (a.upper - a.lower);
     const double middle = 0.5 * (a.lower + a.upper), turn = 0.6 * (a.upper - a.lower);
-    q = middle + spoiled_.scale * (spoiled_.encoder_sign ? -1.0 : 1.0) * (q - middle);
-    if (spoiled_.wraps) q = middle + std::remainder(q - middle, turn);
+    q = middle + injected_.scale * (injected_.encoder_sign ? -1.0 : 1.0) * (q - middle);
+    if (injected_.wraps) q = middle + std::remainder(q - middle, turn);
     return q;
   }
 
   DeviceModel model_;
-  Spoiled spoiled_;
+  InjectedFaults injected_;
   double period_s_;
 
   std::vector<std::size_t> order_;  ///< axis of the driver → axis of the file

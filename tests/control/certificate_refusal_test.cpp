@@ -106,7 +106,7 @@ TEST(CertificateWall, WallThatIsTooStiff_BindsAndItsBearableShareIsBorne) {
   EXPECT_TRUE(certify(in).certified) << refused[0].remedy;
 }
 
-TEST(CertificateWall, UnstableWall_IsToldByItsRadius) {
+TEST(CertificateWall, UnstableWall_IsReportedByItsRadius) {
   CertificateInput in = shippedLike();
   in.device.axes[0].effort_slew_limit = 1e6;
   in.walls = {{0, {40000.0, 0.0}}};

@@ -151,7 +151,7 @@ TEST(CertifiedGains, PassivePersonsAndObjects_PutOutNoMoreThanWasPutInAndStored)
          std::min(uncertified, 1e6), "");
   EXPECT_EQ(touched, 0) << "a stable loop is left alone";
   if (kCountsTell) {
-    EXPECT_GT(uncertified, 1.0) << "the balance would not tell";
+    EXPECT_GT(uncertified, 1.0) << "the balance would not show it";
   }
 }
 
@@ -183,7 +183,7 @@ TEST(CertifiedGains, SlewThatTheCertificateAsksFor_IsEnoughAndHalfOfItIsNot) {
   }
   figure("rebound that the required slew adds, of the speed limit", worst, "");
   figure("rebound that half of it adds", half, "");
-  EXPECT_LE(worst, 0.1);  // 7 % is about what a person tells
+  EXPECT_LE(worst, 0.1);  // 7 % is about what a person notices
   EXPECT_GE(half, 1.0) << "comes back faster than it went";
 }
 

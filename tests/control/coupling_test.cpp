@@ -28,7 +28,7 @@ TEST(CriticalDamping, AnyStiffnessBelowRinging_MakesADoublePoleAtOneMinusTRootKp
     const double t = 1e-3;
     const double kp = w * w / (t * t);
     const double kd = criticalDamping(kp, t);
-    // Eq. (13) with the misprint mended: D = T⁴k_p² + 2T³k_p k_d + T²(k_d² − 4k_p), of
+    // Eq. (13) with the misprint corrected: D = T⁴k_p² + 2T³k_p k_d + T²(k_d² − 4k_p), of
     // z² − (2 − T²k_p − T k_d) z + (1 − T k_d) = 0.
     const double d =
         std::pow(t, 4) * kp * kp + 2.0 * std::pow(t, 3) * kp * kd + t * t * (kd * kd - 4.0 * kp);

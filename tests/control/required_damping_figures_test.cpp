@@ -111,9 +111,9 @@ TEST(RequiredDampingFigures, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
   EXPECT_LE(short_of, 1e-9) << "a guarantee is never less than the truth";
 }
 
-/// A swing that the tick cannot tell from its images: a person with one resonance answers only one
-/// of them, and needs the share (sin φ/2 / φ/2)² of b_min less what the others would add; at
-/// Nyquist, where a swing is its own image, twice that, 8/π².
+/// A swing that the tick cannot distinguish from its images: a person with one resonance answers
+/// only one of them, and needs the share (sin φ/2 / φ/2)² of b_min less what the others would add;
+/// at Nyquist, where a swing is its own image, twice that, 8/π².
 TEST(RequiredDampingFigures, PersonWithOneResonance_NeedsOnlyItsShareOfTheImages) {
   Range nyquist, below;
   for (const AxisLoop& l : tableOfLoops()) {

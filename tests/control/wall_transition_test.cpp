@@ -30,7 +30,7 @@ TEST(VirtualWall, MillionRandomStates_NeverPullAFingerIn) {
         wallEffort(wall, wall.position + side * depth, 20.0 * both(random), unit(random));
     most = std::max(most, effort * side);
   }
-  EXPECT_LE(most, 0.0);  // f_e · closing direction: Eq. (15) as mended
+  EXPECT_LE(most, 0.0);  // f_e · closing direction: Eq. (15) as corrected
 }
 
 TEST(VirtualWall, InsideIt_IsStiffnessTimesDepthPlusDamping) {
@@ -90,7 +90,7 @@ TEST(Transition, DistanceBetweenTheTwo_KeepsWhatItWas) {
   EXPECT_TRUE(at(0.0));
   EXPECT_FALSE(at(kInfinite));
   EXPECT_TRUE(at(0.0));
-  EXPECT_FALSE(at(0.0, false));  // whoever owns it is silent
+  EXPECT_FALSE(at(0.0, false));  // the controls' holder is silent
 }
 
 TEST(Transition, ReversedAtAnyMoment_NeverJumps) {

@@ -118,7 +118,7 @@ inline void buildPerson(Termination& t, double device_mass, const std::vector<do
 }
 
 /// The same from the reactance at the swing's frequency, at its images, too (a sampled position
-/// cannot tell them apart).
+/// cannot distinguish them).
 inline void buildPerson(Termination& t, double device_mass, double reactance, double period_s,
                         int images) {
   const double rate = 2.0 * std::numbers::pi / period_s, first = t.angle_rad / period_s;

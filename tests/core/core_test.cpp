@@ -146,15 +146,15 @@ TEST(Expected, WrongSide_ThrowsInsteadOfReadingGarbage) {
 
 // ---- faults and stages
 
-TEST(Fault, Bits_CombineAndAreTold) {
+TEST(Fault, Bits_CombineAndAreReported) {
   Fault f = Fault::kNone;
   EXPECT_FALSE(any(f));
   f |= Fault::kEffortLimit | Fault::kLateTick;
   EXPECT_TRUE(any(f & Fault::kLateTick));
   EXPECT_FALSE(any(f & Fault::kDeviceRead));
-  EXPECT_FALSE(any(f & kStopping)) << "information must not stop rendering";
+  EXPECT_FALSE(any(f & kStoppingFaults)) << "information must not stop rendering";
   f |= Fault::kNonFinitePosition;
-  EXPECT_TRUE(any(f & kStopping));
+  EXPECT_TRUE(any(f & kStoppingFaults));
 }
 
 /// Of `count` things, that each has a name of its own.
@@ -200,7 +200,7 @@ TEST(QuatXyzw, KeepsItsOrderBothWays) {
   EXPECT_EQ(Vec3::from({1.0, 2.0, 3.0}).eigen(), Eigen::Vector3d(1.0, 2.0, 3.0));
 }
 
-// ---- what strangers wrote
+// ---- untrusted text
 
 TEST(Printable, ControlDirectionAndBrokenUtf8_AreShownAsWhatTheyAre) {
   EXPECT_EQ(printable("Glas für 2 Gäste \u2192 \U0001F378"), "Glas für 2 Gäste \u2192 \U0001F378");
@@ -220,9 +220,9 @@ TEST(Printable, LongText_IsCutAtACharacter) {
   EXPECT_FALSE(isPrintable("äöü", 2));
 }
 
-TEST(Diagnostics, QuotedTextOfAStranger_StaysOnItsLine) {
-  const Diagnostic d{"a\n.toml", 3, "k\x1b", "v\n", "is wrong\nand more", "mend it"};
-  EXPECT_EQ(format(d), "a\\x0a.toml:3: k\\x1b = v\\x0a: is wrong\\x0aand more; mend it");
+TEST(Diagnostics, UntrustedText_StaysOnItsLine) {
+  const Diagnostic d{"a\n.toml", 3, "k\x1b", "v\n", "is wrong\nand more", "correct it"};
+  EXPECT_EQ(format(d), "a\\x0a.toml:3: k\\x1b = v\\x0a: is wrong\\x0aand more; correct it");
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ static double place(const wh_device* device, int i, int64_t now) {
   return step_m * (double)(int64_t)(0.08 * t * (1.0 - t) / step_m);
 }
 
-static void spoil(const wh_device* device, wh_sample* sample) {
+static void corrupt(const wh_device* device, wh_sample* sample) {
   const uint64_t n = device->sequence;
   if (is(device, "backwards") && n % 50 == 0) sample->sequence -= 2;
   if (is(device, "frozen")) sample->sequence = 1;
@@ -175,7 +175,7 @@ static int read_sample(wh_device* device, wh_sample* sample) {
     sample->effort[i] = is(device, "reversed") ? -device->effort[i] : device->effort[i];
     if (knows_all) sample->temperature_c[i] = 25.0;
   }
-  spoil(device, sample);
+  corrupt(device, sample);
   return WH_OK;
 }
 

@@ -1,7 +1,7 @@
 /* A driver for tests of the conformance suite: two rails that move, x and y, each a handle of 0.25 kg
  * that nobody holds. The settings "WORD" or "WORD AXIS" name what is wrong with one axis (y where none
  * is named); "" is sound, and so are "weighs" and "rubs". What it says of its efforts is what was
- * asked of it, unless stated: only the motion tells. The rails are there before open and after close. */
+ * asked of it, unless stated: only the motion shows it. The rails are there before open and after close. */
 #define _POSIX_C_SOURCE 200809L
 #include "driver_clock.h"
 
@@ -16,7 +16,7 @@ static const int64_t step_ns = 250000;
 static const double limit_n = 8.0, travel_m = 0.1, silence_s = 0.05, resolution_m = 1e-5;
 static const double mass_kg = 0.25, damping = 3.0;
 
-/* What the drive was told last, as it says and as its motors do. */
+/* The drive's last commands, as it says and as its motors do. */
 typedef struct {
   int64_t at_ns;
   double said[AXES], given[AXES];
@@ -28,7 +28,7 @@ static struct {
   double position[AXES], velocity[AXES], state[AXES];
   double before[STEPS][AXES]; /* positions, one a step */
   uint64_t steps;
-  entry told[ENTRIES];
+  entry commanded[ENTRIES];
   uint64_t entries;
 } rails;
 
@@ -47,19 +47,19 @@ static int on(const wh_device* device, int axis, const char* word) {
   return axis == device->axis && is(device, word);
 }
 
-static const entry* last(void) { return &rails.told[rails.entries % ENTRIES]; }
+static const entry* last(void) { return &rails.commanded[rails.entries % ENTRIES]; }
 
 static void tell(const entry* next) {
   ++rails.entries;
-  rails.told[rails.entries % ENTRIES] = *next;
+  rails.commanded[rails.entries % ENTRIES] = *next;
 }
 
-/* What was told at a time. */
-static const entry* told_at(int64_t at_ns) {
+/* The command at a time. */
+static const entry* commanded_at(int64_t at_ns) {
   uint64_t back;
   for (back = 0; back < ENTRIES - 1 && back < rails.entries; ++back) {
-    const entry* told = &rails.told[(rails.entries - back) % ENTRIES];
-    if (told->at_ns <= at_ns) return told;
+    const entry* commanded = &rails.commanded[(rails.entries - back) % ENTRIES];
+    if (commanded->at_ns <= at_ns) return commanded;
   }
   return last();
 }
@@ -84,11 +84,11 @@ static double clamp(double value, double most) {
 /* What the motor of an axis does in a step that begins at a time. */
 static double motor(const wh_device* device, int i, int64_t at_ns) {
   const double dt = (double)step_ns * 1e-9;
-  double effort = told_at(on(device, i, "late") ? at_ns - 20000000 : at_ns)->given[i];
+  double effort = commanded_at(on(device, i, "late") ? at_ns - 20000000 : at_ns)->given[i];
   double* const state = &rails.state[i];
   const int powered = device->enabled && !device->silenced;
-  if (is(device, "swapped")) effort = told_at(at_ns)->given[1 - i];
-  if (on(device, i, "coupled")) effort += 0.5 * told_at(at_ns)->given[1 - i];
+  if (is(device, "swapped")) effort = commanded_at(at_ns)->given[1 - i];
+  if (on(device, i, "coupled")) effort += 0.5 * commanded_at(at_ns)->given[1 - i];
   if (on(device, i, "halved") || on(device, i, "halved_unsaid")) effort *= 0.5;
   if (on(device, i, "turned")) effort = -effort;
   if (on(device, i, "dead")) effort = 0.0;

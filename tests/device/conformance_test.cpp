@@ -59,7 +59,7 @@ std::string groupOf(const std::string& id) {
 }
 
 /// A driver that breaks the rule of one check: broken_driver.c by its settings, or an object of
-/// spoiled_driver.c that is built so.
+/// faulty_driver.c that is built so.
 struct Broken {
   const char* name;
   const char* check;
@@ -227,7 +227,7 @@ TEST(Conformance, DriverThatCrashes_FailsTheCheckUnderWayAndNoOtherGroup) {
   EXPECT_EQ(failures(conform(with(builtAt("broken", "crashes"), "description."))), "");
 }
 
-TEST(Conformance, DriverThatHangs_IsEndedAndToldOf) {
+TEST(Conformance, DriverThatHangs_IsEndedAndReported) {
   const auto results = conform(with(builtAt("broken", "hangs"), "samples.", 0.5));
   EXPECT_TRUE(says(failures(results), "samples.succeed: the driver hangs"));
 }

@@ -97,7 +97,7 @@ Loss judge(const KeepingDriver& driver, const std::vector<HostEvent>& events,
   for (const HostEvent& event : events) {
     const double gap_ms = static_cast<double>(event.longest_gap_ns) * 1e-6;
     if (event.phase != HostPhase::kRamping && event.phase != HostPhase::kLatched) continue;
-    EXPECT_EQ(event.reason, HostReason::kLoopSilent);
+    EXPECT_EQ(event.reason, ReleaseReason::kLoopSilent);
     loss.late_ms += std::max(0.0, gap_ms - kPeriod_ms);
     if (event.phase != HostPhase::kRamping) continue;
     ramp_ns = event.at_ns;
@@ -204,7 +204,7 @@ TEST(LivingLoop, BesideBusyPrograms_IsNeverLost) {
       ++tenths;
     }
     const bool alarm = host.sample().phase != HostPhase::kRendering;
-    if (alarm) sleepMs(500);  // the loop lives: its next command tells how long it stood still
+    if (alarm) sleepMs(500);  // the loop lives: its next command shows how long it stood still
     HostCommand last{};
     ASSERT_TRUE(host.frame().command.take(last));
     longest_ms = std::max(longest_ms, last.effort[kGapAt]);

@@ -1,10 +1,10 @@
 // A device host and its loop over shared memory.
 #include "core/sanitized.hpp"
 #include "device/plain_driver.hpp"
+#include "faulty_places.hpp"
 #include "hosted_tools.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/system_call_counter.hpp"
-#include "spoiled_places.hpp"
 #include "support/open_enabled.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ void armAnewWhereLatched(HostThread& host, HapticDevice& device) {
   ASSERT_TRUE(openEnabled(device));
 }
 
-/// The spoiled driver's axes, from another maker, who says no serial number.
+/// The faulty driver's axes, from another maker, who says no serial number.
 class CarryingDriver final : public PlainDriver {
  public:
   explicit CarryingDriver(std::vector<wh_axis> axes)
@@ -40,14 +40,14 @@ class CarryingDriver final : public PlainDriver {
 
 TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   const std::string name = hostName("order");
-  const auto driver = spoiled("");
+  const auto driver = faultyDriver("");
   HostThread host(name, driver, desktop());
   const auto hosted = orThrow(HostedDriver::connect(name));
-  EXPECT_EQ(hosted->name(), "spoiled");
+  EXPECT_EQ(hosted->name(), "faulty");
   EXPECT_EQ(hosted->identity().serial, "S-1");
   EXPECT_EQ(hosted->identity().sdk, "7");
   const auto device = deviceOf(hosted);
-  ASSERT_NO_FATAL_FAILURE(expectPlacesOfSpoiled(*device));
+  ASSERT_NO_FATAL_FAILURE(expectPlacesOfFaultyDriver(*device));
   ASSERT_TRUE(device->enable());
   // The driver measures what it was given.
   bool given = false;
@@ -69,7 +69,7 @@ TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
 
 TEST(HostedDevice, DelayOfTheHost_IsHeldAgainstTheFile) {
   const std::string name = hostName("delay");
-  HostThread host(name, spoiled(""), desktop(), 1000.0);
+  HostThread host(name, faultyDriver(""), desktop(), 1000.0);
   const auto hosted = orThrow(HostedDriver::connect(name));
   // 1 ms of the driver and two cycles of 1 ms; the file states 2 ms.
   const auto device = PluginDevice::make(hosted, desktop(), 1e-3);
@@ -81,7 +81,7 @@ TEST(HostedDevice, DelayOfTheHost_IsHeldAgainstTheFile) {
 
 TEST(HostedDevice, OtherNeutralEffortThanTheHosts_IsRefusedWithTheAxis) {
   const std::string name = hostName("neutral");
-  HostThread host(name, spoiled(""), desktop());
+  HostThread host(name, faultyDriver(""), desktop());
   const auto hosted = orThrow(HostedDriver::connect(name));
   EXPECT_TRUE(hosted->differences(desktop()).empty());
   DeviceModel other = desktop();
@@ -94,7 +94,7 @@ TEST(HostedDevice, OtherNeutralEffortThanTheHosts_IsRefusedWithTheAxis) {
 // What was checked is what is armed: a name says nothing of the device behind it.
 TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
   const std::string name = hostName("again");
-  const auto first = spoiled("");
+  const auto first = faultyDriver("");
   auto host = std::make_unique<HostThread>(name, first, desktop());
   const auto hosted = orThrow(HostedDriver::connect(name));
   const std::string serial = hosted->identity().serial, digest = hosted->identity().driver_sha256;
@@ -119,13 +119,13 @@ TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
 TEST(HostedDevice, DriverThatMayWait_IsTakenByTheHostOnly) {
   EXPECT_FALSE(PluginDriver::load({built("may_wait"), "", ""}));
   const std::string name = hostName("waits");
-  HostThread host(name, spoiled("", "may_wait"), desktop());
+  HostThread host(name, faultyDriver("", "may_wait"), desktop());
   EXPECT_TRUE(openEnabled(*deviceOf(orThrow(HostedDriver::connect(name)))));
 }
 
 TEST(HostedDevice, ReadsAndWrites_AllocateNothingCallNothingAndTakeAMicrosecond) {
   const std::string name = hostName("cost");
-  HostThread host(name, spoiled(""), desktop());
+  HostThread host(name, faultyDriver(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
   ASSERT_TRUE(openEnabled(*device));
   DeviceReading reading;
@@ -165,7 +165,7 @@ TEST(HostedDevice, ReadsAndWrites_AllocateNothingCallNothingAndTakeAMicrosecond)
 
 TEST(HostedDevice, LoopThatStopsAndGoesOn_FindsItsEnableLostUntilItArmsAnew) {
   const std::string name = hostName("latch");
-  HostThread host(name, spoiled(""), desktop());
+  HostThread host(name, faultyDriver(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
   ASSERT_TRUE(openEnabled(*device));
   for (int i = 0; i < 50; ++i) {
@@ -173,7 +173,7 @@ TEST(HostedDevice, LoopThatStopsAndGoesOn_FindsItsEnableLostUntilItArmsAnew) {
     sleepMs(1);
   }
   ASSERT_TRUE(host.awaits(HostPhase::kLatched));
-  EXPECT_EQ(host.sample().reason, HostReason::kLoopSilent);
+  EXPECT_EQ(host.sample().reason, ReleaseReason::kLoopSilent);
   // The sample of a cycle is read before its effort is written.
   for (int i = 0; i < 60'000 && host.sample().sample.effort[3] != 0.0; ++i) sleepMs(1);
   DeviceReading reading;
@@ -197,9 +197,9 @@ TEST(HostedDevice, LoopThatStopsAndGoesOn_FindsItsEnableLostUntilItArmsAnew) {
   EXPECT_TRUE(heard);
 }
 
-TEST(HostedDevice, HostThatIsToldToEnd_IsAtNeutralFirst) {
+TEST(HostedDevice, HostThatIsAskedToEnd_IsAtNeutralFirst) {
   const std::string name = hostName("ends");
-  const auto driver = spoiled("");
+  const auto driver = faultyDriver("");
   HostThread host(name, driver, desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
   ASSERT_TRUE(openEnabled(*device));
@@ -220,7 +220,7 @@ TEST(HostedDevice, HostThatIsToldToEnd_IsAtNeutralFirst) {
     return e.phase == HostPhase::kRamping;
   });
   ASSERT_NE(ramps, events.end());
-  EXPECT_EQ(ramps->reason, HostReason::kHostEnds);
+  EXPECT_EQ(ramps->reason, ReleaseReason::kHostEnds);
   wh_sample sample{};
   ASSERT_GE(driver->read(sample), 0);
   EXPECT_EQ(sample.status & WH_ENABLED, 0U);
@@ -238,7 +238,7 @@ void pushUntilMeasured(HostThread& host, HapticDevice& device, double effort_n) 
 
 TEST(HostedDevice, ClosedWhileItPushes_IsAtNeutralBeforeItIsDisabled) {
   const std::string name = hostName("closes");
-  HostThread host(name, spoiled(""), desktop());
+  HostThread host(name, faultyDriver(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
   ASSERT_TRUE(openEnabled(*device));
   const AsUrgentAsALoop urgent;
@@ -251,14 +251,14 @@ TEST(HostedDevice, ClosedWhileItPushes_IsAtNeutralBeforeItIsDisabled) {
   ASSERT_GE(events.size(), 2U);
   const HostEvent& ramps = events[events.size() - 2];
   EXPECT_EQ(ramps.phase, HostPhase::kRamping);
-  EXPECT_EQ(ramps.reason, HostReason::kLoopEnded);
+  EXPECT_EQ(ramps.reason, ReleaseReason::kLoopEnded);
   EXPECT_EQ(events.back().phase, HostPhase::kIdle);
 }
 
 // The last command and the end come within one cycle of the host: it must hear both.
 TEST(HostedDevice, ClosedRightAfterItsNeutralCommand_IsNotLetGoOf) {
   const std::string name = hostName("neutral");
-  HostThread host(name, spoiled(""), desktop());
+  HostThread host(name, faultyDriver(""), desktop());
   for (int session = 0; session < 10; ++session) {
     const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
     ASSERT_TRUE(openEnabled(*device));
@@ -273,7 +273,7 @@ TEST(HostedDevice, ClosedRightAfterItsNeutralCommand_IsNotLetGoOf) {
 
 struct Failing {
   const char* name;
-  Fault told;
+  Fault reported;
 };
 
 class FailingHostedDevice : public testing::TestWithParam<Failing> {};
@@ -281,19 +281,20 @@ class FailingHostedDevice : public testing::TestWithParam<Failing> {};
 // What a device says of itself reaches the loop as it does without a host.
 TEST_P(FailingHostedDevice, TellsTheLoop) {
   const std::string name = hostName("fails");
-  HostThread host(name, spoiled(std::string(GetParam().name) + "@4000", "may_wait"), desktop());
+  HostThread host(name, faultyDriver(std::string(GetParam().name) + "@4000", "may_wait"),
+                  desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
   ASSERT_TRUE(openEnabled(*device));
   DeviceReading reading;
-  bool told = false, was_well = false;
-  for (int i = 0; i < 5000 && !told; ++i) {
+  bool reported = false, was_well = false;
+  for (int i = 0; i < 5000 && !reported; ++i) {
     const Fault faults = device->read(reading, 1) | device->write(efforts(1.0, 0.0, 0.0));
-    told = any(faults & GetParam().told);
-    was_well = was_well || !any(faults & kStopping);
+    reported = any(faults & GetParam().reported);
+    was_well = was_well || !any(faults & kStoppingFaults);
     sleepMs(1);
   }
   EXPECT_TRUE(was_well);
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(reported);
 }
 INSTANTIATE_TEST_SUITE_P(
     Kinds, FailingHostedDevice,

@@ -49,15 +49,15 @@ struct Guard {
     cycleAt(kStart_ns, &first);
   }
   void cycleAt(std::int64_t now_ns, const HostCommand* newest, int elapsed = 1,
-               HostReason told = HostReason::kNone) {
-    state = advanceGuard(state, newest, told, elapsed, now_ns, config);
+               ReleaseReason reported = ReleaseReason::kNone) {
+    state = advanceGuard(state, newest, reported, elapsed, now_ns, config);
   }
   void cycle(std::int64_t at_ms, const HostCommand& newest, int elapsed = 1,
-             HostReason told = HostReason::kNone) {
-    cycleAt(kStart_ns + at_ms * kMs, &newest, elapsed, told);
+             ReleaseReason reported = ReleaseReason::kNone) {
+    cycleAt(kStart_ns + at_ms * kMs, &newest, elapsed, reported);
   }
   [[nodiscard]] double sent(int axis) const { return state.ramp.sent[axis]; }
-  void expect(HostPhase phase, HostReason reason) const {
+  void expect(HostPhase phase, ReleaseReason reason) const {
     EXPECT_EQ(state.phase, phase);
     EXPECT_EQ(state.reason, reason);
   }
@@ -119,7 +119,7 @@ TEST(EffortGuard, SilentLoop_IsAtNeutralWithin110msAndOnlyFalls) {
       ASSERT_LT(now_ns - kStart_ns, 200 * kMs);
     }
     for (int i = 0; i < kAxes; ++i) ASSERT_EQ(guard.sent(i), neutral[i]);
-    EXPECT_EQ(guard.state.reason, HostReason::kLoopSilent);
+    EXPECT_EQ(guard.state.reason, ReleaseReason::kLoopSilent);
     worst_ms = std::max(worst_ms, static_cast<double>(now_ns - kStart_ns) * 1e-6);
   }
   figure("device host in simulated time, last command to neutral", worst_ms, "ms");
@@ -138,7 +138,7 @@ TEST(EffortGuard, HostThatWasBlocked_JudgesTheLoopByItsTimeStamps) {
   // The loop died 25 ms ago: the ramp begins at what the device holds, not at what comes too late.
   Guard died(last);
   died.cycle(50, commandAt(29, 25, -5.0, 0.0, 1.5), 50);
-  died.expect(HostPhase::kRamping, HostReason::kLoopSilent);
+  died.expect(HostPhase::kRamping, ReleaseReason::kLoopSilent);
   EXPECT_GT(died.sent(0), 3.9);
   EXPECT_LT(died.sent(0), 4.0);
 }
@@ -192,19 +192,19 @@ TEST(EffortGuard, StampInTheFuture_GivesNoMoreTime) {
   EXPECT_EQ(guard.state.phase, HostPhase::kRamping);
 }
 
-struct SpoiledOrder {
+struct FaultyOrder {
   const char* name;
-  void (*spoil)(HostCommand&);
-  HostReason reason;
+  void (*corrupt)(HostCommand&);
+  ReleaseReason reason;
 };
 
-class SpoiledCommand : public testing::TestWithParam<SpoiledOrder> {};
+class FaultyCommand : public testing::TestWithParam<FaultyOrder> {};
 
-TEST_P(SpoiledCommand, IsNeverSentAndEndsAtNeutral) {
+TEST_P(FaultyCommand, IsNeverSentAndEndsAtNeutral) {
   Guard guard(commandAt(5, 0, 4.0, -2.0, 3.0));
   for (int k = 1; k < 130; ++k) {
     HostCommand command = commandAt(5 + k, k, 7.0, 7.0, 7.0);
-    GetParam().spoil(command);
+    GetParam().corrupt(command);
     guard.cycle(k, command);
     ASSERT_LE(guard.sent(0), 4.0) << k;
     ASSERT_LE(guard.sent(1), 0.0) << k;
@@ -213,23 +213,24 @@ TEST_P(SpoiledCommand, IsNeverSentAndEndsAtNeutral) {
   EXPECT_EQ(guard.sent(2), 1.5);
 }
 INSTANTIATE_TEST_SUITE_P(
-    Kinds, SpoiledCommand,
+    Kinds, FaultyCommand,
     testing::Values(
-        SpoiledOrder{"not_a_number",
-                     [](HostCommand& c) { c.effort[1] = std::numeric_limits<double>::quiet_NaN(); },
-                     HostReason::kBadCommand},
-        SpoiledOrder{"infinite",
-                     [](HostCommand& c) { c.effort[0] = std::numeric_limits<double>::infinity(); },
-                     HostReason::kBadCommand},
-        SpoiledOrder{"of_other_axes", [](HostCommand& c) { c.axes = 6; }, HostReason::kBadCommand},
-        SpoiledOrder{"of_absurd_axes", [](HostCommand& c) { c.axes = ~0ULL; },
-                     HostReason::kBadCommand},
-        SpoiledOrder{"of_another_session", [](HostCommand& c) { c.session = 0; },
-                     HostReason::kLoopSilent},
-        SpoiledOrder{"standing_still", [](HostCommand& c) { c.sequence = 5; },
-                     HostReason::kLoopSilent},
-        SpoiledOrder{"running_backwards", [](HostCommand& c) { c.sequence = 4 - c.sequence % 4; },
-                     HostReason::kLoopSilent}),
+        FaultyOrder{"not_a_number",
+                    [](HostCommand& c) { c.effort[1] = std::numeric_limits<double>::quiet_NaN(); },
+                    ReleaseReason::kBadCommand},
+        FaultyOrder{"infinite",
+                    [](HostCommand& c) { c.effort[0] = std::numeric_limits<double>::infinity(); },
+                    ReleaseReason::kBadCommand},
+        FaultyOrder{"of_other_axes", [](HostCommand& c) { c.axes = 6; },
+                    ReleaseReason::kBadCommand},
+        FaultyOrder{"of_absurd_axes", [](HostCommand& c) { c.axes = ~0ULL; },
+                    ReleaseReason::kBadCommand},
+        FaultyOrder{"of_another_session", [](HostCommand& c) { c.session = 0; },
+                    ReleaseReason::kLoopSilent},
+        FaultyOrder{"standing_still", [](HostCommand& c) { c.sequence = 5; },
+                    ReleaseReason::kLoopSilent},
+        FaultyOrder{"running_backwards", [](HostCommand& c) { c.sequence = 4 - c.sequence % 4; },
+                    ReleaseReason::kLoopSilent}),
     [](const auto& tested) { return tested.param.name; });
 
 TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
@@ -244,7 +245,7 @@ TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
     ASSERT_EQ(guard.sent(2), 1.5);
   }
   guard.state = beginSession(2, kStart_ns + 620 * kMs, guard.config);
-  guard.expect(HostPhase::kWaiting, HostReason::kNone);
+  guard.expect(HostPhase::kWaiting, ReleaseReason::kNone);
   HostCommand anew = commandAt(1, 621, 2.0, 0.0, 1.5);
   anew.session = 2;
   guard.cycle(621, anew);
@@ -256,15 +257,15 @@ TEST(EffortGuard, SilentWhereTheEffortIsNeutral_LatchesWithoutARamp) {
   const HostCommand last = commandAt(5, 0, 0.0, 0.0, 1.5);
   Guard guard(last);
   guard.cycle(21, last);
-  guard.expect(HostPhase::kLatched, HostReason::kSilentAtNeutral);
+  guard.expect(HostPhase::kLatched, ReleaseReason::kSilentAtNeutral);
 }
 
-TEST(EffortGuard, ToldToLetGo_RampsWhateverTheLoopCommands) {
+TEST(EffortGuard, HostThatEnds_RampsWhateverTheLoopCommands) {
   Guard guard(commandAt(5, 0, 4.0, 0.0, 1.5));
   for (int k = 1; k <= 80; ++k) {
-    guard.cycle(k, commandAt(5 + k, k, 4.0, 0.0, 1.5), 1, HostReason::kHostEnds);
+    guard.cycle(k, commandAt(5 + k, k, 4.0, 0.0, 1.5), 1, ReleaseReason::kHostEnds);
   }
-  guard.expect(HostPhase::kLatched, HostReason::kHostEnds);
+  guard.expect(HostPhase::kLatched, ReleaseReason::kHostEnds);
   EXPECT_EQ(guard.sent(0), 0.0);
 }
 
@@ -279,8 +280,8 @@ TEST(EffortGuard, LoopThatEndedAtNeutralWhileTheHostWasBlocked_IsFollowedAndNotB
   int cycles = 0;
   while (guard.state.phase != HostPhase::kLatched && ++cycles < 200) {
     const AxisEffort before = guard.state.ramp.sent;
-    guard.cycle(9 + cycles, neutral, 1, HostReason::kLoopEnded);
-    EXPECT_EQ(guard.state.reason, HostReason::kNone);
+    guard.cycle(9 + cycles, neutral, 1, ReleaseReason::kLoopEnded);
+    EXPECT_EQ(guard.state.reason, ReleaseReason::kNone);
     for (int i = 0; i < 2; ++i) {
       EXPECT_LE(std::abs(guard.sent(i)), std::abs(before[i])) << "falls";
       EXPECT_LE(std::abs(guard.sent(i) - before[i]), 4.0 * 1.5 / 30.0) << "no step";
@@ -289,8 +290,8 @@ TEST(EffortGuard, LoopThatEndedAtNeutralWhileTheHostWasBlocked_IsFollowedAndNotB
   EXPECT_LE(cycles, 110);
   EXPECT_EQ(guard.sent(0), 0.0);
   Guard pushing(pushes);
-  pushing.cycle(9, pushes, 1, HostReason::kLoopEnded);
-  EXPECT_EQ(pushing.state.reason, HostReason::kLoopEnded) << "one that ended while it pushed is";
+  pushing.cycle(9, pushes, 1, ReleaseReason::kLoopEnded);
+  EXPECT_EQ(pushing.state.reason, ReleaseReason::kLoopEnded) << "one that ended while it pushed is";
 }
 
 TEST(EffortGuard, EnabledAndNeverCommanded_StaysNeutralAndLatches) {
@@ -298,7 +299,7 @@ TEST(EffortGuard, EnabledAndNeverCommanded_StaysNeutralAndLatches) {
   guard.cycleAt(kStart_ns + 9'000 * kMs, nullptr);
   EXPECT_EQ(guard.state.phase, HostPhase::kWaiting);
   guard.cycleAt(kStart_ns + 10'001 * kMs, nullptr);
-  guard.expect(HostPhase::kLatched, HostReason::kNeverCommanded);
+  guard.expect(HostPhase::kLatched, ReleaseReason::kNeverCommanded);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ DeviceModel desktopModel() {
       loadDeviceFile(std::string(WHOLEHAND_SOURCE_DIR) + "/config/devices/desktop-3axis.toml"));
 }
 
-/// A driver of three axes that does as it is told, for what calls drivers.
+/// A driver of three axes that obeys every command, for what calls drivers.
 class Obedient final : public PlainDriver {
  public:
   explicit Obedient(const std::vector<const char*>& names) : PlainDriver(names, axis()) {}
@@ -75,7 +75,7 @@ class Direct final : public FaultAdapter {
  public:
   Direct() : FaultAdapter(desktopModel()) { driver_->clock = this; }
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override { return driver_; }
-  void spoil(const std::string& kind) override { driver_->kind = lasting(kind); }
+  void injectFault(const std::string& kind) override { driver_->kind = lasting(kind); }
 
  private:
   std::shared_ptr<Obedient> driver_ =
@@ -114,7 +114,7 @@ class OfTwo final : public FaultAdapter {
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override {
     return std::make_shared<Pair>(Composite::Parts{base_, hand_});
   }
-  void spoil(const std::string& kind) override {
+  void injectFault(const std::string& kind) override {
     static int turn = 0;
     (++turn % 2 == 0 ? base_ : hand_)->kind = lasting(kind);
   }
@@ -151,7 +151,7 @@ class OverTheFrame final : public FaultAdapter {
     }
   }
   [[nodiscard]] std::int64_t now_ns() const override { return bench_.now_ns(); }
-  void spoil(const std::string& kind) override {
+  void injectFault(const std::string& kind) override {
     if (kind == "unplug") bench_.wires->gone = true;
     if (kind == "missing") bench_.state.valid &= ~1U;
     if (kind == "drive") bench_.state.status |= WH_DRIVE_FAULT;
@@ -187,7 +187,7 @@ class OnTheBus final : public FaultAdapter {
     bus_.deliver(time_.now_ns);
   }
   [[nodiscard]] std::int64_t now_ns() const override { return time_.now_ns; }
-  void spoil(const std::string& kind) override {
+  void injectFault(const std::string& kind) override {
     FakeDrive& drive = bus_.drives[1];
     if (kind == "unplug") bus_.unplugged = true;
     if (kind == "drive") drive.mode = 1, drive.fault = 33;
@@ -207,7 +207,7 @@ class WithTheSdk final : public FaultAdapter {
   WithTheSdk() : FaultAdapter(desktopModel()), driver_(orThrow(at_.load("", kForceSettings))) {}
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override { return driver_; }
   [[nodiscard]] std::int64_t now_ns() const override { return monotonicNow_ns(); }
-  void spoil(const std::string& kind) override {
+  void injectFault(const std::string& kind) override {
     if (kind == "unplug") at_.fake->connected = 0;
     if (kind == "drive") at_.fake->error = 1;
     if (kind == "enable") at_.fake->force_on = 0, at_.fake->cause = 1;
@@ -236,7 +236,7 @@ class Hosted final : public FaultAdapter {
         driver_(orThrow(HostedDriver::connect(hostName("table")))) {}
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override { return driver_; }
   void pass() override { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
-  void spoil(const std::string& kind) override { behind_->kind = lasting(kind); }
+  void injectFault(const std::string& kind) override { behind_->kind = lasting(kind); }
   [[nodiscard]] std::int64_t now_ns() const override { return monotonicNow_ns(); }
   [[nodiscard]] bool inRealTime() const override { return true; }
 

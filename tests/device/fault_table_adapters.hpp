@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-/// Each adapter that ships, with a device behind it that a test can spoil.
+/// Each adapter that ships, with a device behind it into which a test can inject faults.
 namespace wholehand::test {
 
 class FaultAdapter {
@@ -19,7 +19,7 @@ class FaultAdapter {
   /// The clock of the samples.
   [[nodiscard]] virtual std::int64_t now_ns() const { return now_ns_; }
   /// From now on the device has this fault.
-  virtual void spoil(const std::string& kind) = 0;
+  virtual void injectFault(const std::string& kind) = 0;
   [[nodiscard]] virtual bool inRealTime() const { return false; }
 
  protected:

@@ -1,7 +1,7 @@
 // Every kind of fault of a device, behind every adapter that ships, at random ticks: the ramp
 // begins at most a tick after the sample that says so. What a sample says is read here by device.h
 // alone, beside PluginDevice; that a stopping fault begins the ramp in its own tick, for a whole
-// rig: FailingDevice.InATick_IsToldAndRampsToNeutral in plugin_device_test.cpp.
+// rig: FailingDevice.InATick_IsReportedAndRampsToNeutral in plugin_device_test.cpp.
 #include "device/fault_table_adapters.hpp"
 #include "support/figure.hpp"
 #include "support/open_enabled.hpp"
@@ -82,17 +82,17 @@ Course runInto(FaultAdapter& adapter, const char* kind, int at) {
   DeviceReading reading;
   const AxisEffort neutral(adapter.model().axisCount());
   for (int tick = 0; tick < at + 1100 && course.began < 0; ++tick) {
-    if (tick == at) adapter.spoil(kind);
+    if (tick == at) adapter.injectFault(kind);
     adapter.pass();
     Fault faults = device->read(reading, 1);
     faults |= device->write(neutral);
     const bool says = watched->saysStop() || any(faults & Fault::kDeviceWrite);
-    if (tick < at && (says || any(faults & kStopping))) {
+    if (tick < at && (says || any(faults & kStoppingFaults))) {
       course.healthy = false;
       return course;
     }
     if (course.said < 0 && says) course.said = tick - at;
-    if (any(faults & kStopping)) course.began = tick - at;
+    if (any(faults & kStoppingFaults)) course.began = tick - at;
   }
   device->close();
   return course;

@@ -33,7 +33,7 @@ TEST(NoHost, NameThatLeadsElsewhere_IsRefused) {
 
 TEST(TwoLoops, ForOneHost_TheSecondIsRefusedByProcess) {
   const std::string name = hostName("twice");
-  HostThread host(name, spoiled(""), desktop());
+  HostThread host(name, faultyDriver(""), desktop());
   auto first = orThrow(HostedDriver::connect(name));
   ASSERT_TRUE(openEnabled(*deviceOf(first)));
   const std::string said = whyNoHost(name);
@@ -151,7 +151,7 @@ TEST_F(ForeignMemory, OfAHostThatStandsStill_IsRefused) {
 }
 TEST_F(ForeignMemory, ThatADeadHostLeft_IsReplacedAndItsLoopReachesNobody) {
   SharedFrame* const old = make();
-  HostThread host(name_, spoiled(""), desktop());
+  HostThread host(name_, faultyDriver(""), desktop());
   EXPECT_TRUE(HostedDriver::connect(name_));
   HostCommand command{};
   command.session = 1;

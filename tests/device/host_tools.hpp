@@ -28,7 +28,7 @@
 /// (host_partner.cpp).
 namespace wholehand::test {
 
-/// Where host_partner tells the longest gap between two of its commands [ms].
+/// Where host_partner writes the longest gap between two of its commands [ms].
 inline constexpr std::size_t kGapAt = WH_MAX_AXES - 1;
 
 /// Of this test process alone.

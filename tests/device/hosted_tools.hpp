@@ -5,7 +5,7 @@
 #include "device/plugin/plugin_driver.hpp"
 #include "host_tools.hpp"
 
-/// The desktop device behind the spoiled driver, in a host.
+/// The desktop device behind the faulty driver, in a host.
 namespace wholehand::test {
 
 inline std::string built(const std::string& name) {
@@ -23,8 +23,8 @@ inline DeviceModel desktop() {
   return model;
 }
 
-inline std::shared_ptr<DeviceDriver> spoiled(const std::string& settings,
-                                             const std::string& name = "spoiled") {
+inline std::shared_ptr<DeviceDriver> faultyDriver(const std::string& settings,
+                                                  const std::string& name = "faulty") {
   return orThrow(PluginDriver::load({built(name), "", settings}, nullptr, CalledBy::kHost));
 }
 

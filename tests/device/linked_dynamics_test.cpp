@@ -345,7 +345,7 @@ TEST(BoxProblem, AnyMatrixAndBounds_KeepsItsConditions) {
   }
 }
 
-TEST(BoxProblem, MatrixThatIsNotDefinite_IsToldAndEnds) {
+TEST(BoxProblem, MatrixThatIsNotDefinite_IsReportedAndEnds) {
   AxisMatrix g(2, 2);
   g << 1.0, 2.0, 2.0, 1.0;
   AxisColumn w = AxisColumn::Ones(2), bound = AxisColumn::Constant(2, HUGE_VAL), lambda;

@@ -4,8 +4,8 @@
 #include "device/plain_driver.hpp"
 #include "device/plugin/observed_driver.hpp"
 #include "device/plugin/plugin_driver.hpp"
+#include "faulty_places.hpp"
 #include "realtime/allocation_counter.hpp"
-#include "spoiled_places.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"
@@ -31,13 +31,13 @@ DeviceModel desktopInARig() {
   return load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm")).device;
 }
 
-Expected<std::shared_ptr<PluginDriver>> loadSpoiled(const std::string& settings,
-                                                    const std::string& locator = "") {
-  return PluginDriver::load({driverFile("spoiled"), locator, settings});
+Expected<std::shared_ptr<PluginDriver>> loadFaulty(const std::string& settings,
+                                                   const std::string& locator = "") {
+  return PluginDriver::load({driverFile("faulty"), locator, settings});
 }
 
 std::unique_ptr<HapticDevice> deviceThat(const std::string& settings) {
-  return orThrow(PluginDevice::make(orThrow(loadSpoiled(settings)), desktopInARig(), 1e-3));
+  return orThrow(PluginDevice::make(orThrow(loadFaulty(settings)), desktopInARig(), 1e-3));
 }
 
 TEST(PluginDriver, BrokenOne_IsRefusedByName) {
@@ -54,16 +54,16 @@ TEST(PluginDriver, BrokenOne_IsRefusedByName) {
 }
 
 TEST(PluginDriver, DeviceThatIsNotFound_SaysWhereAndWhatTheDriverSaid) {
-  const auto driver = loadSpoiled("", "nowhere");
+  const auto driver = loadFaulty("", "nowhere");
   EXPECT_TRUE(refusedWith(driver, "no device was found at nowhere: nothing answers"));
 }
 
 TEST(PluginDriver, ThatKnowsItsDevice_SaysSerialFirmwareAndSdk) {
-  const auto driver = orThrow(loadSpoiled(""));
+  const auto driver = orThrow(loadFaulty(""));
   EXPECT_EQ(driver->identity().serial, "S-1");
   EXPECT_EQ(driver->identity().firmware, "1.0");
   EXPECT_EQ(driver->identity().sdk, "7");
-  EXPECT_EQ(orThrow(loadSpoiled("anonymous"))->identity().serial, "");
+  EXPECT_EQ(orThrow(loadFaulty("anonymous"))->identity().serial, "");
 }
 
 // A passport is of everything of this machine between an effort and the motor.
@@ -76,12 +76,12 @@ TEST(PluginDriver, AnotherFileSettingOrFileThatTheSettingsName_HasAnotherDigest)
   };
   const std::string map = folder.file("map.toml");
   std::ofstream(map) << "gear = 1";
-  const std::string first = digest("spoiled", map);
-  EXPECT_EQ(digest("spoiled", map), first);
-  std::set<std::string> all = {first, digest("spoiled", "gear=1"), digest("spoiled", "gear=-3"),
+  const std::string first = digest("faulty", map);
+  EXPECT_EQ(digest("faulty", map), first);
+  std::set<std::string> all = {first, digest("faulty", "gear=1"), digest("faulty", "gear=-3"),
                                digest("older", "gear=1")};
   std::ofstream(map) << "gear = -3";
-  all.insert(digest("spoiled", map));
+  all.insert(digest("faulty", map));
   EXPECT_EQ(all.size(), 5U);
 }
 
@@ -89,7 +89,7 @@ TEST(PluginDevice, WithoutAClearance_IsNotArmedWhereItMayMoveAPerson) {
   const auto refusalOf = [](std::optional<Clearance> clearance) {
     Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
     auto device = orThrow(
-        PluginDevice::make(orThrow(loadSpoiled("")), models.device, 1e-3, std::move(clearance)));
+        PluginDevice::make(orThrow(loadFaulty("")), models.device, 1e-3, std::move(clearance)));
     const auto rig = orThrow(buildRig(std::move(models), std::move(device), {}));
     return rig->renderer->arm();
   };
@@ -113,19 +113,19 @@ TEST(PluginDevice, OtherThanTheFileStates_IsRefusedWithTheAxis) {
                                       {"coarse", "has steps of position of 0.001"},
                                       {"slow", "has a delay of 0.005, the file states 0.001"},
                                       {"deaf", "has no watchdog"}}) {
-    const auto device = PluginDevice::make(orThrow(loadSpoiled(settings)), desktopInARig(), 1e-3);
+    const auto device = PluginDevice::make(orThrow(loadFaulty(settings)), desktopInARig(), 1e-3);
     EXPECT_TRUE(refusedWith(device, why));
     ASSERT_EQ(device.errors().size(), 1U) << format(device.errors());
     EXPECT_EQ(device.errors().front().value, "x");
   }
-  EXPECT_TRUE(refusedWith(loadSpoiled("many"), "has 17 axes"));
-  EXPECT_TRUE(refusedWith(loadSpoiled("axisless"), "has 0 axes"));
+  EXPECT_TRUE(refusedWith(loadFaulty("many"), "has 17 axes"));
+  EXPECT_TRUE(refusedWith(loadFaulty("axisless"), "has 0 axes"));
 }
 
 TEST(PluginDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
-  const auto driver = orThrow(loadSpoiled(""));
+  const auto driver = orThrow(loadFaulty(""));
   const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
-  ASSERT_NO_FATAL_FAILURE(expectPlacesOfSpoiled(*device));
+  ASSERT_NO_FATAL_FAILURE(expectPlacesOfFaultyDriver(*device));
   ASSERT_TRUE(device->enable());
   AxisEffort effort(3);
   effort[0] = 0.5, effort[1] = -0.25, effort[2] = 2.0;
@@ -159,7 +159,7 @@ TEST(PluginDevice, ReadsAndWrites_AllocateNothing) {
 
 TEST(PluginDevice, EnablingThatFails_IsUndone) {
   for (const char* settings : {"locked", "enable"}) {
-    const auto driver = orThrow(loadSpoiled(settings));
+    const auto driver = orThrow(loadFaulty(settings));
     const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
     ASSERT_TRUE(device->open());
     EXPECT_FALSE(device->enable());
@@ -181,7 +181,7 @@ TEST(PluginDevice, NotHomedOrLocked_IsNotArmed) {
 }
 
 TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
-  const auto observed = std::make_shared<ObservedDriver>(orThrow(loadSpoiled("silenced@4")));
+  const auto observed = std::make_shared<ObservedDriver>(orThrow(loadFaulty("silenced@4")));
   const auto device = orThrow(PluginDevice::make(observed, desktopInARig(), 1e-3));
   EXPECT_EQ(observed->facts().sampled_ns, 0) << "nothing was read yet";
   ASSERT_TRUE(device->open());
@@ -203,14 +203,14 @@ TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
 
 struct FailingInATick {
   const char* name;
-  Fault told;
+  Fault reported;
   int within = 0;  ///< ticks after the sample that says so
 };
 
 class FailingDevice : public testing::TestWithParam<FailingInATick> {};
 
 // A whole rig: the ramp begins in the tick whose sample says so, and ends at neutral.
-TEST_P(FailingDevice, InATick_IsToldAndRampsToNeutral) {
+TEST_P(FailingDevice, InATick_IsReportedAndRampsToNeutral) {
   constexpr int kAt = 60;  // samples: by ready(), prepare() and enable(), then one a tick
   Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
   auto device = deviceThat(std::string(GetParam().name) + "@" + std::to_string(kAt));
@@ -222,17 +222,17 @@ TEST_P(FailingDevice, InATick_IsToldAndRampsToNeutral) {
     record.tick = static_cast<std::uint64_t>(tick);
     record.command_count = 0;
     rig->renderer->tick(1, record);
-    if (first < 0 && any(record.faults & GetParam().told)) first = tick;
+    if (first < 0 && any(record.faults & GetParam().reported)) first = tick;
     if (first < 0) {
-      ASSERT_FALSE(any(record.faults & kStopping)) << "tick " << tick;
+      ASSERT_FALSE(any(record.faults & kStoppingFaults)) << "tick " << tick;
     }
     if (rig->renderer->finished()) neutral = tick;
   }
-  ASSERT_GE(first, 0) << "never told";
+  ASSERT_GE(first, 0) << "never reported";
   EXPECT_EQ(first, kAt - 4 + GetParam().within);
-  if (any(GetParam().told & kStopping)) {
+  if (any(GetParam().reported & kStoppingFaults)) {
     EXPECT_EQ(record.safety_state, SafetyState::kFaulted);
-    if (GetParam().told != Fault::kDeviceWrite) {
+    if (GetParam().reported != Fault::kDeviceWrite) {
       EXPECT_LE(neutral - first, 100);
     }
   } else {
@@ -263,20 +263,21 @@ class AgedDriver final : public PlainDriver {
     sample.status = WH_HOMED | (enabled ? static_cast<std::uint32_t>(WH_ENABLED) : 0U);
     sample.valid = 7;
     sample.status |= status;
-    for (std::size_t a = 0; a < 3; ++a) sample.effort[a] = told[told.size() - 1 - late].effort[a];
+    for (std::size_t a = 0; a < 3; ++a)
+      sample.effort[a] = commanded[commanded.size() - 1 - late].effort[a];
     sample.effort[odd] = gain * sample.effort[odd] + bias;
     return WH_OK;
   }
   [[nodiscard]] int write(const wh_command& command) noexcept override {
-    told.push_back(command);
-    told.pop_front();
+    commanded.push_back(command);
+    commanded.pop_front();
     return WH_OK;
   }
   std::int64_t age_ns = 0;
   std::uint32_t status = 0;
   std::size_t late = 0, odd = 0;  ///< ticks until an effort is given; the axis that gives another
   double gain = 1.0, bias = 0.0;
-  std::deque<wh_command> told = std::deque<wh_command>(8);
+  std::deque<wh_command> commanded = std::deque<wh_command>(8);
 
  private:
   std::uint64_t samples_ = 0;
@@ -323,7 +324,7 @@ TEST(SampleAge, FromNothingTo100Milliseconds_StopsAsTheLawSays) {
     int stopped_after = -1;
     for (int k = 0; k < 1000; ++k) {
       all |= at.tick(static_cast<std::int64_t>(age_ms * 1e6));
-      if (stopped_after < 0 && any(all & kStopping)) stopped_after = k;
+      if (stopped_after < 0 && any(all & kStoppingFaults)) stopped_after = k;
     }
     EXPECT_EQ(any(all & Fault::kStaleSample), age_ms > 20.0);
     if (age_ms < 1.999) {
@@ -341,7 +342,7 @@ TEST(SampleAge, TimeThatStandsStillWhileNumbersRise_StopsWithinLongestGap) {
   AgedDevice at;
   for (int k = 0; k < 100; ++k) EXPECT_EQ(at.tick(0), Fault::kNone);
   int good = 0;
-  while (good < 100 && !any(at.tick(1'000'000 * (good + 1)) & kStopping)) ++good;
+  while (good < 100 && !any(at.tick(1'000'000 * (good + 1)) & kStoppingFaults)) ++good;
   EXPECT_LE(good, 20);
 }
 

@@ -64,7 +64,7 @@ std::vector<double> positionsOver(const std::string& where) {
     positions.insert(positions.end(), sample.position, sample.position + 3);
   }
   // A line holds a few kilobytes, some 50 ms of samples. Where a busy machine kept this test from
-  // reading for as long, samples were lost, and the positions alone tell.
+  // reading for as long, samples were lost, and the test judges by the positions alone.
   const FrameCounters counted = device->counters();
   if (longest_ns < 30'000'000) {
     EXPECT_EQ(counted.broken + counted.crc_errors + counted.foreign + counted.stale, 0U) << where;

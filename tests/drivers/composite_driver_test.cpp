@@ -1,4 +1,4 @@
-// The driver `composite` from its file: two spoiled drivers (tests/device/spoiled_driver.c), and
+// The driver `composite` from its file: two faulty drivers (tests/device/faulty_driver.c), and
 // two frames.
 #include "device/plugin/plugin_device.hpp"
 #include "device/plugin/plugin_driver.hpp"
@@ -37,9 +37,9 @@ class CompositeDriver : public testing::Test {
   CompositeDriver() : path_(folder_.file("pair.toml")) {}
   // Base x and y, hand z; as the desktop device has them.
   std::string file(const std::string& base, const std::string& hand,
-                   const std::string& hand_driver = "spoiled") {
+                   const std::string& hand_driver = "faulty") {
     std::ofstream(path_) << "kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.005\n"
-                         << "[[parts]]\ndriver = \"" << driverPath("spoiled") << "\"\nsettings = \""
+                         << "[[parts]]\ndriver = \"" << driverPath("faulty") << "\"\nsettings = \""
                          << base << "\"\naxes = [\"x\", \"y\"]\n"
                          << "[[parts]]\ndriver = \"" << driverPath(hand_driver)
                          << "\"\nsettings = \"" << hand << "\"\naxes = [\"z\"]\n";
@@ -73,17 +73,17 @@ TEST_F(CompositeDriver, WhatDoesNotFit_IsRefusedByName) {
   const auto part = [](const std::string& driver, const std::string& axes) {
     return "[[parts]]\ndriver = \"" + driver + "\"\naxes = [" + axes + "]\n";
   };
-  const std::string good = part(driverPath("spoiled"), "\"x\"");
+  const std::string good = part(driverPath("faulty"), "\"x\"");
   const struct {
     std::string text, says;
   } cases[] = {
       {head + good, "parts"},
       {head + good + good, "gives x a second time"},
-      {head + good + part(driverPath("spoiled"), "\"w\""), "w: "},
+      {head + good + part(driverPath("faulty"), "\"w\""), "w: "},
       {head + good + part("no-such", "\"y\""), "no-such"},
-      {head + good + part(driverPath("spoiled"), "\"y\"") + good, "third part"},
+      {head + good + part(driverPath("faulty"), "\"y\"") + good, "third part"},
       {"kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.0\n" + good + good, "longest_skew_s"},
-      {head + "skew = 1\n" + good + part(driverPath("spoiled"), "\"y\""), "skew"}};
+      {head + "skew = 1\n" + good + part(driverPath("faulty"), "\"y\""), "skew"}};
   for (const auto& one : cases) {
     const std::string said = refusal(one.text);
     EXPECT_NE(said.find(one.says), std::string::npos) << one.says << " is not in: " << said;
@@ -102,8 +102,8 @@ class LostPart : public CompositeDriver, public testing::WithParamInterface<Lost
 
 // A whole rig under an exercise that pushes: one part fails, and both are led to neutral.
 TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
-  const std::string spoiled = std::string(GetParam().name) + "@300";
-  auto driver = orThrow(open(GetParam().hand ? file("well", spoiled) : file(spoiled, "well")));
+  const std::string faulty = std::string(GetParam().name) + "@300";
+  auto driver = orThrow(open(GetParam().hand ? file("well", faulty) : file(faulty, "well")));
   Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
   AxisEffort limit(3, 8.0);
   models.exercise = std::make_unique<PushingExercise>(limit, Push::kWell, 0, 0);
@@ -120,7 +120,7 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
     record.time_s = tick * 1e-3;
     record.command_count = 0;
     rig->renderer->tick(1, record);
-    if (fault < 0 && any(record.faults & kStopping)) fault = tick;
+    if (fault < 0 && any(record.faults & kStoppingFaults)) fault = tick;
     for (int a = 0; a < 3; ++a) {
       const double now = record.sent[a];
       const double was = std::exchange(before[a], now);
@@ -136,7 +136,7 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
   EXPECT_GT(pushed, 0.5) << "nothing was pushed: the test proves nothing";
   EXPECT_FALSE(any(record.faults & Fault::kDeviceWrite));
   EXPECT_LE(neutral - fault, 100);
-  // What the healthy part really holds; the spoiled one gives its effort back as a measurement.
+  // What the healthy part really holds; the faulty one gives its effort back as a measurement.
   wh_sample sample{};
   sample.size = sizeof(sample);
   ASSERT_GE(driver->read(sample), 0);

@@ -132,8 +132,8 @@ TEST(FramePath, OfOnePatient_IsThatOfTheBuiltInDeviceWithinOneStep) {
     }
     built_in->renderer->tick(1, a);
     framed->renderer->tick(1, b);
-    ASSERT_EQ(a.faults & kStopping, Fault::kNone) << tick;
-    ASSERT_EQ(b.faults & kStopping, Fault::kNone) << tick;
+    ASSERT_EQ(a.faults & kStoppingFaults, Fault::kNone) << tick;
+    ASSERT_EQ(b.faults & kStoppingFaults, Fault::kNone) << tick;
     if (tick == 0) start = a.q_m;
     for (int i = 0; i < a.q_m.size(); ++i) {
       const DeviceAxis& axis = models.device.axes[i];

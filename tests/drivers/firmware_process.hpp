@@ -82,16 +82,16 @@ class FirmwareProcess {
     for (;;) {
       const std::string text = line();
       std::array<char, 32> word{};
-      PhaseLine told;
-      if (std::sscanf(text.c_str(), "%31s %lf %lf %lf", word.data(), &told.silent_ms,
-                      &told.most_effort, &told.gap_ms) != 4) {
+      PhaseLine reported;
+      if (std::sscanf(text.c_str(), "%31s %lf %lf %lf", word.data(), &reported.silent_ms,
+                      &reported.most_effort, &reported.gap_ms) != 4) {
         return {};
       }
-      gap_ms = told.gap_ms > gap_ms ? told.gap_ms : gap_ms;
+      gap_ms = reported.gap_ms > gap_ms ? reported.gap_ms : gap_ms;
       if (phase != word.data()) continue;
-      told.phase = phase;
-      told.gap_ms = gap_ms;
-      return told;
+      reported.phase = phase;
+      reported.gap_ms = gap_ms;
+      return reported;
     }
   }
 

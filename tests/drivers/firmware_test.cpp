@@ -99,7 +99,7 @@ TEST_F(Firmware, BeforeItIsEnabled_GivesNothingWhateverIsCommanded) {
   EXPECT_EQ(newest(WF_SAMPLE).status, static_cast<std::uint32_t>(WH_HOMED));
 }
 
-TEST_F(Firmware, Command_IsGivenInItsTickAndToldInTheSample) {
+TEST_F(Firmware, Command_IsGivenInItsTickAndReportedInTheSample) {
   render({1.0F, -2.0F, 3.0F});
   EXPECT_EQ(bench_.given[1], -2.0F);
   const wf_frame sample = newest(WF_SAMPLE);
@@ -107,7 +107,7 @@ TEST_F(Firmware, Command_IsGivenInItsTickAndToldInTheSample) {
   EXPECT_EQ(sample.status, static_cast<std::uint32_t>(WH_HOMED | WH_ENABLED));
 }
 
-TEST_F(Firmware, EffortBeyondTheLimit_IsClampedAndTold) {
+TEST_F(Firmware, EffortBeyondTheLimit_IsClampedAndReported) {
   render({99.0F, -99.0F, 8.0F});
   EXPECT_EQ(bench_.given[0], 8.0F);
   EXPECT_EQ(bench_.given[1], -8.0F);
@@ -315,7 +315,7 @@ TEST_F(Firmware, EnableThatNobodyFollows_IsWithdrawn) {
   EXPECT_EQ(bench_.fw.phase, FW_LATCHED);
 }
 
-TEST_F(Firmware, DriveFaultOfTheBoard_IsToldAndIsNoEnable) {
+TEST_F(Firmware, DriveFaultOfTheBoard_IsReportedAndIsNoEnable) {
   render({1.0F, 0.0F, 0.0F});
   bench_.state.status |= WH_DRIVE_FAULT;
   bench_.state.vendor_code = -7;

@@ -16,7 +16,7 @@
 #include <vector>
 
 /// The reference firmware and the program's side on one simulated clock, with a line between them
-/// that a test can cut and spoil. No threads.
+/// that a test can cut and corrupt. No threads.
 namespace wholehand::test {
 
 using Line = std::deque<std::uint8_t>;

@@ -125,20 +125,20 @@ TEST_F(FrameLine, LostAnswer_IsAskedForAgain) {
   EXPECT_TRUE(device_->control(WH_IDENTIFY, 0.0, lossy));
 }
 
-// A line that loses, spoils, doubles and invents bytes: what is taken is what the device sent.
-TEST_F(FrameLine, Damage_IsCountedAndNothingSpoiledIsTaken) {
+// A line that loses, corrupts, repeats and invents bytes: only what the device sent is taken.
+TEST_F(FrameLine, Damage_IsCountedAndNothingCorruptedIsTaken) {
   auto random = seededRandom(1221);
   device_->pump(bench_.now_ns());  // what came before the first damage
   (void)device_->read(sample_);
   std::uint64_t sequence = sample_.sequence;
-  std::map<std::uint64_t, double> told;  // position by the number of its sample
+  std::map<std::uint64_t, double> reported;  // position by the number of its sample
   int fresh = 0;
   for (int k = 0; k < 5000; ++k) {
     bench_.state.position[0] = static_cast<float>(k % 7) * 0.01F;
     (void)device_->write(commandOf({1.0, 1.0, 1.0}));
     device_->pump(bench_.now_ns());
     bench_.pass();
-    told[bench_.fw.samples] = static_cast<double>(bench_.state.position[0]);
+    reported[bench_.fw.samples] = static_cast<double>(bench_.state.position[0]);
     Line& line = bench_.wires->from_device;
     const auto how = random() % 6;
     const Line once = line;
@@ -151,7 +151,7 @@ TEST_F(FrameLine, Damage_IsCountedAndNothingSpoiledIsTaken) {
     ASSERT_GE(result, 0);
     if (result == WH_OK) {
       ++fresh;
-      ASSERT_EQ(sample_.position[0], told.at(sample_.sequence));
+      ASSERT_EQ(sample_.position[0], reported.at(sample_.sequence));
       ASSERT_GT(sample_.sequence, sequence);
     }
     ASSERT_EQ(sample_.valid, 7U);
@@ -299,14 +299,14 @@ TEST(FrameOnASlowLine, AtEveryLoad_NoCommandIsLateUnseen) {
   for (const double percent : {10.0, 50.0, 80.0, 100.0, 130.0, 200.0, 300.0}) {
     SCOPED_TRACE(percent);
     const int frame_ms = static_cast<int>(std::ceil(percent / 100.0));
-    const Lateness told = commandEveryMillisecond(percent, true);
-    EXPECT_LE(told.most_ms, 2 * frame_ms);
-    const Lateness untold = commandEveryMillisecond(percent, false);
+    const Lateness reported = commandEveryMillisecond(percent, true);
+    EXPECT_LE(reported.most_ms, 2 * frame_ms);
+    const Lateness unreported = commandEveryMillisecond(percent, false);
     if (percent > 100.0) {
-      EXPECT_GT(untold.most_ms, 20) << "the line is overfull";
+      EXPECT_GT(unreported.most_ms, 20) << "the line is overfull";
     }
     // A frame that is on the line counts from its beginning.
-    EXPECT_LE(std::max(told.most_unsaid_ms, untold.most_unsaid_ms), frame_ms + 1);
+    EXPECT_LE(std::max(reported.most_unsaid_ms, unreported.most_unsaid_ms), frame_ms + 1);
   }
 }
 

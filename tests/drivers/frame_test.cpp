@@ -171,7 +171,7 @@ TEST(Frame, AfterHalfOfOne_TheNextIsTakenWhole) {
   }
 }
 
-TEST(Frame, LineWithoutAZero_OverrunsNothingAndIsTold) {
+TEST(Frame, LineWithoutAZero_OverrunsNothingAndIsReported) {
   wf_receiver receiver{};
   Bytes endless(100'000, 0x55);
   EXPECT_EQ(receive(receiver, endless).last, WF_NONE);
@@ -181,7 +181,7 @@ TEST(Frame, LineWithoutAZero_OverrunsNothingAndIsTold) {
   EXPECT_EQ(receive(receiver, wireOf(frame)).good, 1);
 }
 
-TEST(Frame, OfAnotherVersion_IsToldWithItsKindAndSession) {
+TEST(Frame, OfAnotherVersion_IsReportedWithItsKindAndSession) {
   wf_frame frame{};
   frame.kind = WF_HELLO;
   frame.session = 77;
@@ -197,10 +197,10 @@ TEST(Frame, OfAnotherVersion_IsToldWithItsKindAndSession) {
   Bytes coded = encoded(plain);
   coded.push_back(0);
   wf_receiver receiver{};
-  wf_outcome told = WF_NONE;
+  wf_outcome reported = WF_NONE;
   wf_frame taken{};
-  for (const std::uint8_t byte : coded) told = wf_receive(&receiver, byte, &taken);
-  EXPECT_EQ(told, WF_OTHER_VERSION);
+  for (const std::uint8_t byte : coded) reported = wf_receive(&receiver, byte, &taken);
+  EXPECT_EQ(reported, WF_OTHER_VERSION);
   EXPECT_EQ(taken.version, WF_VERSION + 1);
   EXPECT_EQ(taken.kind, WF_HELLO);
   EXPECT_EQ(taken.session, 77U);

@@ -13,7 +13,7 @@ namespace wholehand::test {
 namespace {
 
 /// A folder with the shipped exercise and its scene, either of them changed.
-class SpoiltBar {
+class FaultyBar {
  public:
   void inBar(const std::string& find, const std::string& with) { bar = replaced(bar, find, with); }
   void inScene(const std::string& find, const std::string& with) {
@@ -36,9 +36,9 @@ struct Case {
   std::string find, replace, key, says, remedy;
 };
 
-void expectOneFault(const SpoiltBar& spoilt, const Case& c) {
+void expectOneFault(const FaultyBar& faulty, const Case& c) {
   SCOPED_TRACE(c.find + " -> " + c.replace);
-  const Diagnostics faults = spoilt.faults();
+  const Diagnostics faults = faulty.faults();
   ASSERT_EQ(faults.size(), 1U) << format(faults);
   EXPECT_EQ(faults[0].key, c.key);
   EXPECT_TRUE(says(format(faults[0]), c.says));
@@ -48,7 +48,7 @@ void expectOneFault(const SpoiltBar& spoilt, const Case& c) {
 }
 
 TEST(BarFile, AsShipped_HasNoFault) {
-  const SpoiltBar bar;
+  const FaultyBar bar;
   for (int level = 1; level <= 4; ++level) {
     EXPECT_TRUE(bar.faults(level).empty()) << format(bar.faults(level));
   }
@@ -84,14 +84,14 @@ bool namesKey(const Diagnostics& faults, const std::string& key) {
 }
 
 TEST(BarFile, AnyKeyTakenOut_IsMissed) {
-  SpoiltBar bar;
+  FaultyBar bar;
   const std::vector<std::string> lines = linesOf(bar.bar);
   const auto keys = keyLines(lines);
   EXPECT_GT(keys.size(), 90U);
   for (const auto& [line, key] : keys) {
     // These have defaults: equations.md's transition times, and the walls' speed.
     if (key == "engage_s" || key == "release_s" || key == "follow_m_s") continue;
-    // Nobody has to tell an event, nor a unit, factor, decimals, goal or result of a value.
+    // A file may leave out an event, a unit, factor, decimals, goal or result of a value.
     static const std::set<std::string> kOptional = {"unit", "factor", "decimals", "goal", "result"};
     const bool event = static_cast<std::ptrdiff_t>(line) >
                        std::find(lines.begin(), lines.end(), "[panel.events]") - lines.begin();
@@ -106,7 +106,7 @@ TEST(BarFile, AnyKeyTakenOut_IsMissed) {
 }
 
 TEST(BarFile, AnyKeyOfAnotherTypeOrName_IsRefused) {
-  SpoiltBar bar;
+  FaultyBar bar;
   const std::vector<std::string> lines = linesOf(bar.bar);
   for (const auto& [line, key] : keyLines(lines)) {
     for (const std::string& wrong : {key + " = { a = 1 }", key + " = nan", key + "_x = 1"}) {
@@ -123,7 +123,7 @@ TEST(BarFile, AnyKeyOfAnotherTypeOrName_IsRefused) {
   }
 }
 
-TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
+TEST(BarFile, WrongValues_AreReportedWithTheirKeyAndRemedy) {
   const std::vector<Case> cases = {
       {"exercise = \"cocktail_bar\"", "exercise = \"coctail_bar\"", "exercise", "unknown",
        "cocktail_bar"},
@@ -181,9 +181,9 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
        "levels[Four liquids, narrow tolerance].drinks", "start_l", "0.018"},
   };
   for (const Case& c : cases) {
-    SpoiltBar spoilt;
-    spoilt.inBar(c.find, c.replace);
-    expectOneFault(spoilt, c);
+    FaultyBar faulty;
+    faulty.inBar(c.find, c.replace);
+    expectOneFault(faulty, c);
   }
 }
 
@@ -191,36 +191,36 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
 TEST(BarFile, NameThatCanBePartOfNoFilesName_IsRefused) {
   for (const std::string& name :
        {std::string("a/b"), std::string(101, 'x'), std::string(300, 'x')}) {
-    SpoiltBar spoilt;
+    FaultyBar faulty;
     const Case c{"name = \"cocktail-bar\"", "name = \"" + name + "\"", "name",
                  name.size() <= 200 ? "cannot be part of a file's name" : "name", ""};
-    spoilt.inBar(c.find, c.replace);
-    expectOneFault(spoilt, c);
+    faulty.inBar(c.find, c.replace);
+    expectOneFault(faulty, c);
   }
 }
 
-TEST(BarFile, SceneThatDoesNotFit_IsToldOfTheBody) {
-  SpoiltBar turned;
+TEST(BarFile, SceneThatDoesNotFit_IsReportedWithTheBody) {
+  FaultyBar turned;
   turned.inScene("position_m = [0.119, -0.023, 0.004]",
                  "position_m = [0.119, -0.023, 0.004]\norientation_rpy_rad = [0.5, 0.0, 0.0]");
   expectOneFault(turned, {"", "", "dispensers[0].body", "upright cylinder", "cylinder"});
 
-  SpoiltBar free;
+  FaultyBar free;
   free.inScene("fixed = true\nposition_m = [0.119, -0.023",
                "mass_kg = 0.2\nposition_m = [0.119, -0.023");
   expectOneFault(free, {"", "", "dispensers[0].body", "cannot slide in a row", "fixed = true"});
 
-  SpoiltBar glass;
+  FaultyBar glass;
   glass.inScene("fixed = true                       # the exercise slides it", "mass_kg = 0.2");
   expectOneFault(glass, {"", "", "glass.body", "is not fixed", "fixed = true"});
 
-  SpoiltBar counter;
+  FaultyBar counter;
   counter.inScene("name = \"counter\"", "name = \"table\"");
   expectOneFault(counter, {"", "", "scene", "no box named counter", "add it"});
 }
 
-TEST(BarFile, SceneThatIsNotThere_IsToldByTheKeyOfTheExercise) {
-  SpoiltBar bar;
+TEST(BarFile, SceneThatIsNotThere_IsReportedByTheKeyOfTheExercise) {
+  FaultyBar bar;
   bar.inBar("scene = \"../scenes/cocktail-bar.toml\"", "scene = \"../scenes/none.toml\"");
   const Diagnostics faults = bar.faults();
   ASSERT_EQ(faults.size(), 1U) << format(faults);
@@ -233,7 +233,7 @@ TEST(BarFile, SceneThatIsNotThere_IsToldByTheKeyOfTheExercise) {
 }
 
 TEST(BarFile, FaultInTheScene_NamesItsPathWithoutDetours) {
-  SpoiltBar bar;
+  FaultyBar bar;
   bar.inScene("hand_friction = 0.8", "hand_friction = 8.0");
   const Diagnostics faults = bar.faults();
   ASSERT_EQ(faults.size(), 1U) << format(faults);
@@ -241,8 +241,8 @@ TEST(BarFile, FaultInTheScene_NamesItsPathWithoutDetours) {
   EXPECT_EQ(faults[0].file.find(".."), std::string::npos) << faults[0].file;
 }
 
-TEST(BarFile, FaultsInFileAndScene_AreAllTold) {
-  SpoiltBar bar;
+TEST(BarFile, FaultsInFileAndScene_AreAllReported) {
+  FaultyBar bar;
   bar.inBar("lead_in_m = 0.0 ", "lead_in_m = 0.5 ");
   bar.inBar("high_n = 3.0", "hihg_n = 3.0");
   bar.inScene("hand_friction = 0.8", "hand_friction = 8.0");
@@ -253,8 +253,8 @@ TEST(BarFile, FaultsInFileAndScene_AreAllTold) {
   EXPECT_TRUE(namesKey(faults, "hand_friction"));
 }
 
-TEST(BarFile, NoSuchLevelOrFile_IsTold) {
-  const SpoiltBar bar;
+TEST(BarFile, NoSuchLevelOrFile_IsReported) {
+  const FaultyBar bar;
   for (const int level : {0, 5, -1}) {
     const Diagnostics faults = bar.faults(level);
     ASSERT_EQ(faults.size(), 1U);

@@ -99,7 +99,7 @@ TEST(CocktailBar, ScoreOfADrink_IsAccuracyLessSpillsPlusTime) {
   EXPECT_NEAR(bar.last("drink_done").value, 95.0 * accuracy + 5.0, 1e-9);
 }
 
-TEST(CocktailBar, WrongDispenser_IsToldAndSpilt) {
+TEST(CocktailBar, WrongDispenser_IsReportedAndSpilt) {
   BarTable bar(2);  // lemon first
   bar.tick();
   bar.hold(1, 2.0);
@@ -163,7 +163,7 @@ TEST(CocktailBar, Paused_NothingFlowsAndTheEffortFades) {
   EXPECT_EQ(bar.count("resumed"), 1);
 }
 
-TEST(CocktailBar, OwnerSilent_EffortFadesAndNothingFlows) {
+TEST(CocktailBar, HolderSilent_EffortFadesAndNothingFlows) {
   BarTable bar(1);
   bar.hold(0, 2.0);
   bar.record.closure[3] = 2.0;

@@ -49,7 +49,7 @@ inline JointPosition postureOf(const HandModel& hand, const AxisPosition& q_s) {
 /// A bar without physics: bodies stand where the exercise puts them, the hand is what a test says.
 class BarTable {
  public:
-  struct Told {
+  struct Reported {
     std::uint64_t tick;
     std::string event;
     int index;
@@ -165,7 +165,8 @@ class BarTable {
     }
     for (int i = 0; i < out.event_count; ++i) {
       const ExerciseEvent& e = out.events[i];
-      told.push_back({record.tick, exercise->description().event_names[e.type], e.index, e.value});
+      reported.push_back(
+          {record.tick, exercise->description().event_names[e.type], e.index, e.value});
     }
     ++record.tick;
   }
@@ -195,13 +196,13 @@ class BarTable {
     return out.values[found - names.begin()];
   }
   [[nodiscard]] int count(const std::string& event) const {
-    return static_cast<int>(
-        std::count_if(told.begin(), told.end(), [&](const Told& t) { return t.event == event; }));
+    return static_cast<int>(std::count_if(reported.begin(), reported.end(),
+                                          [&](const Reported& t) { return t.event == event; }));
   }
-  [[nodiscard]] Told last(const std::string& event) const {
-    const auto found =
-        std::find_if(told.rbegin(), told.rend(), [&](const Told& t) { return t.event == event; });
-    if (found == told.rend()) {
+  [[nodiscard]] Reported last(const std::string& event) const {
+    const auto found = std::find_if(reported.rbegin(), reported.rend(),
+                                    [&](const Reported& t) { return t.event == event; });
+    if (found == reported.rend()) {
       ADD_FAILURE() << "no event " << event;
       return {};
     }
@@ -224,7 +225,7 @@ class BarTable {
   ExerciseRecord out;
   BodyPlacements placements;
   std::vector<double> parameters;
-  std::vector<Told> told;
+  std::vector<Reported> reported;
   bool fingers_face_palm = false;  ///< in the posture: their ends press what the palm holds
   int asked_closure = -1;
   bool may_push = true;

@@ -49,7 +49,7 @@ TEST(ShippedExercises, EveryLevel_LoadsAndFitsTheRecord) {
   }
 }
 
-TEST(ShippedExercises, Liquids_AreToldApartByFeel) {
+TEST(ShippedExercises, Liquids_AreDistinguishedByFeel) {
   for (const char* name : {"cocktail-bar", "cocktail-bar-free"}) {
     const auto loaded = orThrow(
         loadExercise(config("exercises/") + name + ".toml", 1, shippedDevice(), shippedHand()));

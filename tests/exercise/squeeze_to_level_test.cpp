@@ -65,7 +65,7 @@ TEST(BandSteps, AtHalfTheLevel_HalfTheForceDoes) {
   EXPECT_EQ(news.held, 0);
 }
 
-/// Every shipped hand does it by itself, within the limits, and what counts is told.
+/// Every shipped hand does it by itself, within the limits, and what counts is reported.
 TEST(SqueezeToLevel, PlayedByItsVirtualPatient_IsDoneWithin25s) {
   for (const std::string& hand : aTenth<std::string>({"adult-median-right", "adult-median-left"})) {
     SCOPED_TRACE(hand);
@@ -76,7 +76,7 @@ TEST(SqueezeToLevel, PlayedByItsVirtualPatient_IsDoneWithin25s) {
     ASSERT_TRUE(rig->renderer->arm());
     TickStatistics statistics;
     runTicks(*rig->renderer, 25'000, [&](const TickRecord& r) {
-      EXPECT_EQ(r.faults & kStopping, Fault::kNone);
+      EXPECT_EQ(r.faults & kStoppingFaults, Fault::kNone);
       rig->listener->afterTick(r);
       statistics.add(r);
     });

@@ -53,12 +53,12 @@ std::vector<Play> playsDrawn() {
   return drawn;
 }
 
-/// The figure: it ends. What it ends with is told, and nothing is lost on the way.
+/// The figure: it ends. Its result is reported, and nothing is lost on the way.
 TEST(EveryHandAtTheBar, VirtualPatient_PlaysTheLevelToItsEnd) {
   const std::vector<Play> plays = playsDrawn();
   int completed = 0;
   double longest_s = 0.0;
-  const bool all_told = workInProcesses(
+  const bool all_done = workInProcesses(
       static_cast<int>(plays.size()),
       static_cast<int>(std::max(1U, std::thread::hardware_concurrency())),
       [&](int job) {
@@ -80,7 +80,7 @@ TEST(EveryHandAtTheBar, VirtualPatient_PlaysTheLevelToItsEnd) {
         longest_s = std::max(longest_s, time_s);
         if (!done) figure("points of " + name + ", a step beyond its tolerance", score, "");
       });
-  EXPECT_TRUE(all_told);
+  EXPECT_TRUE(all_done);
   figure("plays", static_cast<double>(plays.size()), "");
   figure("completed within tolerance", completed, "");
   figure("longest", longest_s, "s");
@@ -117,7 +117,7 @@ TEST(BarWithShortReach, DrinkOfEitherHand_IsMixedWithinIt) {
     for (int k = 0; k < 60'000 && poured_l < 0.043; ++k) {  // sunset: 30 and 20 ml, 5 ml off each
       rig->renderer->tick(1, record);
       player->see(record);
-      ASSERT_EQ(record.faults & kStopping, Fault::kNone) << "tick " << k;
+      ASSERT_EQ(record.faults & kStoppingFaults, Fault::kNone) << "tick " << k;
       poured_l = figures(BarFigures::kPouredTotal, record.exercise);
       nearest_m = std::min(nearest_m, record.bodies[lemon].position_m.x);
     }

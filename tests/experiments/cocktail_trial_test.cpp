@@ -146,7 +146,7 @@ AxisPosition aimFrom(const AxisPosition& at, const DeviceModel& device, std::mt1
 }
 
 /// Time from the return of the hand to the end of the level [s], 0 where it ended before, or where
-/// a wild aim stopped the device: whoever arms it begins anew. Negative: not within this time.
+/// a wild aim stopped the device: arming begins anew. Negative: not within this time.
 constexpr double kWithin_s = 240.0;
 double finishAfter(const Visit& visit) {
   Models models = load(exerciseFiles(visit.exercise, visit.level));
@@ -221,19 +221,19 @@ TEST(CocktailBar, WithoutAnExerciseToWin_IsRefused) {
 
 TEST(WorkerPool, EveryJob_IsDoneOnceWhateverTheNumberOfProcesses) {
   for (const int workers : {1, 3, 20}) {
-    std::vector<int> told(10, 0);
+    std::vector<int> reported(10, 0);
     const bool complete = workInProcesses(
         10, workers, [](int job) { return std::to_string(job * job); },
         [&](int job, const std::string& line) {
-          ++told.at(static_cast<std::size_t>(job));
+          ++reported.at(static_cast<std::size_t>(job));
           EXPECT_EQ(line, std::to_string(job * job));
         });
     EXPECT_TRUE(complete);
-    EXPECT_EQ(std::count(told.begin(), told.end(), 1), 10) << workers;
+    EXPECT_EQ(std::count(reported.begin(), reported.end(), 1), 10) << workers;
   }
 }
 
-TEST(WorkerPool, WorkerThatDies_IsTold) {
+TEST(WorkerPool, WorkerThatDies_IsReported) {
   EXPECT_FALSE(workInProcesses(
       4, 2,
       [](int job) -> std::string {

@@ -86,7 +86,7 @@ TEST(Exercise, HardBump_FillsPhiWhichThenFadesExponentially) {
 
 TEST(Exercise, Wall_NeverPullsAndIsFadedInAndOutWhole) {
   const ExerciseResult& r = playedByScript();
-  EXPECT_EQ(r.wall_pull_max_n, 0.0);  // Eq. (15), its sign mended
+  EXPECT_EQ(r.wall_pull_max_n, 0.0);  // Eq. (15), its sign corrected
   EXPECT_GT(r.wall_push_max_n, 0.3);  // and it is there
   EXPECT_EQ(r.alpha_max, 1.0);
   EXPECT_EQ(r.samples.back().alpha, 0.0);

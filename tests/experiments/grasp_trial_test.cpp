@@ -120,22 +120,22 @@ Jittered hold(const std::vector<GraspTrial>& trials, const std::string& of) {
   return seen;
 }
 
-/// The seed of which README.md's figure is told: `wholehand experiment grasping`.
-constexpr std::uint64_t kToldSeed = 1;
+/// The seed of the figure in README.md: `wholehand experiment grasping`.
+constexpr std::uint64_t kReportedSeed = 1;
 
 TEST(Grasping, JitteredTrials_AreHeld) {
   auto random = seededRandom(2);
   if (everyLargeCount()) {
-    for (const std::uint64_t s : {kToldSeed, std::uint64_t{2 + random() % 1'000'000'000}}) {
+    for (const std::uint64_t s : {kReportedSeed, std::uint64_t{2 + random() % 1'000'000'000}}) {
       const std::string of = "72 jittered trials of seed " + std::to_string(s);
       const Jittered seen = hold(jitteredTrials(72, s), of);
       EXPECT_LE(seen.dropped, 2) << of;
       // At least 70 of 72. Of other seeds up to 5 slipped further or were dropped (360 trials).
-      EXPECT_LE(seen.slipped, s == kToldSeed ? 2 : 6) << of;
+      EXPECT_LE(seen.slipped, s == kReportedSeed ? 2 : 6) << of;
     }
     return;
   }
-  const std::vector<GraspTrial> all = jitteredTrials(72, kToldSeed);
+  const std::vector<GraspTrial> all = jitteredTrials(72, kReportedSeed);
   std::vector<GraspTrial> sample;
   for (const std::size_t i : sampleOf(all.size(), kFew ? 1 : 4, random)) {
     sample.push_back(all[i]);
@@ -248,7 +248,7 @@ std::string singularHand() {
                   "thumb_circumduction = { range_rad = [-3.0, 3.1]");
 }
 
-TEST(Grasping, FaultThatStopsATrial_IsTold) {
+TEST(Grasping, FaultThatStopsATrial_IsReported) {
   const Folder folder;
   // The certificate refuses such a hand; past it, the tick's fault must stop the trial.
   ModelFiles files = shippedFiles();

@@ -114,7 +114,8 @@ constexpr double kUsual = 0.61;
 constexpr int kGripTicks = 9000;  // one grip, squeeze and release
 constexpr int kBlock = 50;        // ticks before the next one's turn
 
-/// Least over three runs of what each costs, all of them in turns: whoever disturbs disturbs all.
+/// Least over three runs of what each costs, all of them in turns, so that a disturbance meets all
+/// alike.
 template <std::size_t kCount>
 std::array<double, kCount> costs_ns(const std::array<Without, kCount>& variants,
                                     double* calibration_ns) {

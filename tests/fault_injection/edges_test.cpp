@@ -29,7 +29,7 @@ TEST(MovedSinceArming, BeyondATwentiethOfTheRange_IsFaultedAndNothingEverPushes)
         ASSERT_TRUE(same(r.sent, config.safety.neutral)) << of.name << ", tick " << k;
         ASSERT_EQ(r.safety_state, SafetyState::kFaulted);
         if (k > 0) continue;
-        EXPECT_EQ(r.faults & kStopping, Fault::kSpeedLimit);
+        EXPECT_EQ(r.faults & kStoppingFaults, Fault::kSpeedLimit);
         EXPECT_EQ(r.fault_axis, axis);
       }
       bench.device.clear();
@@ -49,7 +49,7 @@ TEST(MovedSinceArming, ByLess_IsBlendedIn) {
     Witness witness(config);
     for (int k = 0; k < 250; ++k) {
       witness.see(bench.tick());
-      ASSERT_EQ(bench.record.faults & kStopping, Fault::kNone) << of.name << ", tick " << k;
+      ASSERT_EQ(bench.record.faults & kStoppingFaults, Fault::kNone) << of.name << ", tick " << k;
     }
     EXPECT_EQ(witness.problem(), "");
     EXPECT_EQ(bench.record.safety_state, SafetyState::kRendering);
@@ -92,12 +92,12 @@ TEST(NoPeriod, OfALoopThatSaysZero_CountsAsOne) {
   ASSERT_TRUE(bench.renderer.arm());
   for (int k = 0; k < 300; ++k) {
     bench.renderer.tick(0, bench.record);
-    ASSERT_EQ(bench.record.faults & kStopping, Fault::kNone) << k;
+    ASSERT_EQ(bench.record.faults & kStoppingFaults, Fault::kNone) << k;
     ASSERT_EQ(bench.record.elapsed_periods, 1U);
   }
 }
 
-// Whoever takes an arming back when ticks have followed gets a device that is let down, not
+// An arming that is taken back after ticks have followed leaves a device that is let down, not
 // dropped.
 TEST(Disarm, WhileItPushes_IsFollowedByNoStep) {
   const RendererConfig& config = workbench().config();
@@ -129,7 +129,7 @@ bool stopsAllowingTheLeast(Bench& bench) {
   for (const LiveParameter& p : bench.renderer.liveParameters()) least.push_back(p.lower);
   bench.renderer.startParametersAt(least);
   if (!bench.renderer.arm()) return false;
-  while (!any(bench.tick().faults & kStopping)) {
+  while (!any(bench.tick().faults & kStoppingFaults)) {
   }
   return true;
 }
@@ -146,14 +146,14 @@ TEST(TwoFaults, ClampedOnOneAxisAndNoNumberOnAnother_NameTheOneThatStops) {
     Bench bench(workbench(), sabotage, random, config);
     // What is clamped then is known before the device's limit.
     ASSERT_TRUE(stopsAllowingTheLeast(bench));
-    EXPECT_EQ(bench.record.faults & kStopping, Fault::kNonFiniteEffort);
+    EXPECT_EQ(bench.record.faults & kStoppingFaults, Fault::kNonFiniteEffort);
     EXPECT_EQ(bench.record.fault_axis, 2);
     clamped += any(bench.record.faults & Fault::kEffortLimit) ? 1 : 0;
   }
   EXPECT_GT(clamped, 0);
 }
 
-// A fault of the world or of writing is of no axis: whoever looks at the axis that was merely
+// A fault of the world or of writing is of no axis: a reader who looks at the axis that was merely
 // clamped in the same tick repairs the wrong thing.
 TEST(TwoFaults, ClampedBesideAFaultOfNoAxis_NameNone) {
   std::mt19937_64 random = seededRandom(36);

@@ -50,7 +50,7 @@ inline const Workbench& workbench() {
   return bench;
 }
 
-/// Off every stop, so that a stuck encoder can be told from a hand that rests at one.
+/// Off every stop, so that a stuck encoder differs from a hand that rests at one.
 inline AxisPosition inside(const DeviceModel& device) {
   AxisPosition q(device.axisCount());
   for (int a = 0; a < q.size(); ++a) {
@@ -126,7 +126,7 @@ class Witness {
     }
     // The slew limit has the last word: power may fall no faster than it lets efforts fall.
     if (power_w > config_.safety.supervisor.power_limit_w + 1e-9 &&
-        !any(r.faults & (Fault::kEffortSlew | kStopping)) && r.authority == 1.0) {
+        !any(r.faults & (Fault::kEffortSlew | kStoppingFaults)) && r.authority == 1.0) {
       complain(r, -1, "powerful", power_w);
     }
     last_ = r.sent;

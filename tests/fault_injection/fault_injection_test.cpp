@@ -14,7 +14,7 @@ constexpr int kGapEvery = 100;         // ticks, where gaps are repeated
 
 struct Kind {
   const char* name;
-  Fault told;
+  Fault reported;
   std::optional<InjectedKind> device;
   std::optional<WorldKind> world;
   Push push = Push::kWell;
@@ -23,17 +23,17 @@ struct Kind {
   bool repeats = false;  ///< short gaps, one after another
 };
 
-Kind device(const char* name, Fault told, InjectedKind kind, int delay = 0) {
-  return {name, told, kind, std::nullopt, Push::kWell, hasAxis(kind), delay};
+Kind device(const char* name, Fault reported, InjectedKind kind, int delay = 0) {
+  return {name, reported, kind, std::nullopt, Push::kWell, hasAxis(kind), delay};
 }
-Kind world(const char* name, Fault told, WorldKind kind, bool of_axis = false, int delay = 0) {
-  return {name, told, std::nullopt, kind, Push::kWell, of_axis, delay};
+Kind world(const char* name, Fault reported, WorldKind kind, bool of_axis = false, int delay = 0) {
+  return {name, reported, std::nullopt, kind, Push::kWell, of_axis, delay};
 }
 Kind effort(const char* name, Push push) {
   return {name, Fault::kNonFiniteEffort, std::nullopt, std::nullopt, push, true, 0};
 }
-Kind repeated(const char* name, Fault told, InjectedKind kind) {
-  Kind out = device(name, told, kind);
+Kind repeated(const char* name, Fault reported, InjectedKind kind) {
+  Kind out = device(name, reported, kind);
   out.repeats = true;
   return out;
 }
@@ -65,8 +65,8 @@ std::vector<Kind> kinds() {
   };
 }
 
-/// In which tick the supervisor must tell, from what was read alone: written anew, by the words of
-/// docs/safety.md.
+/// In which tick the supervisor must report, from what was read alone: written anew, by the words
+/// of docs/safety.md.
 class Oracle {
  public:
   Oracle(const Kind& kind, const RendererConfig& config, int at, int axis)
@@ -78,16 +78,16 @@ class Oracle {
     const double fastest = s_.speed_limit[axis_] * s_.period_s;
     const int tick = static_cast<int>(r.tick);
     bool met = tick == at_;
-    if (kind_.told == Fault::kEncoderJump) met = tick > 0 && moved > 3.0 * fastest;
+    if (kind_.reported == Fault::kEncoderJump) met = tick > 0 && moved > 3.0 * fastest;
     fast_ticks_ = tick > 0 && moved > fastest ? fast_ticks_ + 1 : 0;
-    if (kind_.told == Fault::kSpeedLimit) met = fast_ticks_ == 2;
-    if (kind_.told == Fault::kWorkspace) {
+    if (kind_.reported == Fault::kSpeedLimit) met = fast_ticks_ == 2;
+    if (kind_.reported == Fault::kWorkspace) {
       met = q < s_.lower[axis_] - s_.margin[axis_] || q > s_.upper[axis_] + s_.margin[axis_];
     }
-    if (kind_.told == Fault::kLateInARow) {  // the fourth gap within a second, or late in a row
+    if (kind_.reported == Fault::kLateInARow) {  // the fourth gap within a second, or late in a row
       met = tick == at_ + (kind_.repeats ? 3 * kGapEvery : s_.watch.late_in_a_row);
     }
-    if (kind_.told == Fault::kEncoderStuck) met = stuck(r, sent_before);
+    if (kind_.reported == Fault::kEncoderStuck) met = stuck(r, sent_before);
     q_ = q;
     return met;
   }
@@ -157,7 +157,7 @@ Sabotage sabotage(const Workbench& bench, const Kind& kind, int at, int axis, in
   return out;
 }
 
-/// From the tick that told: the ramp, exactly neutral within 100 ms, nothing after it.
+/// From the tick that reported it: the ramp, exactly neutral within 100 ms, nothing after it.
 void expectFall(const Kind& kind, Bench& bench, Witness& witness, Totals& totals) {
   const int steps = bench.world.steps();
   const double authority = bench.record.authority;
@@ -174,7 +174,7 @@ void expectFall(const Kind& kind, Bench& bench, Witness& witness, Totals& totals
     }
     if (neutral_after < 0 && witness.atNeutral()) neutral_after = k;
     if (k == kNeutralWithin - 1) {
-      ASSERT_TRUE(witness.atNeutral());  // the tick that told is the first of the 100
+      ASSERT_TRUE(witness.atNeutral());  // the tick that reported it is the first of the 100
     }
   }
   ASSERT_TRUE(witness.atNeutral());
@@ -194,7 +194,7 @@ void expectRearming(Bench& bench, const RendererConfig& config, int ticks) {
   bench.ticks = -1;
   for (int k = 0; k < ticks; ++k) witness.see(bench.tick());
   EXPECT_EQ(witness.problem(), "");
-  EXPECT_EQ(bench.record.faults & kStopping, Fault::kNone);
+  EXPECT_EQ(bench.record.faults & kStoppingFaults, Fault::kNone);
   EXPECT_GT(bench.record.authority, 0.0);
   EXPECT_EQ(bench.record.safety_state, ticks > 200 ? SafetyState::kRendering : SafetyState::kArmed);
 }
@@ -218,7 +218,7 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
     const bool falls = met && kind.ramp_delay == 0;
     falls ? witness.seeFall(r) : witness.see(r);
     if (!met) {
-      ASSERT_EQ(r.faults & kStopping, Fault::kNone)
+      ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone)
           << "in tick " << k << ", too early: axis " << r.fault_axis;
       authority = r.authority;
     }
@@ -226,21 +226,21 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
   }
   ++totals.runs;
   if (!met) {  // one that sticks at a stop or where a clamped effort cannot change is not seen
-    ASSERT_EQ(kind.told, Fault::kEncoderStuck);
+    ASSERT_EQ(kind.reported, Fault::kEncoderStuck);
     ASSERT_TRUE(oracle.atStop(bench.record.q_m[axis]) ||
                 std::abs(bench.record.sent[axis]) >= 0.8 * config.safety.effort_limit[axis])
         << "effort " << bench.record.sent[axis];
     ++totals.unseen;
     return;
   }
-  const TickRecord& told = bench.record;
-  ASSERT_EQ(told.faults & kind.told, kind.told);
-  ASSERT_EQ(told.safety_state, SafetyState::kFaulted);
+  const TickRecord& reported = bench.record;
+  ASSERT_EQ(reported.faults & kind.reported, kind.reported);
+  ASSERT_EQ(reported.safety_state, SafetyState::kFaulted);
   if (kind.of_axis && !kind.world) {
-    ASSERT_EQ(told.fault_axis, axis);
+    ASSERT_EQ(reported.fault_axis, axis);
   }
   if (kind.ramp_delay == 0) {
-    ASSERT_LT(told.authority, authority);
+    ASSERT_LT(reported.authority, authority);
   }
   totals.latest_reaction = std::max(totals.latest_reaction, kind.ramp_delay);
   expectFall(kind, bench, witness, totals);

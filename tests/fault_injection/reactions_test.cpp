@@ -21,8 +21,8 @@ Fault expectGoesOn(Bench& bench, Witness& witness, int ticks, int at) {
     const TickRecord& r = bench.tick();
     witness.see(r);
     if (k >= at) seen |= r.faults;
-    EXPECT_EQ(r.faults & kStopping, Fault::kNone) << "tick " << k << " axis " << r.fault_axis;
-    if (any(r.faults & kStopping)) break;
+    EXPECT_EQ(r.faults & kStoppingFaults, Fault::kNone) << "tick " << k << " axis " << r.fault_axis;
+    if (any(r.faults & kStoppingFaults)) break;
   }
   EXPECT_EQ(witness.problem(), "");
   EXPECT_EQ(bench.record.safety_state, SafetyState::kRendering);
@@ -33,11 +33,11 @@ Fault expectGoesOn(Bench& bench, Witness& witness, int ticks, int at) {
 struct Limit {
   const char* name;
   Push push;
-  Fault told;
+  Fault reported;
 };
 class Limited : public ::testing::TestWithParam<Limit> {};
 
-TEST_P(Limited, EffortOnEveryAxis_IsHeldAndToldAndRenderingGoesOn) {
+TEST_P(Limited, EffortOnEveryAxis_IsHeldAndReportedAndRenderingGoesOn) {
   const Limit limit = GetParam();
   std::mt19937_64 random = seededRandom(21);
   int runs = 0, seen_runs = 0;  // pressed hard against the stop, the sum may be at the limit anyway
@@ -51,7 +51,7 @@ TEST_P(Limited, EffortOnEveryAxis_IsHeldAndToldAndRenderingGoesOn) {
       Witness witness(config);
       const Fault seen = expectGoesOn(bench, witness, at + 40, at);
       ++runs;
-      seen_runs += (seen & limit.told) == limit.told ? 1 : 0;
+      seen_runs += (seen & limit.reported) == limit.reported ? 1 : 0;
       EXPECT_LE(witness.steepest, 1.0 + 1e-9);
       if (HasFailure()) return;
     }
@@ -79,7 +79,8 @@ TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_GivesNoMoreThanTheLimit) {
     for (int k = 0; k < 500; ++k) {
       const TickRecord& r = bench.tick();
       EXPECT_FALSE(any(r.faults & Fault::kWorldGivesEnergy));  // the exercise does
-      if (any(r.faults & kStopping)) break;  // pushed along, a finger may pass its speed limit
+      if (any(r.faults & kStoppingFaults))
+        break;  // pushed along, a finger may pass its speed limit
       witness.see(r);
       ++ticks;
       limited += any(r.faults & Fault::kPowerLimit) ? 1 : 0;
@@ -146,7 +147,7 @@ TEST(Stop, WhilePersonAndHandFlyOff_EndsDisarmedNotFaulted) {
     bench.renderer.requestStop();
     for (int k = 0; k < kNeutralWithin; ++k) {
       witness.seeFall(bench.tick());
-      ASSERT_EQ(bench.record.faults & kStopping, Fault::kNone) << k;
+      ASSERT_EQ(bench.record.faults & kStoppingFaults, Fault::kNone) << k;
     }
     EXPECT_TRUE(witness.atNeutral());
     EXPECT_EQ(witness.problem(), "");
@@ -177,7 +178,7 @@ TEST(WriteRefusedForEver, WhileRendering_IsFaultedAndFinishedAfterASecond) {
   EXPECT_EQ(witness.problem(), "");
 }
 
-TEST(OwnerSilent, WhileTheExercisePushes_ItFadesOutAndRenderingGoesOn) {
+TEST(HolderSilent, WhileTheExercisePushes_ItFadesOutAndRenderingGoesOn) {
   std::mt19937_64 random = seededRandom(24);
   for (int i = 0; i < cases(kRuns); ++i) {
     const int at = static_cast<int>(uniform(random, 210, 500));
@@ -187,11 +188,11 @@ TEST(OwnerSilent, WhileTheExercisePushes_ItFadesOutAndRenderingGoesOn) {
     Witness witness(config);
     expectGoesOn(bench, witness, at, at);
     bench.record.command_count = 1;
-    bench.record.commands[0] = {CommandType::kOwner, 0, 0.0, {}};
+    bench.record.commands[0] = {CommandType::kHolderAlive, 0, 0.0, {}};
     witness.see(bench.tick());
-    EXPECT_EQ(bench.record.faults & Fault::kOwnerSilent, Fault::kOwnerSilent);
+    EXPECT_EQ(bench.record.faults & Fault::kHolderSilent, Fault::kHolderSilent);
     const Fault seen = expectGoesOn(bench, witness, 300, 0);
-    EXPECT_EQ(seen & Fault::kOwnerSilent, Fault::kOwnerSilent);
+    EXPECT_EQ(seen & Fault::kHolderSilent, Fault::kHolderSilent);
     for (double effort : bench.record.exercise.effort) EXPECT_EQ(effort, 0.0);
   }
 }
@@ -215,7 +216,7 @@ TEST(Lateness, OfASimulatedDevice_IsCountedOnly) {
     seen |= bench.record.faults;
   }
   EXPECT_EQ(witness.problem(), "");
-  EXPECT_EQ(seen & (kStopping | Fault::kLateTick), Fault::kLateTick);
+  EXPECT_EQ(seen & (kStoppingFaults | Fault::kLateTick), Fault::kLateTick);
 }
 
 class Arming : public ::testing::TestWithParam<InjectedKind> {};

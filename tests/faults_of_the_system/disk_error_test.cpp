@@ -116,7 +116,7 @@ TEST_F(DiskErrorTest, ThatPasses_APartBeginsAndNothingBeforeOrAfterIsLost) {
   for (std::uint64_t tick = 2600; tick < appended; ++tick) ASSERT_TRUE(seen.contains(tick)) << tick;
 }
 
-// What is told to be recorded outlives a power cut.
+// What is reported as recorded outlives a power cut.
 TEST_F(DiskErrorTest, ClosedRecording_IsOnTheDisk) {
   append(600);
   EXPECT_TRUE(unsynced);

@@ -13,7 +13,7 @@ CALLS = ("open", "read", "pwrite", "stat", "fsync", "fallocate")  # in the order
 
 
 class FaultyDisk:
-    """What disk_faults.cpp is told."""
+    """The commands to disk_faults.cpp."""
 
     def __init__(self, folder, ms=0):
         self.path = folder / "faults"

@@ -1,5 +1,5 @@
 """A disk that refuses what a recording writes: full, over its quota, read-only, broken, gone. The loop goes on, the loss
-is told while it lasts and at the end, and every tick that was written is read."""
+is reported while it lasts and at the end, and every tick that was written is read."""
 import errno
 import re
 import signal
@@ -9,7 +9,7 @@ from faulty_disk import LIBRARY, FaultyDisk
 from app import FREE_RUN, HANG_S, INTERRUPTED, AppTest, loop_sleeps, main, read_recording
 
 NEVER = 2**64 - 1  # docs/recording.md: a tick that never reached the disk
-SOUND_TICKS = 1500  # before the disk fails; and, where it mends, after that
+SOUND_TICKS = 1500  # before the disk fails; and, where it recovers, after that
 WRITES = ("pwrite", "fallocate", "fsync")
 
 
@@ -29,7 +29,7 @@ class FailingDisk(AppTest):
         self.wait_for_ticks(run)
         disk.fail(error, *WRITES)
         said = ""
-        while "ticks are missing" not in said:  # told while it lasts
+        while "ticks are missing" not in said:  # reported while it lasts
             line = run.stdout.readline()
             self.assertTrue(line, said)
             said += line

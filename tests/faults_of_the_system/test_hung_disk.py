@@ -1,4 +1,4 @@
-"""Stops wait for nothing: every door, while a disk hangs. disk_faults.cpp makes it hang, as a share whose server is gone.
+"""Stops wait for nothing: from every source, while a disk hangs. disk_faults.cpp makes it hang, as a share whose server is gone.
 
 Measured is the time from sending to the loop's first tick of the fade or the ramp. When that tick was due is known
 from its number: ticks are a period apart, and the earliest that states ever came says when tick 0 was, so that
@@ -19,14 +19,14 @@ from faulty_disk import CALLS, LIBRARY, FaultyDisk
 import client
 from app import ALWAYS, FREE_RUN, FULL, HANG_S, INTERRUPTED, SOURCE, STOP_REQUESTED, PacedTest, main, read_recording
 
-EMERGENCY, OWNER_SILENT = 1 << 11, 1 << 20  # docs/recording.md, bits of `faults`
-BEGUN = STOP_REQUESTED | EMERGENCY | OWNER_SILENT
+EMERGENCY, HOLDER_SILENT = 1 << 11, 1 << 20  # docs/recording.md, bits of `faults`
+BEGUN = STOP_REQUESTED | EMERGENCY | HOLDER_SILENT
 
 WITHIN_S = 0.050
 FADE_S, RAMP_S = 0.35, 0.100  # docs/safety.md: a plain stop fades the exercise out, then ramps
 
 PLACES = ("recording", "download", "report", "page", "log")
-DOORS = ("emergency stop of a page", "stop of a page", "emergency stop of a game", "stop of a game", "SIGINT",
+STOP_SOURCES = ("emergency stop of a page", "stop of a page", "emergency stop of a game", "stop of a game", "SIGINT",
          "SIGTERM", "page that is closed", "page that falls silent")
 RATE_HZ = 500  # of states to the observer: every other tick
 
@@ -114,32 +114,32 @@ class Stops(PacedTest):
             time.sleep(0.005)
         time.sleep(self.random.uniform(0.02, 0.1))
 
-    def prepare(self, run, door):
-        """Whoever is to stop is there, and holds the controls where that needs them."""
-        if door == "stop of a game":
+    def prepare(self, run, source):
+        """The client that is to stop is there, and holds the controls where a stop needs them."""
+        if source == "stop of a game":
             self.game.say(client.TAKE_CONTROLS)
             self.wait_until(run, lambda: self.game.holds_controls)
-        if "page" in door:
+        if "page" in source:
             self.page = client.Page(self.port)
             self.addCleanup(self.page.socket.close)
-            if not door.startswith("emergency"):
+            if not source.startswith("emergency"):
                 self.page.hold_controls()
         time.sleep(0.1)
 
-    def send(self, run, door):
+    def send(self, run, source):
         """When it was sent, and when at the latest its effect must begin."""
         now = time.monotonic()
-        if door == "emergency stop of a page":
+        if source == "emergency stop of a page":
             self.page.say(client.EMERGENCY_STOP)
-        elif door == "stop of a page":
+        elif source == "stop of a page":
             self.page.say(client.STOP)
-        elif door == "emergency stop of a game":
+        elif source == "emergency stop of a game":
             self.game.say(client.EMERGENCY_STOP)
-        elif door == "stop of a game":
+        elif source == "stop of a game":
             self.game.say(client.STOP)
-        elif door.startswith("SIG"):
-            run.send_signal(getattr(signal, door))
-        elif door == "page that is closed":
+        elif source.startswith("SIG"):
+            run.send_signal(getattr(signal, source))
+        elif source == "page that is closed":
             self.page.close()
         else:
             return self.page.fall_silent(), 0.2 + 0.05  # its last heartbeat was up to 50 ms ago
@@ -152,18 +152,18 @@ class Stops(PacedTest):
         ticks = [tick for _, tick, faults, _ in states if faults & bits]
         return origin + ticks[0] * 1e-3 - since if ticks else None
 
-    def delay(self, door, place, call, ms):
+    def delay(self, source, place, call, ms):
         run = self.start(place=place, ms=ms)
-        self.prepare(run, door)
+        self.prepare(run, source)
         self.assertIsNone(self.first(0.0, BEGUN), "it stopped by itself")
         self.busy_with(run, place, call)
         hung = self.disk.hanging
-        since, grace = self.send(run, door)
+        since, grace = self.send(run, source)
         self.wait_until(run, lambda: self.first(since, BEGUN) is not None)
         delay = self.first(since, BEGUN)
         self.assertIsNotNone(delay, ALWAYS + "nothing stopped")
         ramp = None
-        if "closed" not in door and "silent" not in door:  # these fade the exercise out, and render on
+        if "closed" not in source and "silent" not in source:  # these fade the exercise out, and render on
             self.wait_until(run, lambda: self.first(since, STOP_REQUESTED) is not None)
             ramp = self.first(since, STOP_REQUESTED)
             self.assertIsNotNone(ramp, ALWAYS + "it faded, and never ramped")
@@ -171,25 +171,25 @@ class Stops(PacedTest):
         self.disk.hang()
         return delay - grace, ramp, hung
 
-    def check(self, door, place, call, ms):
-        delay, ramp, hung = self.delay(door, place, call, ms)
-        what = f"{door}, {call} hangs, {place}"
+    def check(self, source, place, call, ms):
+        delay, ramp, hung = self.delay(source, place, call, ms)
+        what = f"{source}, {call} hangs, {place}"
         print(f"figure: {what}: {1e3 * delay:.0f} ms ({hung} calls hung)", flush=True)
         self.assertLessEqual(delay, WITHIN_S, what)
         if ramp is not None:
-            self.assertLessEqual(ramp, WITHIN_S + (0.0 if door.startswith("emergency") else FADE_S), what)
+            self.assertLessEqual(ramp, WITHIN_S + (0.0 if source.startswith("emergency") else FADE_S), what)
 
     def test_every_stop_begins_within_50_ms_while_a_disk_hangs(self):
-        combinations = list(itertools.product(DOORS, PLACES, CALLS))
+        combinations = list(itertools.product(STOP_SOURCES, PLACES, CALLS))
         self.random.shuffle(combinations)
         if not FULL:
             del combinations[2:]
             # And the one of each kind that waited before: for the server's thread, for telemetry, for the main thread.
             combinations += [("emergency stop of a page", "download", "read"), ("stop of a page", "recording", "pwrite"),
                              ("SIGTERM", "recording", "pwrite")]
-        for door, place, call in combinations:
-            with self.subTest(door=door, place=place, call=call):
-                self.check(door, place, call, 5000 if FULL else 2000)
+        for source, place, call in combinations:
+            with self.subTest(source=source, place=place, call=call):
+                self.check(source, place, call, 5000 if FULL else 2000)
 
     def test_second_ctrl_c_says_what_is_waited_for_and_the_third_ends_it(self):
         run = self.start(ms=20000)

@@ -74,7 +74,7 @@ class PowerCut(Running):
             ticks = self.ticks_in(left / f"{session}.h5")
             unread.append(ticks == 0)
             again = self.ticks_in_inputs(left / f"{session}.inputs")
-            behind.append(1e-3 * (told - max(ticks, again)))
+            behind.append(1e-3 * (reported - max(ticks, again)))
 
         saving, behind, unread, closed = threading.Thread(target=save, daemon=True), [], [], None
         saving.start()
@@ -88,7 +88,7 @@ class PowerCut(Running):
                             and self.page.state.number(RUN_STATE, "b") == RENDERING)
             for _ in range(CUTS_A_SESSION):
                 time.sleep(0.3 * self.draw.random())
-                before, told = dict(answered), self.page.state.number(TICK, "Q")
+                before, reported = dict(answered), self.page.state.number(TICK, "Q")
                 self.cut(check)
             self.assertTrue(self.page.answer(self.page.say(client.EMERGENCY_STOP))[0])
             self.endings += 2
@@ -119,8 +119,8 @@ class PowerCut(Running):
         if not path.exists():
             return 0
         result = self.run_app("replay", path, "--extract", "again.h5", cwd=self.kept)
-        told = re.search(r": (\d+) ticks, made again", result.out)
-        return int(told[1]) if told else 0
+        reported = re.search(r": (\d+) ticks, made again", result.out)
+        return int(reported[1]) if reported else 0
 
     def test_what_commands_said_to_be_written_slow(self):
         """Recordings that are closed, summaries, results of a sweep: a command ends, and then the power is cut."""

@@ -191,7 +191,7 @@ std::vector<double> orderTimes_us() {
     spawn.generation = generation;
     obey(spawnCommand(spawn));
     obey(teleportCommand(slot, generation, at));
-    if (any(world->step(drive, 1e-3) & kStopping)) throw std::runtime_error("a step failed");
+    if (any(world->step(drive, 1e-3) & kStoppingFaults)) throw std::runtime_error("a step failed");
   }
   return times_us;
 }

@@ -228,7 +228,7 @@ Outcome drive(Models models, Holder holder, Draw& draw, bool uncertified) {
   const auto step = [&] {
     last = game.record;
     game.tick();
-    if (any(game.record.faults & kStopping)) out.faulted = true;
+    if (any(game.record.faults & kStoppingFaults)) out.faulted = true;
     if (last.contact_count > 0) ++out.touching;
     if (last.tick >= from) out.ledger.add(last, game.record, index);
   };
@@ -323,7 +323,7 @@ TEST(CertifiedDriven, GainsFarFromCertified_AreFoundUnstable) {
   figure("unstable with six times the stiffness and a hundredth of the damping", unstable,
          "of 8 cases");
   if (kCountsTell) {
-    EXPECT_GT(unstable, 0) << "the judge would not tell";
+    EXPECT_GT(unstable, 0) << "the judge would not show it";
   }
 }
 

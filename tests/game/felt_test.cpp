@@ -54,10 +54,10 @@ TEST(GameBodies, AppearingOverTheHand_AreNotFeltUntilSolid) {
     const auto decided = [&](int k) { return full && solid_at >= 0 && k >= solid_at + 100; };
     for (int k = kAppears; k < kTicks && !decided(k); ++k) {
       game.tick();
-      ASSERT_FALSE(any(game.record.faults & kStopping)) << "tick " << k;
+      ASSERT_FALSE(any(game.record.faults & kStoppingFaults)) << "tick " << k;
       if (game.event(0) == "solid" && solid_at < 0) solid_at = k;
       if (solid_at < 0) {
-        // An event tells of the step before; until its own step nothing was felt.
+        // An event reports the step before; until its own step nothing was felt.
         for (int a = 0; a < 6; ++a) {
           largest = std::max(largest, std::abs(game.record.sent[a] - before[k][a]) /
                                           game.rig->models.device.axes[a].effort_limit);
@@ -89,7 +89,7 @@ double armSpeedAfter(const std::function<Command()>& order, BodyOwner owner) {
   double force_n = game.forceOf(0).norm(), largest_drop_n = 0.0;
   for (int k = 0; k < 600; ++k) {
     game.tick();
-    EXPECT_FALSE(any(game.record.faults & kStopping));
+    EXPECT_FALSE(any(game.record.faults & kStoppingFaults));
     if (k > 0) largest_drop_n = std::max(largest_drop_n, force_n - game.forceOf(0).norm());
     force_n = game.forceOf(0).norm();
     for (int a = 0; a < 3; ++a) {
@@ -160,7 +160,7 @@ Push pushAcross(std::mt19937_64& random) {
       game.order(bodyTargetCommand(0, 1, poseAt(start + share * (end - start), now)));
     }
     game.tick();
-    EXPECT_FALSE(any(game.record.faults & kStopping));
+    EXPECT_FALSE(any(game.record.faults & kStoppingFaults));
     const Eigen::Vector3d force = game.forceOf(0);
     const BodyState& body = game.body(0);
     for (int i = 0; i < game.record.contact_count; ++i) {

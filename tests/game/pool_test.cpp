@@ -114,7 +114,7 @@ TEST(GamePool, FallenOutOfTheWorld_IsTakenOut) {
   EXPECT_TRUE(named) << "quarantined";
   game.run(10);
   EXPECT_EQ(game.record.exercise.values[0], 0.0);
-  EXPECT_FALSE(any(game.record.faults & kStopping));
+  EXPECT_FALSE(any(game.record.faults & kStoppingFaults));
 }
 
 TEST(GamePool, SilentGame_ItsBodiesLeaveAfterFiveSeconds) {
@@ -122,7 +122,7 @@ TEST(GamePool, SilentGame_ItsBodiesLeaveAfterFiveSeconds) {
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kAside_m))));
   game.run(10);
   Command silent;
-  silent.type = CommandType::kOwner;
+  silent.type = CommandType::kHolderAlive;
   game.order(silent);
   game.run(4990);
   EXPECT_EQ(game.record.exercise.values[0], 1.0);
@@ -133,7 +133,7 @@ TEST(GamePool, SilentGame_ItsBodiesLeaveAfterFiveSeconds) {
 struct BadOrder {
   const char* what;
   Command command;
-  OrderRefusal refusal;
+  BodyRefusal refusal;
 };
 
 TEST(GamePool, BadOrders_AreRefusedWithTheReasonAndChangeNothing) {
@@ -152,50 +152,50 @@ TEST(GamePool, BadOrders_AreRefusedWithTheReasonAndChangeNothing) {
       orThrow(prepareShapes({boxShape({0.05, 0.05, 0.05})}, game.rig->models.scene.game));
   Command too_large = shapeCommands(3, shapes)[1];
   const std::vector<BadOrder> bad = {
-      {"slot", changed(good, [](auto& o) { o.slot = 64; }), OrderRefusal::kNoSuchSlot},
-      {"negative slot", removeCommand(-1, 1), OrderRefusal::kNoSuchSlot},
-      {"taken", changed(good, [](auto& o) { o.slot = 0; }), OrderRefusal::kSlotTaken},
-      {"generation", removeCommand(0, 2), OrderRefusal::kWrongGeneration},
-      {"parked", removeCommand(7, 1), OrderRefusal::kWrongGeneration},
+      {"slot", changed(good, [](auto& o) { o.slot = 64; }), BodyRefusal::kNoSuchSlot},
+      {"negative slot", removeCommand(-1, 1), BodyRefusal::kNoSuchSlot},
+      {"taken", changed(good, [](auto& o) { o.slot = 0; }), BodyRefusal::kSlotTaken},
+      {"generation", removeCommand(0, 2), BodyRefusal::kWrongGeneration},
+      {"parked", removeCommand(7, 1), BodyRefusal::kWrongGeneration},
       {"generation 0", changed(good, [](auto& o) { o.generation = 0; }),
-       OrderRefusal::kWrongGeneration},
-      {"set", changed(good, [](auto& o) { o.shape_set = 9; }), OrderRefusal::kNoSuchShapes},
-      {"busy set", shapeCommands(0, shapes)[0], OrderRefusal::kShapesBusy},
-      {"piece without set", too_large, OrderRefusal::kBadShapes},
-      {"NaN", changed(good, [&](auto& o) { o.pose.position_m.x = nan; }), OrderRefusal::kBadPose},
-      {"quaternion", teleportCommand(0, 1, poseAt(kAside_m, off)), OrderRefusal::kBadPose},
-      {"world", teleportCommand(0, 1, poseAt({6.0, 0.0, 0.0})), OrderRefusal::kBadPose},
-      {"velocity", changed(good, [](auto& o) { o.velocity_m_s.x = 3.0; }), OrderRefusal::kBadPose},
+       BodyRefusal::kWrongGeneration},
+      {"set", changed(good, [](auto& o) { o.shape_set = 9; }), BodyRefusal::kNoSuchShapes},
+      {"busy set", shapeCommands(0, shapes)[0], BodyRefusal::kShapesBusy},
+      {"piece without set", too_large, BodyRefusal::kBadShapes},
+      {"NaN", changed(good, [&](auto& o) { o.pose.position_m.x = nan; }), BodyRefusal::kBadPose},
+      {"quaternion", teleportCommand(0, 1, poseAt(kAside_m, off)), BodyRefusal::kBadPose},
+      {"world", teleportCommand(0, 1, poseAt({6.0, 0.0, 0.0})), BodyRefusal::kBadPose},
+      {"velocity", changed(good, [](auto& o) { o.velocity_m_s.x = 3.0; }), BodyRefusal::kBadPose},
       {"owner", changed(good, [](auto& o) { o.owner = static_cast<BodyOwner>(7); }),
-       OrderRefusal::kBadPose},
-      {"mass", changed(good, [](auto& o) { o.mass_kg = 2.1; }), OrderRefusal::kBadMass},
-      {"NaN mass", changed(good, [&](auto& o) { o.mass_kg = nan; }), OrderRefusal::kBadMass},
-      {"friction", changed(good, [](auto& o) { o.friction = -0.1; }), OrderRefusal::kBadMass},
-      {"target", bodyTargetCommand(0, 1, poseAt(kAside_m)), OrderRefusal::kNotTheGames},
+       BodyRefusal::kBadPose},
+      {"mass", changed(good, [](auto& o) { o.mass_kg = 2.1; }), BodyRefusal::kBadMass},
+      {"NaN mass", changed(good, [&](auto& o) { o.mass_kg = nan; }), BodyRefusal::kBadMass},
+      {"friction", changed(good, [](auto& o) { o.friction = -0.1; }), BodyRefusal::kBadMass},
+      {"target", bodyTargetCommand(0, 1, poseAt(kAside_m)), BodyRefusal::kNotTheGames},
       {"overlap",
        changed(good,
                [](auto& o) {
                  o.pose = poseAt(kAside_m);
                  o.refuse_overlap = true;
                }),
-       OrderRefusal::kOverlap},
+       BodyRefusal::kOverlap},
   };
   const BodyState before = game.body(0);
   for (const BadOrder& order : bad) {
     SCOPED_TRACE(order.what);
     game.order(order.command);
-    OrderRefusal refused = OrderRefusal::kNone;
+    BodyRefusal refused = BodyRefusal::kNone;
     for (int k = 0; k < 3; ++k) {
       game.tick();
       for (int i = 0; i < game.record.exercise.event_count; ++i) {
         const ExerciseEvent& e = game.record.exercise.events[i];
-        if (e.type == 5) refused = static_cast<OrderRefusal>(static_cast<int>(e.value));
+        if (e.type == 5) refused = static_cast<BodyRefusal>(static_cast<int>(e.value));
       }
     }
     EXPECT_STREQ(refusalName(refused), refusalName(order.refusal));
     EXPECT_EQ(game.record.exercise.values[0], 1.0);
     EXPECT_EQ(0, std::memcmp(&before, &game.body(0), sizeof before));
-    EXPECT_FALSE(any(game.record.faults & kStopping));
+    EXPECT_FALSE(any(game.record.faults & kStoppingFaults));
   }
 }
 
@@ -210,7 +210,7 @@ TEST(GamePool, BeyondTheBudget_IsRefused) {
     game.tick();
     for (int i = 0; i < game.record.exercise.event_count; ++i) {
       const ExerciseEvent& e = game.record.exercise.events[i];
-      if (e.type == 5 && static_cast<int>(e.value) == static_cast<int>(OrderRefusal::kBudget)) {
+      if (e.type == 5 && static_cast<int>(e.value) == static_cast<int>(BodyRefusal::kBudget)) {
         ++refused;
       }
     }

@@ -130,7 +130,7 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   plan.count_allocations = threadAllocations;
   plan.sinks.push_back([&](const TickRecord& record) {
     if (record.contact_count > 0) ++out.touching;
-    if (any(record.faults & kStopping) && out.stopped.empty())
+    if (any(record.faults & kStoppingFaults) && out.stopped.empty())
       out.stopped = storyOf(before, record);
     before = record;
     for (int i = 0; i < record.exercise.event_count; ++i) {

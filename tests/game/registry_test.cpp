@@ -57,7 +57,7 @@ struct Loop {
     body.position_m = poseOf(command).position_m;
     body.orientation_xyzw = poseOf(command).orientation_xyzw;
   }
-  OrderRefusal add(int number, const Eigen::Vector3d& at, BodyOwner owner = BodyOwner::kFixed) {
+  BodyRefusal add(int number, const Eigen::Vector3d& at, BodyOwner owner = BodyOwner::kFixed) {
     return registry.add(spawnOf(number, 0, owner, poseAt(at)), 0.03);
   }
   [[nodiscard]] RegisteredBody body(int number) const {
@@ -102,7 +102,7 @@ TEST(BodyRegistry, AThousandBodies_TheNearestHaveTheSlotsAndTheRestIsNamed) {
   std::vector<Eigen::Vector3d> at;
   for (int i = 0; i < kMostRegistered; ++i) {
     at.push_back(somewhere(random, 0.7));
-    ASSERT_EQ(loop.add(kFirstNumber + i, at.back()), OrderRefusal::kNone);
+    ASSERT_EQ(loop.add(kFirstNumber + i, at.back()), BodyRefusal::kNone);
   }
   loop.tick(200);
   double farthest_in_m = 0.0, nearest_out_m = 1e9;
@@ -216,7 +216,7 @@ TEST(BodyRegistry, HandedOverAndBack_APoseAndAVelocityAreTheSame) {
   Loop loop;
   SpawnOrder order = spawnOf(kFirstNumber, 0, BodyOwner::kLoop, poseAt({0.1, 0.3, 0.1}));
   order.generation = 7;
-  ASSERT_EQ(loop.registry.add(order, 0.03), OrderRefusal::kNone);
+  ASSERT_EQ(loop.registry.add(order, 0.03), BodyRefusal::kNone);
   loop.tick(50);
   ASSERT_EQ(loop.body(kFirstNumber).whereabouts, Whereabouts::kInSlot);
   // The loop moves it away, where the hand does not come to.
@@ -289,19 +289,19 @@ TEST(BodyRegistry, ABodyThatTheHandTouches_KeepsItsSlot) {
 TEST(BodyRegistry, BadOrders_AreRefusedByName) {
   Loop loop;
   for (int i = 0; i < kMostRegistered; ++i) (void)loop.add(kFirstNumber + i, {0.0, 0.0, 4.0});
-  EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), OrderRefusal::kBudget);
-  EXPECT_EQ(loop.add(kFirstNumber, {0, 0, 4}), OrderRefusal::kSlotTaken);
-  EXPECT_EQ(loop.add(kFirstNumber - 1, {0, 0, 4}), OrderRefusal::kNoSuchSlot);
-  EXPECT_EQ(loop.add(kLastNumber + 1, {0, 0, 4}), OrderRefusal::kNoSuchSlot);
+  EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), BodyRefusal::kBudget);
+  EXPECT_EQ(loop.add(kFirstNumber, {0, 0, 4}), BodyRefusal::kSlotTaken);
+  EXPECT_EQ(loop.add(kFirstNumber - 1, {0, 0, 4}), BodyRefusal::kNoSuchSlot);
+  EXPECT_EQ(loop.add(kLastNumber + 1, {0, 0, 4}), BodyRefusal::kNoSuchSlot);
   BodyRegistry& registry = loop.registry;
   const BodyPose there = poseAt({0, 1, 4});
-  EXPECT_EQ(registry.obey(removeCommand(9000, 1)), OrderRefusal::kWrongGeneration);
-  EXPECT_EQ(registry.obey(removeCommand(kFirstNumber, 2)), OrderRefusal::kWrongGeneration);
-  EXPECT_EQ(registry.obey(bodyTargetCommand(kFirstNumber, 1, there)), OrderRefusal::kNotTheGames);
-  EXPECT_EQ(registry.obey(teleportCommand(kFirstNumber, 1, there)), OrderRefusal::kNone);
+  EXPECT_EQ(registry.obey(removeCommand(9000, 1)), BodyRefusal::kWrongGeneration);
+  EXPECT_EQ(registry.obey(removeCommand(kFirstNumber, 2)), BodyRefusal::kWrongGeneration);
+  EXPECT_EQ(registry.obey(bodyTargetCommand(kFirstNumber, 1, there)), BodyRefusal::kNotTheGames);
+  EXPECT_EQ(registry.obey(teleportCommand(kFirstNumber, 1, there)), BodyRefusal::kNone);
   EXPECT_EQ(loop.body(kFirstNumber).pose.position_m.y, 1.0);
-  EXPECT_EQ(registry.obey(removeCommand(kFirstNumber, 1)), OrderRefusal::kNone);
-  EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), OrderRefusal::kNone);
+  EXPECT_EQ(registry.obey(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
+  EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), BodyRefusal::kNone);
   EXPECT_EQ(registry.count(), static_cast<std::size_t>(kMostRegistered));
 }
 
@@ -324,7 +324,7 @@ TEST(BodyRegistry, WhatTheLoopRefusesOrTakesOut_IsTriedAgainOrForgotten) {
   loop.registry.forLoop().clear();  // it is refused: as many move as may
   loop.record.exercise.event_count = 1;
   loop.record.exercise.events[0] = {kRefusedType, spawn.index,
-                                    static_cast<double>(OrderRefusal::kBudget)};
+                                    static_cast<double>(BodyRefusal::kBudget)};
   loop.registry.see(loop.record);
   EXPECT_FALSE(loop.registry.holds(spawn.index));
   loop.tick(400);
@@ -334,10 +334,10 @@ TEST(BodyRegistry, WhatTheLoopRefusesOrTakesOut_IsTriedAgainOrForgotten) {
 TEST(BodyRegistry, ASilentGame_LosesItsBodiesAfterFiveSeconds) {
   Loop loop;
   (void)loop.add(kFirstNumber, {0.0, 0.0, 4.0});
-  loop.record.faults = Fault::kOwnerSilent;
+  loop.record.faults = Fault::kHolderSilent;
   loop.tick(4900);
   EXPECT_EQ(loop.registry.count(), 1U);
-  EXPECT_EQ(loop.add(kFirstNumber + 1, {0, 0, 4}), OrderRefusal::kSilent);
+  EXPECT_EQ(loop.add(kFirstNumber + 1, {0, 0, 4}), BodyRefusal::kSilent);
   loop.tick(200);
   EXPECT_EQ(loop.registry.count(), 0U);
 }
@@ -349,14 +349,14 @@ TEST(BodyRegistry, OrdersToABodyInASlot_ReachTheLoop) {
   const int slot = loop.body(kFirstNumber).slot;
   ASSERT_GE(slot, 0);
   ASSERT_EQ(loop.registry.obey(bodyTargetCommand(kFirstNumber, 1, poseAt({0.1, 0.3, 0.1}))),
-            OrderRefusal::kNone);
+            BodyRefusal::kNone);
   ASSERT_EQ(loop.registry.forLoop().size(), 1U);
   const Command order = loop.registry.forLoop().front();
   EXPECT_EQ(order.type, CommandType::kBodyTarget);
   EXPECT_EQ(order.index, slot);
   EXPECT_EQ(order.value, loop.last_spawn.generation);
   EXPECT_EQ(poseOf(order).position_m.y, 0.3);
-  ASSERT_EQ(loop.registry.obey(removeCommand(kFirstNumber, 1)), OrderRefusal::kNone);
+  ASSERT_EQ(loop.registry.obey(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
   EXPECT_EQ(loop.registry.count(), 0U);
   EXPECT_TRUE(loop.registry.holds(slot)) << "until the loop has let it go";
   loop.tick(3);

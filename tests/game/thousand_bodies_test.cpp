@@ -48,7 +48,7 @@ class Crowd {
       }
       poses_.push_back(order.pose);
       if (registry.add(order, radii_m[static_cast<std::size_t>(order.shape_set)]) !=
-          OrderRefusal::kNone) {
+          BodyRefusal::kNone) {
         throw std::runtime_error("not registered");
       }
     }
@@ -78,7 +78,7 @@ struct Seen {
   bool stopped = false;
 
   void look(const TickRecord& record) {
-    stopped = stopped || any(record.faults & kStopping);
+    stopped = stopped || any(record.faults & kStoppingFaults);
     const auto awake = static_cast<std::uint64_t>(record.exercise.values[2]);
     most_awake = std::max(most_awake, awake);
     awake_ticks += awake;

@@ -7,28 +7,28 @@ namespace {
 
 constexpr int kStrike = 10;  // ticks over which the impulse is summed
 
-/// Touches told for a slot, with tick and impulse.
-struct TouchTold {
+/// Touches reported for a slot, with tick and impulse.
+struct ReportedTouch {
   std::uint64_t tick = 0;
   double impulse_ns = 0.0;
 };
 
-/// Runs, and collects what was told of a slot.
-std::vector<TouchTold> touchesOf(Game& game, int slot, int ticks,
-                                 const std::function<void(int)>& each) {
+/// Runs, and collects what was reported of a slot.
+std::vector<ReportedTouch> touchesOf(Game& game, int slot, int ticks,
+                                     const std::function<void(int)>& each) {
   const auto& names = game.rig->models.exercise->description().event_names;
-  std::vector<TouchTold> told;
+  std::vector<ReportedTouch> reported;
   for (int k = 0; k < ticks; ++k) {
     each(k);
     game.tick();
     for (int i = 0; i < game.record.exercise.event_count; ++i) {
       const ExerciseEvent& e = game.record.exercise.events[i];
       if (e.index == slot && names[e.type] == "touched") {
-        told.push_back({game.record.tick, e.value});
+        reported.push_back({game.record.tick, e.value});
       }
     }
   }
-  return told;
+  return reported;
 }
 
 /// Above the palm, out of reach of the hand.
@@ -47,21 +47,21 @@ TEST(Touched, ABallThatFallsOnTheHand_TellsTheMomentumThatItLost) {
   game.order(spawnCommand(order));
   std::vector<Eigen::Vector3d> velocity;  // before the step of each tick
   std::vector<bool> touching;             // in the step of each tick
-  const auto told = touchesOf(game, 0, 600, [&](int k) {
+  const auto reported = touchesOf(game, 0, 600, [&](int k) {
     if (k == 0) return;
     velocity.push_back(game.body(0).velocity_m_s.eigen());
     touching.push_back(game.forceOf(0).norm() > 0.0);
   });
-  ASSERT_FALSE(told.empty());
+  ASSERT_FALSE(reported.empty());
   const auto first = static_cast<std::size_t>(std::find(touching.begin(), touching.end(), true) -
                                               touching.begin());
   ASSERT_LT(first + kStrike, velocity.size());
   // Newton: what the hand got is what the ball lost, and its weight.
   const Eigen::Vector3d weight_ns(0.0, 0.0, -0.2 * kGravity_m_s2 * kStrike * 1e-3);
   const Eigen::Vector3d lost_ns = 0.2 * (velocity[first] - velocity[first + kStrike]) + weight_ns;
-  EXPECT_NEAR(told[0].impulse_ns, lost_ns.norm(), tolerance(1e-9));
-  EXPECT_GT(told[0].impulse_ns, 0.02);
-  figure("impulse of a ball of 0.2 kg that falls on the hand", told[0].impulse_ns, "N·s");
+  EXPECT_NEAR(reported[0].impulse_ns, lost_ns.norm(), tolerance(1e-9));
+  EXPECT_GT(reported[0].impulse_ns, 0.02);
+  figure("impulse of a ball of 0.2 kg that falls on the hand", reported[0].impulse_ns, "N·s");
 }
 
 TEST(Touched, OnceATouch_AndAgainAfterATenthOfASecondWithoutContact) {
@@ -86,7 +86,7 @@ TEST(Touched, BouncesWithinATenthOfASecond_AreOneTouch) {
   Eigen::Vector3d rests_at = palm;
   int touches = 0, gaps = 0;
   std::uint64_t last = 0;
-  const auto told = touchesOf(game, 0, 4000, [&](int k) {
+  const auto reported = touchesOf(game, 0, 4000, [&](int k) {
     if (game.forceOf(0).norm() > 0.0) {
       if (last != 0 && game.record.tick > last + 1) {
         ++gaps;
@@ -102,15 +102,15 @@ TEST(Touched, BouncesWithinATenthOfASecond_AreOneTouch) {
     game.order(bodyTargetCommand(0, 1, poseAt(at)));
   });
   EXPECT_GT(gaps, 3) << "it bounces";
-  EXPECT_EQ(static_cast<int>(told.size()), touches);
+  EXPECT_EQ(static_cast<int>(reported.size()), touches);
 }
 
-TEST(Touched, ABodyThatIsRemovedWhileItStrikes_IsToldBeforeItLeft) {
+TEST(Touched, ABodyThatIsRemovedWhileItStrikes_IsReportedBeforeItLeft) {
   Game game(std::vector<Shape>{ballShape(0.03)}, 100);
   SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt(above(game)));
   game.order(spawnCommand(order));
   const auto& names = game.rig->models.exercise->description().event_names;
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   bool removed = false;
   for (int k = 0; k < 1000; ++k) {
     game.tick();
@@ -119,15 +119,15 @@ TEST(Touched, ABodyThatIsRemovedWhileItStrikes_IsToldBeforeItLeft) {
       game.order(removeCommand(0, 1));
     }
     for (int i = 0; i < game.record.exercise.event_count; ++i) {
-      told.push_back(names[game.record.exercise.events[i].type]);
+      reported.push_back(names[game.record.exercise.events[i].type]);
     }
   }
   ASSERT_TRUE(removed);
-  const auto touched = std::find(told.begin(), told.end(), "touched");
-  const auto left = std::find(told.begin(), told.end(), "left");
-  ASSERT_NE(left, told.end());
-  EXPECT_LT(touched - told.begin(), left - told.begin());
-  EXPECT_EQ(std::count(told.begin(), told.end(), "touched"), 1);
+  const auto touched = std::find(reported.begin(), reported.end(), "touched");
+  const auto left = std::find(reported.begin(), reported.end(), "left");
+  ASSERT_NE(left, reported.end());
+  EXPECT_LT(touched - reported.begin(), left - reported.begin());
+  EXPECT_EQ(std::count(reported.begin(), reported.end(), "touched"), 1);
 }
 
 // Bodies of a game that are somewhere else at once: ghosts until they overlap nothing.
@@ -206,7 +206,7 @@ TEST(Teleports, FarTargetOfAPressedBody_LetsTheHandGoFirst) {
     if (!game.event(0).empty()) events.push_back(game.event(0));
     largest_drop_n = std::max(largest_drop_n, k > 0 ? force_n - game.forceOf(0).norm() : 0.0);
     force_n = game.forceOf(0).norm();
-    ASSERT_FALSE(any(game.record.faults & kStopping));
+    ASSERT_FALSE(any(game.record.faults & kStoppingFaults));
   }
   EXPECT_EQ(events, (std::vector<std::string>{"letting_go", "appeared", "solid"}));
   EXPECT_LT((game.body(0).position_m.eigen() - far).norm(), 0.02);

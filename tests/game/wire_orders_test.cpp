@@ -91,7 +91,7 @@ TEST(GameOnTheWire, ADrivenBall_IsSolidPressesTheHandAndLetsGo) {
   EXPECT_EQ(game.bodies()[0].state, SlotState::kLettingGo);
   EXPECT_TRUE(game.becomes(7, "left", 2000));
   EXPECT_TRUE(game.bodies().empty());
-  EXPECT_FALSE(any(game.record.faults & kStopping));
+  EXPECT_FALSE(any(game.record.faults & kStoppingFaults));
 }
 
 TEST(GameOnTheWire, TeleportAndOwner_ReachTheBody) {
@@ -121,11 +121,11 @@ TEST(GameOnTheWire, ShapesOfABodyInTheWorld_AreRefusedUntilItLeft) {
     game.tracker.refuseBusy(checked);
     return checked;
   };
-  EXPECT_EQ(again(0).refused.at(0).refusal, OrderRefusal::kShapesBusy) << "spawn under way";
+  EXPECT_EQ(again(0).refused.at(0).refusal, BodyRefusal::kShapesBusy) << "spawn under way";
   EXPECT_TRUE(again(0).commands.empty());
   EXPECT_TRUE(again(1).refused.empty());
   ASSERT_TRUE(game.becomes(0, "solid", 20));
-  EXPECT_EQ(again(0).refused.at(0).refusal, OrderRefusal::kShapesBusy);
+  EXPECT_EQ(again(0).refused.at(0).refusal, BodyRefusal::kShapesBusy);
   game.say(words::remove(4, {{0, 1}}));
   ASSERT_TRUE(game.becomes(0, "left", 20));
   EXPECT_TRUE(again(0).refused.empty());
@@ -137,19 +137,19 @@ TEST(GameOnTheWire, SpawnBesideOneUnderWayOrWithoutShapes_IsRefused) {
   const auto refusalOf = [&](const SpawnWords& words) {
     CheckedOrders checked = checkedOf(spawn(9, {words}), budget);
     game.tracker.refuseBusy(checked);
-    return checked.refused.empty() ? OrderRefusal::kNone : checked.refused[0].refusal;
+    return checked.refused.empty() ? BodyRefusal::kNone : checked.refused[0].refusal;
   };
-  EXPECT_EQ(refusalOf({}), OrderRefusal::kNoSuchShapes);
+  EXPECT_EQ(refusalOf({}), BodyRefusal::kNoSuchShapes);
   game.say(prepareBall(1, 0, 0.03F));
-  EXPECT_EQ(refusalOf({}), OrderRefusal::kNone);
+  EXPECT_EQ(refusalOf({}), BodyRefusal::kNone);
   game.say(spawn(2, {{}}));
-  EXPECT_EQ(refusalOf({}), OrderRefusal::kSlotTaken);
+  EXPECT_EQ(refusalOf({}), BodyRefusal::kSlotTaken);
 }
 
 struct BadItem {
   const char* what;
   wire::Bytes message;
-  OrderRefusal refusal;
+  BodyRefusal refusal;
   const char* says;  ///< part of the sentence
 };
 
@@ -162,31 +162,31 @@ std::vector<BadItem> badBodies() {
   const fb::Pose off = words::placed(0.5F, 0.3F, 0.2F, {0, 0, 0, 1.01F});
   const fb::Pose nan = words::placed(kNan, 0.3F, 0.2F);
   return {
-      {"slot", changed([](auto& w) { w.slot = 64; }), OrderRefusal::kNoSuchSlot, "[0, 63]"},
-      {"large slot", words::remove(1, {{0xFFFFFFFFU, 1}}), OrderRefusal::kNoSuchSlot, "[0, 63]"},
-      {"generation 0", changed([](auto& w) { w.generation = 0; }), OrderRefusal::kWrongGeneration,
+      {"slot", changed([](auto& w) { w.slot = 64; }), BodyRefusal::kNoSuchSlot, "[0, 63]"},
+      {"large slot", words::remove(1, {{0xFFFFFFFFU, 1}}), BodyRefusal::kNoSuchSlot, "[0, 63]"},
+      {"generation 0", changed([](auto& w) { w.generation = 0; }), BodyRefusal::kWrongGeneration,
        "[1, 16777215]"},
-      {"generation", words::remove(1, {{0, 16777216}}), OrderRefusal::kWrongGeneration, "16777215"},
-      {"set", changed([](auto& w) { w.shape_set = 32; }), OrderRefusal::kNoSuchShapes, "[0, 31]"},
-      {"NaN", changed([&](auto& w) { w.pose = nan; }), OrderRefusal::kBadPose, "must be finite"},
-      {"quaternion", changed([&](auto& w) { w.pose = off; }), OrderRefusal::kBadPose, "1.01"},
-      {"world", teleport(1, {{0, 1, words::placed(5.1F, 0, 0)}}), OrderRefusal::kBadPose, "5 m"},
-      {"target", bodyTargets(1, {{0, 1, nan}}), OrderRefusal::kBadPose, "must be finite"},
+      {"generation", words::remove(1, {{0, 16777216}}), BodyRefusal::kWrongGeneration, "16777215"},
+      {"set", changed([](auto& w) { w.shape_set = 32; }), BodyRefusal::kNoSuchShapes, "[0, 31]"},
+      {"NaN", changed([&](auto& w) { w.pose = nan; }), BodyRefusal::kBadPose, "must be finite"},
+      {"quaternion", changed([&](auto& w) { w.pose = off; }), BodyRefusal::kBadPose, "1.01"},
+      {"world", teleport(1, {{0, 1, words::placed(5.1F, 0, 0)}}), BodyRefusal::kBadPose, "5 m"},
+      {"target", bodyTargets(1, {{0, 1, nan}}), BodyRefusal::kBadPose, "must be finite"},
       {"velocity", changed([](auto& w) {
          w.velocity_m_s = {0, 2.1F, 0};
        }),
-       OrderRefusal::kBadPose, "2.1"},
+       BodyRefusal::kBadPose, "2.1"},
       {"NaN velocity", changed([](auto& w) {
          w.velocity_m_s = {kNan, 0, 0};
        }),
-       OrderRefusal::kBadPose, "nan"},
+       BodyRefusal::kBadPose, "nan"},
       {"owner", changed([](auto& w) { w.owner = static_cast<fb::BodyOwner>(3); }),
-       OrderRefusal::kBadPose, "Loop, Game or Fixed"},
-      {"owner again", setOwner(1, {{0, 1, static_cast<fb::BodyOwner>(255)}}),
-       OrderRefusal::kBadPose, "Loop, Game or Fixed"},
-      {"mass", changed([](auto& w) { w.mass_kg = 2.1F; }), OrderRefusal::kBadMass, "[0.02, 2] kg"},
-      {"NaN mass", changed([](auto& w) { w.mass_kg = kNan; }), OrderRefusal::kBadMass, "nan"},
-      {"friction", changed([](auto& w) { w.friction = -0.1F; }), OrderRefusal::kBadMass, "[0, 2]"},
+       BodyRefusal::kBadPose, "Loop, Game or Fixed"},
+      {"owner again", setOwner(1, {{0, 1, static_cast<fb::BodyOwner>(255)}}), BodyRefusal::kBadPose,
+       "Loop, Game or Fixed"},
+      {"mass", changed([](auto& w) { w.mass_kg = 2.1F; }), BodyRefusal::kBadMass, "[0.02, 2] kg"},
+      {"NaN mass", changed([](auto& w) { w.mass_kg = kNan; }), BodyRefusal::kBadMass, "nan"},
+      {"friction", changed([](auto& w) { w.friction = -0.1F; }), BodyRefusal::kBadMass, "[0, 2]"},
   };
 }
 
@@ -202,7 +202,7 @@ std::vector<BadItem> badShapes() {
   wild[4] = 4;
   const fb::Pose turned = words::placed(0, 0, 0, {0, 0, 0, 0.9F});
   const fb::Pose lost = words::placed(kNan, 0, 0);
-  const auto bad = OrderRefusal::kBadShapes;
+  const auto bad = BodyRefusal::kBadShapes;
   return {
       {"small", prepareBall(1, 0, 0.004F), bad, "budget.size_m"},
       {"large", prepareBall(1, 0, 0.16F), bad, "budget.size_m"},
@@ -211,7 +211,7 @@ std::vector<BadItem> badShapes() {
       {"flat box", prepareBox(1, 0, {0.02F, 0.02F, 0.0F}), bad, "budget.size_m"},
       {"turned", prepareBox(1, 0, {0.02F, 0.02F, 0.02F}, &turned), bad, "norm 0.9"},
       {"lost", prepareBox(1, 0, {0.02F, 0.02F, 0.02F}, &lost), bad, "not finite"},
-      {"set", prepareBall(1, 32, 0.03F), OrderRefusal::kNoSuchShapes, "[0, 31]"},
+      {"set", prepareBall(1, 32, 0.03F), BodyRefusal::kNoSuchShapes, "[0, 31]"},
       {"not convex", prepareMesh(1, 0, dented, dent), bad, "not convex"},
       {"flat", prepareMesh(1, 0, flat, faces), bad, "no volume"},
       {"open", prepareMesh(1, 0, corners, open), bad, "watertight"},
@@ -267,10 +267,10 @@ TEST(GameOnTheWire, GoodItemsBesideBadOnes_AreHandedOver) {
   EXPECT_EQ(checked.commands[1].index, 3);
   ASSERT_EQ(checked.refused.size(), 2U);
   EXPECT_EQ(checked.refused[0].item, 1);
-  EXPECT_EQ(checked.refused[0].refusal, OrderRefusal::kNoSuchSlot);
+  EXPECT_EQ(checked.refused[0].refusal, BodyRefusal::kNoSuchSlot);
   EXPECT_EQ(checked.refused[1].item, 3);
   EXPECT_EQ(checked.refused[1].slot, 2);
-  EXPECT_EQ(checked.refused[1].refusal, OrderRefusal::kSlotTaken) << "named twice";
+  EXPECT_EQ(checked.refused[1].refusal, BodyRefusal::kSlotTaken) << "named twice";
 }
 
 /// A double pyramid over a regular polygon: 64 vertices, 124 triangles.
@@ -367,12 +367,12 @@ TEST(GameOnTheWire, MutatedMessages_NeverLeadToACommandThatIsNotChecked) {
   EXPECT_GT(refused, 0U);
 }
 
-/// What live clients were told: from which tick on.
-using Told = std::vector<std::pair<std::uint64_t, std::shared_ptr<const GameBodies>>>;
+/// What was reported to live clients, and from which tick on.
+using Reported = std::vector<std::pair<std::uint64_t, std::shared_ptr<const GameBodies>>>;
 
 /// Records a session whose orders come as messages.
 /// @return how often a body became solid; -1: the session faulted
-int recordSession(const std::string& path, int ticks, Told& told) {
+int recordSession(const std::string& path, int ticks, Reported& reported) {
   auto rig = orThrow(buildRig(gameModels(), atRest(), {}));
   const GameBudget budget = rig->models.scene.game;
   GameBodyTracker tracker;
@@ -407,7 +407,8 @@ int recordSession(const std::string& path, int ticks, Told& told) {
     }
     tracker.see(record);
     const auto now = tracker.bodies();
-    if (now && (told.empty() || told.back().second != now)) told.emplace_back(record.tick, now);
+    if (now && (reported.empty() || reported.back().second != now))
+      reported.emplace_back(record.tick, now);
     const auto tick = static_cast<int>(record.tick);
     if (tick == 10) say(prepareBall(++id, 0, 0.03F));
     if (tick == 10) say(prepareBox(++id, 1, {0.02F, 0.03F, 0.04F}));
@@ -428,8 +429,8 @@ int recordSession(const std::string& path, int ticks, Told& told) {
 
 TEST(GameOnTheWire, ARecordedSession_ReplaysToTheBit) {
   const Folder folder;
-  Told told;
-  EXPECT_EQ(recordSession(folder.file("run.h5"), 3000, told), 4);
+  Reported reported;
+  EXPECT_EQ(recordSession(folder.file("run.h5"), 3000, reported), 4);
   expectSameAgain(folder.file("run.h5"), 3000);
 }
 
@@ -453,22 +454,22 @@ std::vector<Replayed> changesIn(const std::string& answer) {
   return out;
 }
 
-TEST(GameOnTheWire, ARecordedSession_ShowsTheBodiesThatLiveClientsWereTold) {
+TEST(GameOnTheWire, ARecordedSession_ShowsTheBodiesReportedToLiveClients) {
   const Folder folder;
-  Told told;
-  EXPECT_EQ(recordSession(folder.file("run.h5"), 2300, told), 4);
+  Reported reported;
+  EXPECT_EQ(recordSession(folder.file("run.h5"), 2300, reported), 4);
   ReplayedRecording recording(folder.file("run.h5"));
   const auto answer = recording.answer(orThrow(parseReplayQuestion("bodies")));
   ASSERT_EQ(answer.status, 200);
   const std::vector<Replayed> changes = changesIn(answer.body);
   ASSERT_GE(changes.size(), 4U);
-  ASSERT_EQ(changes.size(), told.size());
+  ASSERT_EQ(changes.size(), reported.size());
   std::map<std::uint32_t, const fb::GameShapes*> shapes;
   for (std::size_t i = 0; i < changes.size(); ++i) {
     SCOPED_TRACE(i);
-    EXPECT_EQ(changes[i].row, told[i].first);
+    EXPECT_EQ(changes[i].row, reported[i].first);
     for (const auto* set : *changes[i].bodies->new_shapes()) shapes[set->id()] = set;
-    const GameBodies& live = *told[i].second;
+    const GameBodies& live = *reported[i].second;
     ASSERT_EQ(changes[i].bodies->bodies()->size(), live.size());
     for (std::size_t k = 0; k < live.size(); ++k) {
       const auto* body = changes[i].bodies->bodies()->Get(static_cast<unsigned>(k));

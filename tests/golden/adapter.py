@@ -56,7 +56,7 @@ def table(read):
 
 
 def reason_of(error):
-    """The kind of flaw that the client's sentence tells of."""
+    """The kind of flaw that the client's sentence reports."""
     for words, reason in (("schema_version", "version"), ("payload", "payload"), ("not a message of Wholehand's", "identifier")):
         if str(error).startswith(words):
             return reason
@@ -137,14 +137,14 @@ BODIES = {"Spawn": ("spawn", spawned), "Remove": ("remove", named), "Teleport": 
           "SetOwner": ("set_owner", lambda form: (*named(form), form["owner"])), "BodyTargets": ("body_targets", at)}
 
 
-async def order_of_bodies(told):
+async def order_of_bodies(entry):
     program = connection.Connection(Socket())
-    program._number = told["id"] - 1
-    fields = told["fields"]
-    if told["order"] == "PrepareShapes":
+    program._number = entry["id"] - 1
+    fields = entry["fields"]
+    if entry["order"] == "PrepareShapes":
         asked = program.prepare_shapes(fields.get("set", 0), *map(piece, fields.get("pieces", [])))
     else:
-        method, item = BODIES[told["order"]]
+        method, item = BODIES[entry["order"]]
         asked = getattr(program, method)(*map(item, fields.get("bodies", [])))
     asking = asyncio.ensure_future(asked)
     await asyncio.sleep(0)  # it waits for the answer now
@@ -152,15 +152,15 @@ async def order_of_bodies(told):
     return program._socket.kept
 
 
-def write(told):
-    if told["order"] in (*BODIES, "PrepareShapes"):
-        return asyncio.run(order_of_bodies(told))
-    fields = {field["name"]: field for field in objects[told["order"]]["fields"]}
-    return messages.encode(told["id"], told["order"],
-                           **{name: given(fields[name], value) for name, value in told["fields"].items()})
+def write(entry):
+    if entry["order"] in (*BODIES, "PrepareShapes"):
+        return asyncio.run(order_of_bodies(entry))
+    fields = {field["name"]: field for field in objects[entry["order"]]["fields"]}
+    return messages.encode(entry["id"], entry["order"],
+                           **{name: given(fields[name], value) for name, value in entry["fields"].items()})
 
 
-answer = {"read": {told["name"]: timed_read(base64.b64decode(told["bytes"])) for told in job["read"]},
-          "write": {told["name"]: base64.b64encode(write(told)).decode() for told in job["write"]},
+answer = {"read": {entry["name"]: timed_read(base64.b64decode(entry["bytes"])) for entry in job["read"]},
+          "write": {entry["name"]: base64.b64encode(write(entry)).decode() for entry in job["write"]},
           "longest_s": longest_s}
 pathlib.Path(sys.argv[2]).write_text(json.dumps(answer), encoding="utf-8")

@@ -17,7 +17,7 @@ PATIENCE_S = 120
 
 class Client:
     checks_bounds = False   # it finds every damaged message
-    names_reasons = frozenset()  # those of the judge that it tells, too
+    names_reasons = frozenset()  # those of the judge that it reports, too
     has_datagrams = False
     reads = SAID_BY_THE_PROGRAM
     writes = ORDERS_OF_A_GAME

@@ -66,7 +66,7 @@ std::vector<std::pair<std::string, wire::Bytes>> programMessages() {
     return wire::Bytes(bytes.begin(), bytes.end());
   };
   LoopStatus real = someStatus();
-  real.device = DeviceStatus{true, true, false, 41.5, 0.002, true, 0.001, ReleaseReason::kNot};
+  real.device = DeviceStatus{true, true, false, 41.5, 0.002, true, 0.001, ReleaseReason::kNone};
   const std::vector<wire::NumberedEvent> events = {{41, {1, 2, 0.25}}, {42, {0, -1, -1.0}}};
   return {
       {"program_welcome", wire::welcomeMessage(7, true, "9.8.7", {8091, 0xFEDCBA9876543210})},

@@ -31,8 +31,8 @@ class Golden:
     def __init__(self, path):
         self.name, self.path = path.stem, path.with_suffix(".bin")
         self.bytes = self.path.read_bytes()
-        self.told = json.loads(path.read_text(encoding="utf-8"))
-        self.form, self.flaw = self.told.get("form"), self.told.get("refused")
+        self.entry = json.loads(path.read_text(encoding="utf-8"))
+        self.form, self.flaw = self.entry.get("form"), self.entry.get("refused")
 
     @property
     def payload(self):
@@ -109,8 +109,8 @@ def check_messages(judge, all_goldens, failures):
                               "undo the change of the schema, or raise schema_version"):
             continue
         failures.equal(golden.flaw, judged.get("refused"), f"{golden.name}: reason")
-        if "program" in golden.told:
-            failures.equal(golden.told["program"], judged["program"], f"{golden.name}: the program's own reading")
+        if "program" in golden.entry:
+            failures.equal(golden.entry["program"], judged["program"], f"{golden.name}: the program's own reading")
         elif golden.flaw is None:
             failures.check("refused" in judged["program"], f"{golden.name}: the program takes it for an order")
 
@@ -146,23 +146,23 @@ def check_program_says(judge, all_goldens, work, failures):
 
 
 def check_datagrams(judge, all_datagrams, failures):
-    judged = judge.datagrams([(d.told["key"], conversation_of(d)) for d in all_datagrams])
+    judged = judge.datagrams([(d.entry["key"], conversation_of(d)) for d in all_datagrams])
     for datagram, got in zip(all_datagrams, judged):
         check_datagram(datagram, got, failures, "the program")
-        if datagram.told["from"] == "game":
-            failures.equal(datagram.told["ignored"], got["ignored"], f"{datagram.name}: why the program ignores it")
+        if datagram.entry["from"] == "game":
+            failures.equal(datagram.entry["ignored"], got["ignored"], f"{datagram.name}: why the program ignores it")
     failures.check(len(all_datagrams) >= FEWEST_DATAGRAMS,
                    f"{len(all_datagrams)} datagrams, at least {FEWEST_DATAGRAMS} are kept")
 
 
 def conversation_of(datagram):
-    return [datagram.path.with_name(f"{name}.bin") for name in [*datagram.told["after"], datagram.name]]
+    return [datagram.path.with_name(f"{name}.bin") for name in [*datagram.entry["after"], datagram.name]]
 
 
 def check_datagram(datagram, got, failures, who):
     """Its header or flaw, and that it is written byte for byte as it is."""
     for what in ("flaw", "header"):
-        failures.equal(datagram.told.get(what), got.get(what), f"{who} reads {datagram.name}: {what}")
+        failures.equal(datagram.entry.get(what), got.get(what), f"{who} reads {datagram.name}: {what}")
     if "header" in got:
         failures.check(got["written_the_same"], f"{who} writes {datagram.name} otherwise")
 
@@ -210,11 +210,11 @@ def check_written(client, golden, written, judged, failures):
     (order, _), = command["order"].items()
     if written is None:
         # What the program would refuse, a client may decline.
-        failures.check(order not in client.writes or "refused" in golden.told["program"], f"{client.name} has to write {order}")
+        failures.check(order not in client.writes or "refused" in golden.entry["program"], f"{client.name} has to write {order}")
         return False
     difference = forms.first_difference(golden.form, judged.get("form"))
     failures.check(difference is None, f"{client.name} writes {golden.name}: {difference}")
-    failures.equal(golden.told["program"], judged["program"], f"{client.name} writes {golden.name}: the program's own reading")
+    failures.equal(golden.entry["program"], judged["program"], f"{client.name} writes {golden.name}: the program's own reading")
     return True
 
 
@@ -223,7 +223,7 @@ def check_datagrams_of(client, heard, answer, failures):
         got = answer.get(datagram.name)
         if failures.check(got is not None, f"{client.name} says nothing of {datagram.name}"):
             check_datagram(datagram, got, failures, client.name)
-            reason = datagram.told["ignored"]
+            reason = datagram.entry["ignored"]
             failures.equal(reason if reason in ("", "stale") else "ignored", got["taken"], f"{client.name} ignores {datagram.name}")
 
 
@@ -325,14 +325,14 @@ def ask(client, job, work):
 
 
 def run_client(client, judge, all_goldens, all_datagrams, work, failures):
-    said = [d for d in all_datagrams if d.told["from"] == "program"] if client.has_datagrams else []
+    said = [d for d in all_datagrams if d.entry["from"] == "program"] if client.has_datagrams else []
     commands = [g for g in all_goldens if g.has_order and not of_another_version(g, judge.schema)]
     heard = [g for g in all_goldens if not g.is_command]
     job = {"layout": judge.schema.layout,
            "read": [{"name": g.name, "bytes": base64.b64encode(g.bytes).decode()} for g in heard],
            "write": [{"name": g.name, "id": g.payload[1].get("id", 0), "order": next(iter(g.payload[1]["order"])),
                       "fields": next(iter(g.payload[1]["order"].values()))} for g in commands],
-           "datagrams": [{"name": d.name, "key": d.told["key"], "conversation": [
+           "datagrams": [{"name": d.name, "key": d.entry["key"], "conversation": [
                base64.b64encode(path.read_bytes()).decode() for path in conversation_of(d)]} for d in said]}
     client.prepare(work)
     answer = ask(client, job, work)

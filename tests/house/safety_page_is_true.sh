@@ -52,13 +52,13 @@ EOF
 }
 judge docs/safety.md
 
-spoiled=$(mktemp)
-trap 'rm -f "$spoiled"' EXIT
+corrupted=$(mktemp)
+trap 'rm -f "$corrupted"' EXIT
 # shellcheck disable=SC2016  # backquotes of Markdown
 for change in 's/^| `kSpeedLimit` |.*//' '/^| `kWorkspace`/s/| stops |/| goes on |/' 's/EmergencyStop\.AtRandomTicks/EmergencyStop.AtNoTick/' \
               's/test_run_refuses_what/test_run_takes_what/' 's/crash_test\.cpp)/crashed_test.cpp)/'; do
-  sed "$change" docs/safety.md > "$spoiled"
-  if judge "$spoiled" > /dev/null; then
+  sed "$change" docs/safety.md > "$corrupted"
+  if judge "$corrupted" > /dev/null; then
     echo "does not notice: $change"
     exit 1
   fi

@@ -22,7 +22,7 @@
 namespace wholehand::test {
 namespace {
 
-/// The shipped file of each kind that the cases below spoil.
+/// The shipped file of each kind that the cases below corrupt.
 std::string shippedPath(const std::string& kind) {
   if (kind == "device") return kConfig + "devices/lambda-pride.toml";
   if (kind == "rendering") return kConfig + "rendering/lambda-pride.toml";
@@ -42,7 +42,7 @@ Diagnostics faultsOf(const std::string& kind, const std::string& path) {
 }
 
 /// The shipped text with the first `find` replaced.
-std::string spoil(const std::string& kind, const std::string& find, const std::string& replace) {
+std::string corrupt(const std::string& kind, const std::string& find, const std::string& replace) {
   return replaced(bytesOfFile(shippedPath(kind)), find, replace);
 }
 
@@ -54,10 +54,11 @@ int lineOf(const std::string& text, const std::string& what) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
 }
 
-/// What is told of a mistake: its kind, or where several have the same kind, words of the message.
-struct Told {
-  Told(DiagnosticCode kind) : code(kind) {}
-  Told(const char* part) : words(part) {}
+/// What is reported of a mistake: its kind, or where several have the same kind, words of the
+/// message.
+struct Reported {
+  Reported(DiagnosticCode kind) : code(kind) {}
+  Reported(const char* part) : words(part) {}
   DiagnosticCode code = DiagnosticCode::kInvalid;
   std::string words;
 };
@@ -68,15 +69,15 @@ struct FileMistake {
   std::string replace;  ///< ... becomes this
   std::string at;       ///< the line that is to be named holds this; empty: line not checked
   std::string key;      ///< expected key path
-  Told told;            ///< expected
+  Reported reported;    ///< expected
   std::string remedy;   ///< expected in the remedy
 };
 
 void expectFault(const FileMistake& c) {
   SCOPED_TRACE(c.kind + ": " + c.find + " -> " + c.replace);
   const Folder folder;
-  const std::string text = spoil(c.kind, c.find, c.replace);
-  const std::string path = folder.write("spoiled.toml", text);
+  const std::string text = corrupt(c.kind, c.find, c.replace);
+  const std::string path = folder.write("corrupted.toml", text);
   const Diagnostics faults = faultsOf(c.kind, path);
   ASSERT_EQ(faults.size(), 1U) << format(faults);  // one mistake, one message
   const Diagnostic& fault = faults.front();
@@ -85,10 +86,10 @@ void expectFault(const FileMistake& c) {
   if (!c.at.empty()) {
     EXPECT_EQ(fault.line, lineOf(text, c.at)) << format(fault);
   }
-  if (c.told.words.empty()) {
-    EXPECT_EQ(fault.code, c.told.code) << format(fault);
+  if (c.reported.words.empty()) {
+    EXPECT_EQ(fault.code, c.reported.code) << format(fault);
   } else {
-    EXPECT_TRUE(says(format(fault), c.told.words));
+    EXPECT_TRUE(says(format(fault), c.reported.words));
   }
   EXPECT_TRUE(says(fault.remedy, c.remedy)) << format(fault);
 }
@@ -185,7 +186,7 @@ std::vector<std::string> keysOf(const Diagnostics& faults) {
 
 TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
   const Folder folder;
-  const auto spoilt = [&](const std::string& kind) {
+  const auto corrupted = [&](const std::string& kind) {
     std::string text = bytesOfFile(shippedPath("device"));
     const std::size_t axis =
         text.find(kind == "translation" ? "name = \"x\"" : "name = \"thumb_flexion\"");
@@ -200,11 +201,11 @@ TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
     return faultsOf("device", folder.write(kind + ".toml", text));
   };
   // An unknown key and the one that is missing for it are one fault.
-  EXPECT_EQ(keysOf(spoilt("translation")),
+  EXPECT_EQ(keysOf(corrupted("translation")),
             (std::vector<std::string>{"axes[x].type", "axes[x].sped_limit_m_s",
                                       "axes[x].damping_unit_n_s_m"}));
   EXPECT_EQ(
-      keysOf(spoilt("rotation")),
+      keysOf(corrupted("rotation")),
       (std::vector<std::string>{"axes[thumb_flexion].type", "axes[thumb_flexion].sped_limit_rad_s",
                                 "axes[thumb_flexion].damping_unit_nm_s_rad"}));
 }
@@ -293,7 +294,7 @@ TEST(BadInput, PatientOfAnotherDevice_KnownAxesAreIgnoredButChecked) {
   device.axes.back().name = "index_flexion";  // a device's own name is known to its own patients
   const Folder folder;
   const std::string path = folder.write(
-      "p.toml", spoil("patient", "name = \"thumb_flexion\"", "name = \"index_flexion\""));
+      "p.toml", corrupt("patient", "name = \"thumb_flexion\"", "name = \"index_flexion\""));
   EXPECT_TRUE(loadPatientFile(path, device).ok());
 }
 
@@ -311,7 +312,7 @@ TEST(BadInput, JointName_SuggestionIsOneThatIsNotUsedYet) {
 TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBack) {
   const Folder folder;
   const std::string path = folder.write(
-      "d.toml", spoil("device", "range_m = [-0.085, 0.085]", "range_m = [ 0.165,nan ]"));
+      "d.toml", corrupt("device", "range_m = [-0.085, 0.085]", "range_m = [ 0.165,nan ]"));
   const Diagnostics faults = faultsOf("device", path);
   ASSERT_EQ(faults.size(), 1U) << format(faults);
   EXPECT_EQ(faults.front().value, "[0.165, nan]");
@@ -352,7 +353,7 @@ TEST(BadInput, WhatIsNoFile_IsSaidPlainly) {
 }
 
 // Whatever a file holds, loading it ends in a value or in messages: it never crashes or throws.
-TEST(BadInput, RandomlySpoiledFiles_LoadOrSayWhy) {
+TEST(BadInput, RandomlyCorruptedFiles_LoadOrSayWhy) {
   const Folder folder;
   auto random = seededRandom(1);
   const auto pick = [&](std::size_t below) { return random() % below; };
@@ -370,7 +371,7 @@ TEST(BadInput, RandomlySpoiledFiles_LoadOrSayWhy) {
           text.erase(at, pick(80));
         }
       }
-      const std::string path = folder.write("spoiled.toml", text);
+      const std::string path = folder.write("corrupted.toml", text);
       const Diagnostics faults = faultsOf(kind, path);
       refused += faults.empty() ? 0 : 1;
       for (const Diagnostic& fault : faults) {
@@ -486,14 +487,14 @@ TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
   EXPECT_EQ(assembled.errors().size(), 8U) << format(assembled.errors());  // MCP and PIP, 4 fingers
   EXPECT_EQ(assembled.errors().front().key, "joints.index_mcp_flexion.range_rad");
 
-  HandFile stranger = hand;
-  stranger.synergy.push_back({"tail_flexion", "finger_flexion", 1.0});
-  assembled = assembleHand(stranger, loadDeviceFile(shippedPath("device")).value());
+  HandFile foreign = hand;
+  foreign.synergy.push_back({"tail_flexion", "finger_flexion", 1.0});
+  assembled = assembleHand(foreign, loadDeviceFile(shippedPath("device")).value());
   ASSERT_FALSE(assembled.ok());
   EXPECT_EQ(assembled.errors().front().key, "synergy.finger_flexion.tail_flexion");
 }
 
-TEST(NearestWord, Misspelling_FindsTheWordAndNothingForAStranger) {
+TEST(NearestWord, Misspelling_FindsTheWordAndNothingForAnUnknownWord) {
   const std::vector<std::string> words = {"mass_kg", "range_m", "name"};
   EXPECT_EQ(nearestWord("maas_kg", words), "mass_kg");
   EXPECT_EQ(nearestWord("nmae", words), "name");

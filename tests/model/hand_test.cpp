@@ -261,7 +261,7 @@ TEST(Hand, LeftHandOfEverySize_IsTheMirrorImageInEveryPosture) {
 }
 
 /// What is said of a hand file that begins like this and goes on with `rest`.
-std::string told(const Folder& folder, const std::string& rest) {
+std::string reported(const Folder& folder, const std::string& rest) {
   const std::string text = "kind = \"hand\"\nversion = 1\nname = \"hand\"\n" + rest;
   const auto loaded = loadHandFile(folder.write("hand.toml", text));
   return loaded ? "loaded" : format(loaded.errors());
@@ -278,7 +278,7 @@ TEST(MirroredHand, WrongFile_IsRefusedByKeyAndValue) {
       {"mirror", "length_m = 0.1\n", "length_m"},                // which one would hold?
   };
   for (const auto& [name, more, why] : cases) {
-    const std::string said = told(folder, "mirror_of = \"" + name + "\"\n" + more);
+    const std::string said = reported(folder, "mirror_of = \"" + name + "\"\n" + more);
     for (const std::string& word : {std::string("hand.toml"), why}) {
       EXPECT_TRUE(says(said, word)) << name << ": " << said;
     }

@@ -128,7 +128,7 @@ TEST(MotionFile, Rows_EachFaultNamesItsLineAndColumn) {
   EXPECT_SAYS(faultsOf(head + "3601,1\n"), ":3: time_s = 3601: is more than an hour");
 }
 
-TEST(MotionFile, SeveralFaults_AreAllToldAndCappedAtTwenty) {
+TEST(MotionFile, SeveralFaults_AreAllReportedAndCappedAtTwenty) {
   const std::string faults = faultsOf("time_s,x_m,speed\n0,zero,0\n0,1,1\n2,2\n");
   EXPECT_SAYS(faults, ":1: column 3 = speed");
   EXPECT_SAYS(faults, ":2: x_m = zero");

@@ -50,8 +50,8 @@ HandDrive push(double effort) {
   return {{}, JointEffort(1, effort), {}, {}, nullptr};
 }
 
-WorldState stateOfWorld(AnalyticWorld& world) {
-  WorldState s;
+PhysicsState stateOfWorld(AnalyticWorld& world) {
+  PhysicsState s;
   EXPECT_EQ(world.observe(s), Fault::kNone);
   return s;
 }
@@ -62,7 +62,7 @@ TEST(AnalyticWorld, CriticallyDampedFreeMotion_FollowsTheDoublePole) {
   ASSERT_TRUE(world.placeHand(AxisPosition(1, 0.01)).ok());
   const double kp = 2500.0, kd = criticalDamping(kp, kPeriod_s), pole = 0.95;
   for (int k = 0; k < 200; ++k) {
-    const WorldState s = stateOfWorld(world);
+    const PhysicsState s = stateOfWorld(world);
     // x[k] = (A + B k) poleᵏ; from rest x[1] = (1 − T²k_p) x[0].
     const double b = ((1.0 - kPeriod_s * kPeriod_s * kp) / pole - 1.0) * 0.01;
     ASSERT_NEAR(s.q_s[0], (0.01 + b * k) * std::pow(pole, k), tolerance(1e-13)) << k;
@@ -77,7 +77,7 @@ TEST(AnalyticWorld, HasNoBodies) {
   placements.count = 1;
   placements.items[0].body = 0;
   world.placeBodies(placements);
-  WorldState s;
+  PhysicsState s;
   s.body_count = 3;  // of a world before
   ASSERT_EQ(world.observe(s), Fault::kNone);
   EXPECT_EQ(s.body_count, 0);
@@ -117,7 +117,7 @@ TEST(AnalyticWorld, Spring_SwingsWithItsPeriodAndKeepsItsEnergy) {
   // Symplectic Euler keeps ½ m v² + ½ k x² − ½ T k x v exactly; its angle a step is
   // 2 asin(T √(k/m) / 2).
   const auto kept = [&] {
-    const WorldState s = stateOfWorld(world);
+    const PhysicsState s = stateOfWorld(world);
     const double x = s.q_s[0] - 0.1, v = s.qd_s[0];
     return 0.25 * v * v + 25.0 * x * x - 25.0 * kPeriod_s * x * v;
   };
@@ -167,7 +167,7 @@ TEST(AnalyticWorld, NonFiniteTorque_IsAFault) {
   const HandModel hand = slider(0.25);
   AnalyticWorld world(hand, {});
   EXPECT_EQ(world.step(push(std::nan("")), kPeriod_s), Fault::kNonFiniteState);
-  WorldState s;
+  PhysicsState s;
   EXPECT_EQ(world.observe(s), Fault::kNonFiniteState);
 }
 
@@ -196,7 +196,7 @@ class AnalyticHand : public testing::Test {
 
   HandModel hand_ = handNamed();
   CouplingGains gains_;
-  WorldState state_;
+  PhysicsState state_;
   AxisEffort f_s_;
 };
 

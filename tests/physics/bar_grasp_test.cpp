@@ -64,7 +64,7 @@ TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
   int counted = 0;
   const auto last = runTicks(*grasp.rig->renderer, kHeld + 1000, [&](const TickRecord& r) {
     grasp.coupling = r.coupling;
-    ASSERT_EQ(r.faults & kStopping, Fault::kNone)
+    ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone)
         << "axis " << r.fault_axis << " at " << r.q_m[std::max(r.fault_axis, 0)] << " tick "
         << r.tick;
     double now_n = 0.0;

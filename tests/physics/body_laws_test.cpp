@@ -502,7 +502,7 @@ TEST(HandOnRollers, HeldByAPerson_ComesToRest) {
     double low = 1e9, high = -1e9, rolled_m = 0.0;
     int touching = 0;
     runTicks(*rig->renderer, 10'000, [&](const TickRecord& record) {
-      ASSERT_EQ(record.faults & kStopping, Fault::kNone);
+      ASSERT_EQ(record.faults & kStoppingFaults, Fault::kNone);
       rolled_m = std::max(rolled_m, std::abs(record.bodies[3].position_m.x - 0.06));
       if (record.tick < 8'000) return;
       touching += record.contact_count > 0 ? 1 : 0;

@@ -75,7 +75,7 @@ class Yard {
     for (SceneBody& body : scene_.bodies) body.pose = frame_ * body.pose;
     world_ = orThrow(buildWorld(engine, models_.hand, scene_));
     EXPECT_TRUE(world_->placeHand(models_.hand.reference));
-    const WorldState state = look(*world_);
+    const PhysicsState state = look(*world_);
     ArticulatedBody body(models_.hand);
     EXPECT_TRUE(body.update(state.theta, state.theta_dot, scene_.gravity_m_s2));
     inverse_ = body.reducedInertiaInverse();
@@ -100,7 +100,7 @@ class Yard {
   }
   void step() {
     const Fault fault = world_->step(drive_, period_s_);
-    ASSERT_EQ(fault & kStopping, Fault::kNone);
+    ASSERT_EQ(fault & kStoppingFaults, Fault::kNone);
     unsettled_ += any(fault & Fault::kContactsUnsettled) ? 1 : 0;
   }
   /// Steps whose contact forces did not settle.

@@ -9,8 +9,8 @@
 /// A world of any engine with the shipped hand, stepped without device or renderer.
 namespace wholehand::test {
 
-inline WorldState look(PhysicsWorld& world) {
-  WorldState state;
+inline PhysicsState look(PhysicsWorld& world) {
+  PhysicsState state;
   EXPECT_EQ(world.observe(state), Fault::kNone);
   return state;
 }
@@ -47,14 +47,14 @@ struct Bench {
     drive.armature = armature;
     drive.armature_effort = body.armatureEffort(f_s);
     drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
-    ASSERT_EQ(world->step(drive, kPeriod_s) & kStopping, Fault::kNone);
+    ASSERT_EQ(world->step(drive, kPeriod_s) & kStoppingFaults, Fault::kNone);
     world->contacts(touching);
     after = look(*world);
     ask(query);
   }
   /// What the probe says of the world as it is now.
   const TickRecord& ask(const WorldQuery& about) {
-    const WorldState now = look(*world);
+    const PhysicsState now = look(*world);
     kinematics.updateKinematics(now.theta);
     probed.theta = now.theta;
     probed.q_s = now.q_s;
@@ -71,7 +71,7 @@ struct Bench {
   ArticulatedBody body{models.hand}, kinematics{models.hand};
   HandProbe probe{models.hand, scene};
   TickRecord probed;
-  WorldState state, after;
+  PhysicsState state, after;
   ContactList touching;
   AxisEffort asked;  ///< f_s of the last step
 };

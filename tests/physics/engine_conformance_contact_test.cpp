@@ -270,7 +270,7 @@ TEST_P(EngineSlam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
     if (r.tick > 0) stride_m = std::max(stride_m, depth_m - before_m);
     before_m = depth_m;
     deepest_m = std::max(deepest_m, depth_m);
-    ASSERT_EQ(r.faults & kStopping, Fault::kNone);
+    ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone);
   });
   EXPECT_GT(last->q_m[axis] - last->q_s[axis], 0.01);  // the device did go on
   figure("depth at the speed limit, axis " + m.device.axes[axis].name, deepest_m * 1e3, "mm");

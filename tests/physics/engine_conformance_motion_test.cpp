@@ -27,7 +27,7 @@ TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
   const auto draw = [&] { return 2.0 * static_cast<double>(random() >> 11U) * 0x1.0p-53 - 1.0; };
   double worst = 0.0;
   for (int k = 0; k < 500; ++k) {
-    const WorldState s = look(world);
+    const PhysicsState s = look(world);
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, m.scene.gravity_m_s2));
     for (int l = 0; s.kinematics != nullptr && l < static_cast<int>(m.hand.links.size()); ++l) {
       ASSERT_EQ(s.kinematics->linkPose(l).rotation, body.linkPose(l).rotation) << "step " << k;
@@ -39,8 +39,8 @@ TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
     drive.effort = f_s;
     body.distribute(f_s, drive.torque);
     drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
-    ASSERT_EQ(world.step(drive, kPeriod_s) & kStopping, Fault::kNone);
-    const WorldState next = look(world);
+    ASSERT_EQ(world.step(drive, kPeriod_s) & kStoppingFaults, Fault::kNone);
+    const PhysicsState next = look(world);
     // q̈ = M_r⁻¹ f_s: gravity and all velocity terms are carried by h. Symplectic Euler.
     const Eigen::VectorXd rate =
         s.qd_s.vec() + kPeriod_s * body.reducedInertiaInverse() * f_s.vec();
@@ -74,7 +74,7 @@ TEST_P(FreeBodies, PushedByTheHand_ChangeTheirMomentumByMinusTheContactForces) {
   Bench bench(GetParam(), weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1),
                                       ball({0.095, 0.142, 0.0}, 0.03, 0.2)}));
   ASSERT_TRUE(bench.world->placeHand(swing(0.0, 1.0)));
-  const auto momentum = [](const WorldState& s) -> Eigen::Vector3d {
+  const auto momentum = [](const PhysicsState& s) -> Eigen::Vector3d {
     return 0.1 * s.bodies[0].velocity_m_s.eigen() + 0.2 * s.bodies[1].velocity_m_s.eigen();
   };
   double worst = 0.0;
@@ -127,7 +127,7 @@ TEST_P(TableScene, LeftAlone_StandsStill) {
   AxisPosition clear(6);
   clear[0] = -0.08, clear[2] = 0.11;
   ASSERT_TRUE(bench.world->placeHand(clear));
-  const WorldState before = look(*bench.world);
+  const PhysicsState before = look(*bench.world);
   for (int k = 0; k < 1500; ++k) {
     ASSERT_NO_FATAL_FAILURE(bench.step(clear, AxisVelocity(6)));
     ASSERT_EQ(bench.touching.count, 0);

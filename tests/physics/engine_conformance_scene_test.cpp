@@ -33,12 +33,12 @@ TEST_P(PlaceHand, WhereABodyIs_NamesBodyAndPart) {
 }
 
 /// A ball that the hand pushes about while the fingers close: 1,000 steps.
-std::vector<WorldState> pushed(const std::string& engine) {
+std::vector<PhysicsState> pushed(const std::string& engine) {
   Bench bench(engine, weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1),
                                   fixedBox({0.09, 0.2, 0.0}, {0.3, 0.1, 0.3})}));
   AxisPosition q(6);
   EXPECT_TRUE(bench.world->placeHand(q));
-  std::vector<WorldState> states;
+  std::vector<PhysicsState> states;
   for (int k = 0; k < 1000; ++k) {
     q[1] = 0.06 * std::sin(4e-3 * k);
     q[3] = 0.8 + 0.6 * std::sin(2e-3 * k);
@@ -49,7 +49,7 @@ std::vector<WorldState> pushed(const std::string& engine) {
 }
 
 TEST_P(Determinism, OfTwoWorldsAlike_IsToTheBit) {
-  const std::vector<WorldState> one = pushed(GetParam()), other = pushed(GetParam());
+  const std::vector<PhysicsState> one = pushed(GetParam()), other = pushed(GetParam());
   ASSERT_EQ(one.size(), other.size());
   const auto same = [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
   for (std::size_t k = 0; k < one.size(); ++k) {
@@ -66,13 +66,13 @@ TEST_P(BadScene, DriveThatIsNoNumber_IsAFaultAndMovesNothing) {
   Bench bench(GetParam(), weightless({ball({0.3, 0.3, 0.0}, 0.02, 0.1)}));
   ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
   ASSERT_NO_FATAL_FAILURE(bench.step(AxisPosition(6), AxisVelocity(6)));
-  const WorldState before = bench.after;
+  const PhysicsState before = bench.after;
   HandDrive drive;
   drive.effort = AxisEffort(6, std::numeric_limits<double>::quiet_NaN());
   drive.torque = JointEffort(bench.models.hand.joint_count, drive.effort[0]);
   drive.reduced_inertia_inverse = &bench.body.reducedInertiaInverse();
   EXPECT_NE(bench.world->step(drive, kPeriod_s), Fault::kNone);
-  WorldState after;
+  PhysicsState after;
   EXPECT_EQ(bench.world->observe(after), Fault::kNone);
   EXPECT_EQ(0, std::memcmp(&before.q_s, &after.q_s, sizeof before.q_s));
 }

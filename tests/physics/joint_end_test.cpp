@@ -32,7 +32,7 @@ TEST(JointEnd, PressedAgainst_HoldsAndIsFeltAsTheSpring) {
     });
     ASSERT_TRUE(rig->renderer->arm());
     const auto last = runTicks(*rig->renderer, 2000);
-    EXPECT_EQ(last->faults & kStopping, Fault::kNone);
+    EXPECT_EQ(last->faults & kStoppingFaults, Fault::kNone);
     const double k_pm = rig->gains.k_pm[end.axis];
     const double felt = k_pm * (end.at - end.beyond);  // K_pm e
     off_rad = std::max(off_rad, std::abs(last->q_s[end.axis] - end.at));
@@ -134,7 +134,7 @@ TEST(BaseEnd, ThatABarTurnsTheHandAgainst_KeepsItWhereItIsCertified) {
   ASSERT_TRUE(armed) << format(armed.errors());
   double furthest = 0.0, fastest_late = 0.0;
   runTicks(*rig->renderer, 3000, [&](const TickRecord& r) {
-    ASSERT_EQ(r.faults & kStopping, Fault::kNone) << r.tick;
+    ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone) << r.tick;
     furthest = std::max({furthest, r.q_s[pitch] - upper, lower - r.q_s[pitch]});
     if (r.tick > 2500) fastest_late = std::max(fastest_late, std::abs(r.qd_s[pitch]));
   });

@@ -47,7 +47,7 @@ TEST(RestingBodies, WhatStandsFromTheStart_StaysToTheBit) {
               onEarth({fixedBox({0.6, 0.0, -0.01}, {0.5, 0.5, 0.02}),
                        block({0.6, 0.0, 0.02}, 0.04, 0.1), block({0.6, 0.0, 0.06}, 0.04, 0.1)}));
   ASSERT_TRUE(bench.world->placeHand(aside()));
-  const WorldState before = look(*bench.world);
+  const PhysicsState before = look(*bench.world);
   ASSERT_NO_FATAL_FAILURE(run(bench, 300));
   for (int i = 0; i < before.body_count; ++i) {
     EXPECT_EQ(0, std::memcmp(&before.bodies[i], &bench.after.bodies[i], sizeof(BodyState))) << i;

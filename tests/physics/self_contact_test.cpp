@@ -113,7 +113,7 @@ TEST(SelfContact, AtTheSpeedLimit_NeitherOverlapsNorIsPassedThrough) {
     ASSERT_TRUE(rig->renderer->arm());
     int touching = 0;
     const auto last = runTicks(*rig->renderer, 1000, [&](const TickRecord& r) {
-      EXPECT_EQ(r.faults & kStopping, Fault::kNone);
+      EXPECT_EQ(r.faults & kStoppingFaults, Fault::kNone);
       const SelfForces now = forcesOf(*rig);
       touching += now.count > 0 ? 1 : 0;
       for (int i = 0; i < now.count; ++i) {
@@ -173,7 +173,7 @@ TEST(SelfContact, MadeByAPersonOnTheDevice_ComesToRest) {
       double wandered = 0.0;
       int touching = 0;
       runTicks(*rig->renderer, 10000, [&](const TickRecord& r) {
-        ASSERT_EQ(r.faults & kStopping, Fault::kNone);
+        ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone);
         touching += forcesOf(*rig).count > 0 ? 1 : 0;
         if (r.tick == 7000) first = r.q_m;
         if (r.tick < 7000) return;

@@ -70,7 +70,7 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
   const Models m = load(shippedFiles());
   const HandModel& hand = m.hand;
   Random random = seededRandom(72);
-  int told = 0;
+  int reported = 0;
   for (int run = 0; run < cases(20); ++run) {
     SelfContactSearch search(hand);
     AxisPosition from(6), to(6);
@@ -78,7 +78,7 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
     search.reset(&handAt(hand, from).linkPose(0), from);
     for (int leg = 0; leg < 5; ++leg) {
       for (int a = 0; a < 6; ++a) to[a] = uniform(random, hand.axis_lower[a], hand.axis_upper[a]);
-      if (leg % 2 == 0) {  // to a fist: there is something to tell
+      if (leg % 2 == 0) {  // to a fist: there is something to report
         to[3] = hand.axis_upper[3];
         to[5] = hand.axis_upper[5];
       }
@@ -96,18 +96,18 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
           const CapsuleGap gap = capsuleGap(placed(hand.self_contacts[p].capsule_a),
                                             placed(hand.self_contacts[p].capsule_b));
           if (gap.distance_m >= SelfContactSearch::kNear_m) continue;
-          ASSERT_LT(i, search.count()) << "a pair that is near was not told";
+          ASSERT_LT(i, search.count()) << "a pair that is near was not reported";
           EXPECT_EQ(search.near(i).pair, static_cast<int>(p));
           EXPECT_EQ(search.near(i).gap.distance_m, gap.distance_m);
           ++i;
-          ++told;
+          ++reported;
         }
         EXPECT_EQ(i, search.count());
       }
       from = to;
     }
   }
-  if (kCountsTell) EXPECT_GT(told, 100);
+  if (kCountsTell) EXPECT_GT(reported, 100);
 }
 
 double threadCpu_s() {
@@ -139,7 +139,8 @@ TEST(SelfContact, InFreeMotion_CostsLittleOfATick_slow) {
     // 1.02 on an idle machine; 1.09 where a neighbour has most of the caches.
     const double most = closes_to < 2.0 ? 1.15 : 1.25;
     double with_s = 1e9, without_s = 1e9;
-    // Other work only adds to a cost: where the least of 30 rounds does not tell, that of more may.
+    // Other work only adds to a cost: where the least of 30 rounds is too large, that of more may
+    // do.
     for (int round = 0; round < 30 || (round < 150 && with_s > most * without_s); ++round) {
       for (Bench* bench : {&with, &without}) {
         AxisPosition open(6);

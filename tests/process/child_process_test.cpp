@@ -31,7 +31,7 @@ TEST(ChildProcess, WhatItWrites_ArrivesWholeWithItsExitCode) {
   EXPECT_EQ(child.output, std::string(300000, '\0'));
 }
 
-TEST(ChildProcess, Signal_IsTold) {
+TEST(ChildProcess, Signal_IsReported) {
   const ChildResult child = runScript("kill -SEGV $$", {.output_bytes = 100});
   EXPECT_EQ(child.ending, ChildEnding::kSignal);
   EXPECT_EQ(child.code, SIGSEGV);
@@ -70,7 +70,7 @@ TEST(ChildProcess, WhenAskedToStop_IsEnded) {
   EXPECT_LT(Clock::now() - began, 30s);
 }
 
-TEST(ChildProcess, ProgramThatIsNotThere_IsToldByErrno) {
+TEST(ChildProcess, ProgramThatIsNotThere_IsReportedByErrno) {
   const ChildResult child = runChild("/nowhere/program", {}, {});
   EXPECT_EQ(child.ending, ChildEnding::kNotStarted);
   EXPECT_EQ(child.code, ENOENT);

@@ -99,13 +99,13 @@ TEST(Doctor, NoRealTimePriority_MustNotDriveADeviceHoweverPunctual) {
   EXPECT_EQ(v.sentence,
             "This machine must not drive a device, only simulate: real-time priority is not "
             "granted; remedy: grant rtprio 99.");
-  // Whoever may exceed the limit, and is granted it, is as well off.
+  // A process that may exceed the limit, and is granted it, is as well off.
   EXPECT_TRUE(verdict(machine, goodLoop(), true).fit);
 }
 
 TEST(Doctor, EachThingThatIsMissing_IsAReasonWithItsRemedy) {
   struct Case {
-    void (*spoil)(MachineFacts&);
+    void (*corrupt)(MachineFacts&);
     const char *reason, *remedy;
   };
   const Case cases[] = {
@@ -115,7 +115,7 @@ TEST(Doctor, EachThingThatIsMissing_IsAReasonWithItsRemedy) {
       {[](MachineFacts& m) { m.memlock_limit_bytes = 65536; }, "cannot be locked", "memlock"}};
   for (const Case& c : cases) {
     MachineFacts machine = goodMachine();
-    c.spoil(machine);
+    c.corrupt(machine);
     const Verdict v = verdict(machine, goodLoop());
     EXPECT_FALSE(v.fit) << c.reason;
     expectOneSentence(v);

@@ -52,9 +52,9 @@ TEST(WakeUpStatistics, OneSample_IsEveryPercentile) {
 }
 
 TEST(WakeUpProbe, HundredPeriods_GiveHundredWakeUpsAndTheSetup) {
-  std::size_t told = 0, last = 0;
+  std::size_t reported = 0, last = 0;
   const auto probe = probeWakeUps({}, 100, [&](std::size_t done) {
-    ++told;
+    ++reported;
     EXPECT_GE(done, last);
     last = done;
   });
@@ -63,7 +63,7 @@ TEST(WakeUpProbe, HundredPeriods_GiveHundredWakeUpsAndTheSetup) {
   EXPECT_GT(probe.value().statistics.max_ns, 0);
   EXPECT_GE(probe.value().statistics.max_ns, probe.value().statistics.p50_ns);
   EXPECT_FALSE(probe.value().setup.empty());
-  EXPECT_GE(told, 1U);
+  EXPECT_GE(reported, 1U);
   EXPECT_LE(last, 100U);
 }
 

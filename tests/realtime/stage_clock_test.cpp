@@ -44,11 +44,11 @@ TEST(StageClock, NoExcess_ChangesNothing) {
 }
 
 // What others took of the processor is taken off the longest lap, and that may be the one at
-// work: the stages are told apart in a try that was left in peace.
+// work: the stages are distinguished in a try that was left in peace.
 TEST(StageClock, SleepIsNoCpuTime_WorkIsWhereItWasDone) {
   test::seesRealTime();
-  bool told_apart = false;
-  for (int attempt = 0; attempt < 50 && !told_apart; ++attempt) {
+  bool distinguished = false;
+  for (int attempt = 0; attempt < 50 && !distinguished; ++attempt) {
     StageClock clock;
     clock.start();
     burn(2'000'000);
@@ -60,10 +60,10 @@ TEST(StageClock, SleepIsNoCpuTime_WorkIsWhereItWasDone) {
     EXPECT_GE(times.cpu_ns, 2'000'000);
     EXPECT_LT(times.cpu_ns, 12'000'000);
     EXPECT_LE(sum(times), times.cpu_ns);
-    told_apart = times.stage_cpu_ns[static_cast<int>(Stage::kObserve)] >= 1'000'000 &&
-                 times.stage_cpu_ns[static_cast<int>(Stage::kPhysicsStep)] < 10'000'000;
+    distinguished = times.stage_cpu_ns[static_cast<int>(Stage::kObserve)] >= 1'000'000 &&
+                    times.stage_cpu_ns[static_cast<int>(Stage::kPhysicsStep)] < 10'000'000;
   }
-  EXPECT_TRUE(told_apart);
+  EXPECT_TRUE(distinguished);
 }
 
 TEST(StageClock, OneStageTwice_AddsUp) {

@@ -20,7 +20,7 @@ class MotorWorld final : public PhysicsWorld {
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override {
     return world_.placeHand(q_s);
   }
-  [[nodiscard]] Fault observe(WorldState& state) noexcept override {
+  [[nodiscard]] Fault observe(PhysicsState& state) noexcept override {
     const Fault fault = world_.observe(state);
     body_ = state.bodies[0];
     return fault;
@@ -102,7 +102,7 @@ Given pushWith(const std::string& engine, double force_n, double frequency_hz, d
       }
     }
     out.most_j = std::max(out.most_j, given_j);
-    out.stopped = out.stopped || any(r.faults & kStopping);
+    out.stopped = out.stopped || any(r.faults & kStoppingFaults);
     before = r;
   });
   return out;

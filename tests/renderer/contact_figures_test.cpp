@@ -144,7 +144,7 @@ TEST_P(LargestStableStiffness, AgainstAFixedBox_IsNearTheLoopsOwnLimit) {
     figure("largest stable stiffness at " + at + ", over that at 1000 Hz", ratio, "");
     EXPECT_GE(ratio, 3.5);
   }
-  // The test can tell: well beyond the limit the oscillation does grow.
+  // The test can fail: well beyond the limit the oscillation does grow.
   EXPECT_GT(growth(1.3 * bound_n_m, rate_hz), 1.0);
 }
 INSTANTIATE_TEST_SUITE_P(Rates, LargestStableStiffness, testing::Values(1000, 2000, 4000),

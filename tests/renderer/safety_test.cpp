@@ -62,7 +62,7 @@ void expectWorldStands(const std::vector<TickRecord>& records, int from) {
 struct Failure {
   const char* name;
   InjectedKind kind;
-  Fault told;
+  Fault reported;
   int delay;  ///< ticks until the ramp begins: a failed write is known only after it
 };
 
@@ -82,8 +82,8 @@ TEST_P(InjectedFailure, AtARandomTick_RampsToNeutralAndStaysThereUntilArmed) {
     FaultyRig f = faultyRig({{failure.kind, at + 1, at + 1 + lasts, axis}}, random);
     ASSERT_TRUE(f.rig->renderer->arm());
     const std::vector<TickRecord> records = run(f, at + 300);
-    ASSERT_EQ(records[at - 1].faults & kStopping, Fault::kNone);
-    EXPECT_EQ(records[at].faults & kStopping, failure.told);
+    ASSERT_EQ(records[at - 1].faults & kStoppingFaults, Fault::kNone);
+    EXPECT_EQ(records[at].faults & kStoppingFaults, failure.reported);
     for (const TickRecord& r : records) expectWithinLimits(*f.rig->renderer, r);
     expectRamp(*f.rig->renderer, records, at + failure.delay);
     expectWorldStands(records, at);
@@ -222,7 +222,7 @@ TEST(StopRequest, WhileRendering_RampsToNeutralAndStays) {
   expectRamp(*f.rig->renderer, records, 700);
 }
 
-TEST(LateTicks, AtRandomOnASimulatedDevice_AreToldAndStayWithinTheLimits) {
+TEST(LateTicks, AtRandomOnASimulatedDevice_AreReportedAndStayWithinTheLimits) {
   std::mt19937_64 random = seededRandom(3);
   FaultyRig f = faultyRig({}, random, Watched::kNoLateness);
   ASSERT_TRUE(f.rig->renderer->arm());
@@ -232,7 +232,7 @@ TEST(LateTicks, AtRandomOnASimulatedDevice_AreToldAndStayWithinTheLimits) {
     const auto late = random() % 10 == 0 ? static_cast<std::uint32_t>(random() % 30) : 0U;
     f.rig->renderer->tick(1 + late, r);
     ASSERT_EQ(any(r.faults & Fault::kLateTick), late > 0) << k;
-    ASSERT_EQ(r.faults & kStopping, Fault::kNone) << k;
+    ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone) << k;
     expectWithinLimits(*f.rig->renderer, r);
     ASSERT_TRUE(allFinite(r.sent));
   }
@@ -243,10 +243,11 @@ TEST(ThrownDevice, FasterThanItsSpeedLimit_StopsWithinTheLimits) {
   FaultyRig f = faultyRig({}, random, Watched::kEverything, kTooFast);
   ASSERT_TRUE(f.rig->renderer->arm());
   std::vector<TickRecord> records = run(f, 1500);
-  const auto stopped = std::find_if(records.begin(), records.end(),
-                                    [](const TickRecord& r) { return any(r.faults & kStopping); });
+  const auto stopped = std::find_if(records.begin(), records.end(), [](const TickRecord& r) {
+    return any(r.faults & kStoppingFaults);
+  });
   ASSERT_NE(stopped, records.end());
-  EXPECT_EQ(stopped->faults & kStopping, Fault::kSpeedLimit);
+  EXPECT_EQ(stopped->faults & kStoppingFaults, Fault::kSpeedLimit);
   ASSERT_GE(stopped->fault_axis, 0);
   const DeviceAxis& axis = f.rig->models.device.axes[stopped->fault_axis];
   EXPECT_GT(std::abs(stopped->q_m[stopped->fault_axis] - (stopped - 1)->q_m[stopped->fault_axis]),
@@ -276,7 +277,7 @@ TEST_P(SlammingPatient, InAScene_NeverFeelsMoreThanTheDevicesLimits) {
     runTicks(*rig->renderer, 2000, [&](const TickRecord& r) {
       expectWithinLimits(*rig->renderer, r);
       ASSERT_TRUE(allFinite(r.sent));
-      ASSERT_EQ(r.faults & kStopping, Fault::kNone) << "tick " << r.tick;
+      ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone) << "tick " << r.tick;
       // While the force engages, what is sent comes in smoothly: at most the limit's share.
       if (r.tick < 200) {
         for (int a = 0; a < r.sent.size(); ++a) {

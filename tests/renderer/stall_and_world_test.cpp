@@ -44,7 +44,7 @@ std::vector<TickRecord> run(HapticRenderer& renderer, int ticks) {
 struct WorldFailure {
   const char* name;
   InjectedWorldFault::Kind kind;
-  Fault told;
+  Fault reported;
   int delay;  ///< ticks until the ramp begins: a failed step is known only after the write
 };
 
@@ -59,9 +59,9 @@ TEST_P(InjectedWorldFailure, AtARandomTick_RampsToNeutralAndTheWorldStandsUntilA
     FailingWorldRig f = failingWorldRig({failure.kind, at}, random);
     ASSERT_TRUE(f.renderer->arm());
     const std::vector<TickRecord> records = run(*f.renderer, at + 300);
-    ASSERT_EQ(records[at - 1].faults & kStopping, Fault::kNone);
-    EXPECT_EQ(records[at].faults & failure.told, failure.told);
-    EXPECT_EQ(f.renderer->latched() & failure.told, failure.told);
+    ASSERT_EQ(records[at - 1].faults & kStoppingFaults, Fault::kNone);
+    EXPECT_EQ(records[at].faults & failure.reported, failure.reported);
+    EXPECT_EQ(f.renderer->latched() & failure.reported, failure.reported);
     for (const TickRecord& r : records) {
       expectWithinLimits(*f.renderer, r);
       ASSERT_TRUE(allFinite(r.sent)) << "tick " << r.tick;
@@ -72,7 +72,7 @@ TEST_P(InjectedWorldFailure, AtARandomTick_RampsToNeutralAndTheWorldStandsUntilA
     ASSERT_TRUE(f.renderer->arm());
     const std::vector<TickRecord> again = run(*f.renderer, 15);
     EXPECT_FALSE(f.renderer->atNeutral());
-    EXPECT_EQ(again.back().faults & kStopping, Fault::kNone);
+    EXPECT_EQ(again.back().faults & kStoppingFaults, Fault::kNone);
     EXPECT_GT(again.back().authority, 0.0);
     EXPECT_LT(again.front().authority, 1e-3);
     EXPECT_EQ(f.faulty->steps(), 15);
@@ -126,7 +126,7 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
   TickRecord now = before;
   renderer.tick(200, now);  // the device went on for 200 ms under that effort
 
-  // The test can tell: what is wanted did jump, on the worst axis by half the limit or more.
+  // The test can fail: what is wanted did jump, on the worst axis by half the limit or more.
   double jump = 0.0;
   for (int a = 0; a < held.size(); ++a) {
     jump = std::max(jump, std::abs(wanted(renderer, now)[a] - held[a]) / limit[a]);
@@ -265,7 +265,7 @@ TEST(StalledLoop, AgainAndAgainAtAWall_SettlesAsItWouldNotWithALongBlend) {
     const double swing_m = swingAgainstAWall(stalls, NeutralRampConfig{}.reengage_s);
     const double long_blend_m = swingAgainstAWall(stalls, 0.2);
     EXPECT_LT(swing_m, 1e-4);
-    EXPECT_GT(long_blend_m, 5e-3);  // the test can tell
+    EXPECT_GT(long_blend_m, 5e-3);  // the test can fail
     figure("swing at a wall in a loop that stalls again and again", 1e3 * swing_m, "mm");
     figure("the same, blended over 0.2 s", 1e3 * long_blend_m, "mm");
   }

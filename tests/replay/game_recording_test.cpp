@@ -38,18 +38,18 @@ std::map<std::uint64_t, Row> rowsIn(const std::string& changes) {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(changes.data() + at + 8);
     flatbuffers::Verifier verifier(bytes, size);
     EXPECT_TRUE(fb::VerifyMessageBuffer(verifier));
-    const auto* told = fb::GetMessage(bytes)->payload_as_GameBodies();
-    for (const auto* set : *told->new_shapes()) {
+    const auto* reported = fb::GetMessage(bytes)->payload_as_GameBodies();
+    for (const auto* set : *reported->new_shapes()) {
       shapes[set->id()] = std::to_string(set->pieces()->size()) + " of type " +
                           std::to_string(static_cast<int>(set->pieces()->Get(0)->type()));
     }
     std::map<std::uint32_t, std::string> kept;
-    for (const fb::GameBody* body : *told->bodies()) {
+    for (const fb::GameBody* body : *reported->bodies()) {
       const std::string& of = kept[body->shapes()] = shapes[body->shapes()];
       rows[row] += std::to_string(body->slot()) + "." + std::to_string(body->generation()) + " " +
                    std::to_string(static_cast<int>(body->state())) + " " + of + "; ";
     }
-    if (told->bodies()->size() == 0) rows[row] = "";
+    if (reported->bodies()->size() == 0) rows[row] = "";
     shapes = std::move(kept);
     at += 8 + size;
   }

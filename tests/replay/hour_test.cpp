@@ -89,7 +89,7 @@ Cost report(const std::string& path) {
                 EXPECT_GT(share, last);
                 last = share;
               }).ok());
-  EXPECT_GT(last, 0.8) << "progress is told to the end";
+  EXPECT_GT(last, 0.8) << "progress is reported to the end";
   return {1e-9 * static_cast<double>(monotonicNow_ns() - wall_ns),
           1e-9 * static_cast<double>(threadCpuNow_ns() - cpu_ns)};
 }

@@ -44,7 +44,7 @@ TEST(RecordingMarks, FirstTickThatIsArmed_SaysSo) {
 TEST(RecordingMarks, WhatPeopleAsk_IsMarkedWhereItBegins) {
   for (const auto& [bit, kind] : {std::pair{Fault::kStopRequested, "stop"},
                                   {Fault::kEmergencyStop, "emergency_stop"},
-                                  {Fault::kOwnerSilent, "controls_lost"}}) {
+                                  {Fault::kHolderSilent, "controls_lost"}}) {
     const TickRecord asked = tick(SafetyState::kRendering, bit, 0.9);
     EXPECT_EQ(kindsOf(asked, &kRendering), Kinds{kind});
     EXPECT_EQ(kindsOf(asked, &asked), Kinds{}) << "it goes on";
@@ -64,7 +64,7 @@ TEST(RecordingMarks, StoppingFault_NamesItselfAndItsAxis) {
   more.fault_axis = -1;
   const auto next = marksOf(more, &faulted, synthetic::meta());
   ASSERT_EQ(next.size(), 1U);
-  EXPECT_EQ(next[0].text, "workspace left") << "the other one was told";
+  EXPECT_EQ(next[0].text, "workspace left") << "the other one was reported";
   EXPECT_EQ(next[0].axis, "");
 }
 

@@ -179,19 +179,19 @@ TEST(RecordingSeries, MissingTicks_AreGapsAndSkippedOnesAreNot) {
   EXPECT_NEAR(gaps[0]["to_s"].get<double>(), 0.325, 1e-9);
   EXPECT_EQ(gaps[0]["ticks"], 25);
   EXPECT_EQ(reader->outline().missing, 25U);
-  // One that ends exactly where a stretch begins is told there, and nowhere twice.
+  // One that ends exactly where a stretch begins is reported there, and nowhere twice.
   EXPECT_EQ(seriesOf(*reader, 0.0, 0.325, 10).header["gaps"].size(), 0U);
   EXPECT_EQ(seriesOf(*reader, 0.325, 1.0, 10).header["gaps"].size(), 1U);
 }
 
-TEST(RecordingSeries, EventsAndMarks_AreToldOnceWhereverStretchesMeet) {
+TEST(RecordingSeries, EventsAndMarks_AreReportedOnceWhereverStretchesMeet) {
   auto ticks = quietTicks(1000);
   ticks[123].exercise.event_count = 2;
   ticks[123].exercise.events[0] = {1, 3, 2.5};
   ticks[123].exercise.events[1] = {0, -1, 0.0};
   for (std::size_t i = 700; i < 1000; ++i) ticks[i].faults |= Fault::kStopRequested;
   for (std::size_t i = 800; i < 1000; ++i) ticks[i].faults |= Fault::kEmergencyStop;
-  ticks[500].faults |= Fault::kOwnerSilent;
+  ticks[500].faults |= Fault::kHolderSilent;
   for (std::size_t i = 900; i < 1000; ++i) ticks[i].authority = 0.0;
   const Folder folder;
   const auto reader = recorded(folder, ticks);
@@ -206,14 +206,14 @@ TEST(RecordingSeries, EventsAndMarks_AreToldOnceWhereverStretchesMeet) {
   EXPECT_EQ(events[0]["type"], 1);
   EXPECT_EQ(events[0]["index"], 3);
   EXPECT_EQ(events[0]["value"], 2.5);
-  std::vector<std::pair<std::string, double>> told;
-  for (const auto& mark : marks) told.emplace_back(mark["kind"], mark["time_s"]);
+  std::vector<std::pair<std::string, double>> reported;
+  for (const auto& mark : marks) reported.emplace_back(mark["kind"], mark["time_s"]);
   const std::vector<std::pair<std::string, double>> expected = {{"armed", 0.0},
                                                                 {"controls_lost", 0.5},
                                                                 {"stop", 700 * kSeriesPeriod_s},
                                                                 {"emergency_stop", 0.8},
                                                                 {"neutral", 0.9}};
-  EXPECT_EQ(told, expected);
+  EXPECT_EQ(reported, expected);
 }
 
 TEST(RecordingSeries, StretchWithoutTicks_IsEmptyAndNoFault) {

@@ -116,7 +116,7 @@ TEST_F(ReplayChildrenTest, FileThatChanged_IsReadAnewWhenAskedAbout) {
   EXPECT_EQ(children.answer(path, kState).body, after);
 }
 
-TEST_F(ReplayChildrenTest, CrashOfTheReader_IsToldAndTheNextOneTries) {
+TEST_F(ReplayChildrenTest, CrashOfTheReader_IsReportedAndTheNextOneTries) {
   ReplayChildren children(playing("read -r words; kill -SEGV $$"));
   for (int i = 0; i < 2; ++i) {
     const ReplayAnswer answer = children.answer(recording("a.h5"), "about");

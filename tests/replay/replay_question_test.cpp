@@ -15,7 +15,7 @@ ReplayQuestion parsed(const std::string& text) {
   return question ? *question : ReplayQuestion{};
 }
 
-TEST(ReplayQuestion, EachKind_IsReadAndToldAgain) {
+TEST(ReplayQuestion, EachKind_IsReadAndReportedAgain) {
   EXPECT_EQ(parsed("about").what, What::kAbout);
   EXPECT_EQ(parsed("about?token=abc").what, What::kAbout);
   EXPECT_EQ(parsed("scene?").what, What::kScene);
@@ -66,7 +66,7 @@ TEST(ReplayQuestion, NumbersOutOfRange_AreRefusedWithTheirKey) {
   }
 }
 
-TEST(ReplayQuestion, EveryFault_IsToldAtOnce) {
+TEST(ReplayQuestion, EveryFault_IsReportedAtOnce) {
   const auto question = parseReplayQuestion("series?from_s=x");
   ASSERT_FALSE(question);
   EXPECT_EQ(question.errors().size(), 3U);

@@ -85,7 +85,7 @@ Models barModels() {
   return load(files);
 }
 
-/// Nine seconds of the bar, four under a sanitizer; and what clients were told of each tick.
+/// Nine seconds of the bar, four under a sanitizer; and what was reported to clients of each tick.
 class RecordedBar {
  public:
   RecordedBar() {
@@ -355,7 +355,7 @@ with open(path, 'r+b') as raw:
   return path;
 }
 
-TEST(ReplayedRecording, DamagedEnd_IsToldWithItsTimeAndShownUpToThere) {
+TEST(ReplayedRecording, DamagedEnd_IsReportedWithItsTimeAndShownUpToThere) {
   const Folder folder;
   const auto recording = openedAgain(damaged(folder, "ticks/elapsed_periods", 1));
   const Json about = aboutOf(*recording);
@@ -367,7 +367,7 @@ TEST(ReplayedRecording, DamagedEnd_IsToldWithItsTimeAndShownUpToThere) {
   EXPECT_EQ(messagesIn(ask(*recording, "states?tick=999&count=2&step=1")).size(), 1U);
 }
 
-TEST(ReplayedRecording, DamagedChunk_IsToldAndTheRestIsShown) {
+TEST(ReplayedRecording, DamagedChunk_IsReportedAndTheRestIsShown) {
   const Folder folder;
   constexpr std::uint64_t kBad = 250;
   const auto recording = openedAgain(damaged(folder, "ticks/q_m", 0));

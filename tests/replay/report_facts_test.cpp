@@ -116,7 +116,7 @@ nlohmann::json therapyFacts(int ticks, const std::function<void(TickRecord&, int
   return facts.json();
 }
 
-TEST(TherapyFacts, LimitThatChanges_IsToldWithItsTimesAndStaysShort) {
+TEST(TherapyFacts, LimitThatChanges_IsReportedWithItsTimesAndStaysShort) {
   const auto limits = therapyFacts(4000, [](TickRecord& record, int i) {
     record.effort_limit[2] = i < 2000 ? 20.0 : 8.0;
     record.effort_limit[3] = 20.0 - 10.0 * std::min(1.0, i / 2000.0);  // 2 s from 20 N to 10 N
@@ -152,7 +152,7 @@ TEST(TherapyFacts, SlotsOfAGame_CountOnceTheyHeldABodyAndTheirEmptyPlaceIsNoWay)
   EXPECT_NEAR(json["bodies"][0]["travelled_m"].get<double>(), 0.1, 1e-9);
 }
 
-TEST(TherapyFacts, ForceOnABody_IsToldByItsName) {
+TEST(TherapyFacts, ForceOnABody_IsReportedByItsName) {
   RecordingMeta meta = synthetic::meta();
   meta.capsule_names = {"palm", "index_distal", "thumb_distal"};
   const auto change = [](TickRecord& record, int i) {

@@ -31,16 +31,16 @@ using Counts = std::array<std::int64_t, kKinds>;
   return counts[static_cast<std::size_t>(kind)];
 }
 
-/// Told of every tick, and tells another; counts what the loop's thread does between the two calls
-/// (the tick, with the players that hear of it), and from there to the next tick (the queue, the
-/// sleep, what a simulated run's sink does).
+/// Is notified of every tick, and notifies another; counts what the loop's thread does between the
+/// two calls (the tick, with the players that hear of it), and from there to the next tick (the
+/// queue, the sleep, what a simulated run's sink does).
 class TickWatch final : public TickListener {
  public:
   struct Plan {
     std::uint64_t warm_ticks = 0;  ///< at the beginning, counted apart
     std::uint64_t last_tick = 0;   ///< after it nothing is counted: the thread may end at any time
   };
-  /// @param inner told of every tick within what is counted; outlives this
+  /// @param inner notified of every tick within what is counted; outlives this
   TickWatch(TickListener& inner, const Plan& plan) : inner_(inner), plan_(plan) {}
 
   void beforeTick(const TickRecord& record) noexcept override;

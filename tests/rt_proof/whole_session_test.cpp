@@ -1,5 +1,5 @@
 // The whole program at once, as `wholehand run` puts it together: loop, telemetry, recording,
-// server and UDP bridge, with people on all of its doors. ./check runs it under ThreadSanitizer.
+// server and UDP bridge, with clients on all of its ports. ./check runs it under ThreadSanitizer.
 #include "server/client_words.hpp"
 #include "server/fake_program.hpp"
 #include "server/raw_client.hpp"

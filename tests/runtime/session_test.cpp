@@ -158,14 +158,14 @@ TEST(SimulatedSession, AskedToStopGently_LetsGoByItself) {
   Rail rail({}, {}, 0.35);
   const std::vector<TickRecord> records = runAll(rail, [&](const TickRecord& r) {
     if (r.tick == 99) rail.session->requestGentleStop();
-    // Whoever shows the exercise comes back: too late.
-    Command owner;
-    owner.type = CommandType::kOwner;
-    owner.value = 1.0;
+    // The controls' holder comes back: too late.
+    Command sign;
+    sign.type = CommandType::kHolderAlive;
+    sign.value = 1.0;
     if (r.tick == 150) {
-      EXPECT_TRUE(rail.session->tryCommand(owner));
+      EXPECT_TRUE(rail.session->tryCommand(sign));
     }
-    if (r.tick == 160) rail.session->setOwnerAlive(true);
+    if (r.tick == 160) rail.session->setHolderAlive(true);
   });
   EXPECT_EQ(firstWith(records, Fault::kStopRequested), 100);
   EXPECT_EQ(firstWith(records, Fault::kGentleStop), 100);
@@ -209,7 +209,7 @@ TEST(RealTimeSession, WhileItTicks_IsCountedAmongTheLoops) {
   EXPECT_EQ(interrupts.loops, 0) << "the loop says so itself: nobody else may be there";
 }
 
-TEST(SimulatedSession, OwnerWhoIsLost_IsToldHoweverFullTheQueueIs) {
+TEST(SimulatedSession, HolderWhoIsLost_IsReportedHoweverFullTheQueueIs) {
   SessionConfig config;
   config.duration_ticks = 60;
   Rail rail(config);
@@ -218,11 +218,11 @@ TEST(SimulatedSession, OwnerWhoIsLost_IsToldHoweverFullTheQueueIs) {
     aim.type = CommandType::kAction;
     while (rail.session->tryCommand(aim)) {
     }
-    if (r.tick == 19) rail.session->setOwnerAlive(false);
-    if (r.tick == 39) rail.session->setOwnerAlive(true);
+    if (r.tick == 19) rail.session->setHolderAlive(false);
+    if (r.tick == 39) rail.session->setHolderAlive(true);
   });
   for (std::size_t k = 0; k < records.size(); ++k) {
-    ASSERT_EQ(any(records[k].faults & Fault::kOwnerSilent), k >= 20 && k < 40) << k;
+    ASSERT_EQ(any(records[k].faults & Fault::kHolderSilent), k >= 20 && k < 40) << k;
   }
 }
 
@@ -244,7 +244,7 @@ TEST(RealTimeSession, ForItsTime_GivesEveryRecordInOrder) {
     // Skipped periods count: tick is the period's number, whatever was missed before.
     ASSERT_EQ(r.tick + 1, periods);
     ASSERT_EQ(any(r.faults & Fault::kLateTick), r.elapsed_periods > 1);
-    ASSERT_EQ(r.faults & kStopping, Fault::kNone);
+    ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone);
     ASSERT_GE(r.lateness_ns, 0);
     ASSERT_GE(r.wall_ns, 0);
   }
@@ -328,10 +328,10 @@ TEST(RealTimeSession, FaultWhoseRecordsWereDropped_IsCountedWithEveryPeriod) {
   Rail rail(config, {{InjectedKind::kReadFails, 501, 501, 0}});
   startThread(*rail.session);
   rail.session->join();
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   TickRecord record;
-  while (rail.session->tryPop(record)) told += any(record.faults & kStopping) ? 1 : 0;
-  ASSERT_EQ(told, 0U);  // no record knows of it
+  while (rail.session->tryPop(record)) reported += any(record.faults & kStoppingFaults) ? 1 : 0;
+  ASSERT_EQ(reported, 0U);  // no record knows of it
   const SessionCounters c = rail.session->counters();
   EXPECT_EQ(c.latched, Fault::kDeviceRead);
   EXPECT_EQ(c.stopping_faults, 1U);

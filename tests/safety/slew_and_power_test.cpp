@@ -215,7 +215,7 @@ TEST(ForceLimiter, EffortsBeyondLimits_AreClampedAndReportedWithoutStopping) {
   const LimitedEffort out = limited(20.001, -7.0, 0.1);
   expectEffort(out, 20.0, -0.6, 0.1);
   EXPECT_EQ(out.faults, Fault::kEffortLimit);
-  EXPECT_FALSE(any(out.faults & kStopping));
+  EXPECT_FALSE(any(out.faults & kStoppingFaults));
 }
 
 TEST(ForceLimiter, NonFiniteEffort_BecomesZeroAndStops) {
@@ -223,7 +223,7 @@ TEST(ForceLimiter, NonFiniteEffort_BecomesZeroAndStops) {
     const LimitedEffort out = limited(1.0, bad, 2.0);
     expectEffort(out, 1.0, 0.0, 1.0);
     EXPECT_EQ(out.faults, Fault::kNonFiniteEffort | Fault::kEffortLimit);
-    EXPECT_TRUE(any(out.faults & kStopping));
+    EXPECT_TRUE(any(out.faults & kStoppingFaults));
   }
 }
 

@@ -87,7 +87,7 @@ TEST_F(DeviceWatch, FingerTooFast_NamesTheFinger) {
   EXPECT_EQ(finding.axis, 2);
 }
 
-// Three times that way is no motion any more: 3 v T + 2 δ, and is told in the first tick.
+// Three times that way is no motion any more: 3 v T + 2 δ, and is reported in the first tick.
 TEST_F(DeviceWatch, ThreeTimesTheSpeedLimit_IsAJumpJustAboveAndSpeedJustBelow) {
   const double jump = 4.5e-3 + 2.0 * kCount;
   see(at(0.0));
@@ -152,8 +152,8 @@ TEST_F(DeviceWatch, Gap_OfTwentyPeriodsPassesTwentyOneStop) {
   EXPECT_EQ(see(at(0.0), 21).faults, Fault::kLongGap);
 }
 
-/// Gaps of so many periods every so many ticks: which one is told, counted from 1; 0: none.
-int toldGap(const SupervisorConfig& config, int periods, int every, int gaps) {
+/// Gaps of so many periods every so many ticks: which one is reported, counted from 1; 0: none.
+int reportedGap(const SupervisorConfig& config, int periods, int every, int gaps) {
   DeviceWatchState state;
   for (int k = 0; k <= gaps * every; ++k) {
     const bool gap = k > 0 && k % every == 0;
@@ -165,12 +165,13 @@ int toldGap(const SupervisorConfig& config, int periods, int every, int gaps) {
 
 // Each takes some of the device's own loop away: three in a second pass, the fourth stops.
 TEST_F(DeviceWatch, GapsOfMoreThanFiveMilliseconds_FourWithinASecondStop) {
-  EXPECT_EQ(toldGap(config_, 6, 50, 100), 4);
-  EXPECT_EQ(toldGap(config_, 6, 100, 100), 4);
-  EXPECT_EQ(toldGap(config_, 6, 328, 100), 4);  // 333 ms apart: the fourth 999 ms after the first
-  EXPECT_EQ(toldGap(config_, 6, 329, 100), 0);  // 334 ms apart, for ever
-  EXPECT_EQ(toldGap(config_, 5, 50, 100), 0);   // five milliseconds are none
-  EXPECT_EQ(toldGap(makeSupervisor(threeAxes(), kT_s, true), 6, 50, 100), 0);
+  EXPECT_EQ(reportedGap(config_, 6, 50, 100), 4);
+  EXPECT_EQ(reportedGap(config_, 6, 100, 100), 4);
+  EXPECT_EQ(reportedGap(config_, 6, 328, 100),
+            4);  // 333 ms apart: the fourth 999 ms after the first
+  EXPECT_EQ(reportedGap(config_, 6, 329, 100), 0);  // 334 ms apart, for ever
+  EXPECT_EQ(reportedGap(config_, 5, 50, 100), 0);   // five milliseconds are none
+  EXPECT_EQ(reportedGap(makeSupervisor(threeAxes(), kT_s, true), 6, 50, 100), 0);
 }
 
 TEST_F(DeviceWatch, SimulatedDevice_IsAskedForNeitherTimeNorEncoders) {
@@ -206,7 +207,7 @@ TEST_F(DeviceWatch, StandingStillWhileItsEffortChanges_IsStuckAfterASecond) {
   };
   EXPECT_EQ(stuckAfter(config_, 5000, sways(2.01), &axis), 1000);
   EXPECT_EQ(axis, 0);
-  EXPECT_EQ(stuckAfter(config_, 5000, sways(1.99)), -1);  // too little to tell
+  EXPECT_EQ(stuckAfter(config_, 5000, sways(1.99)), -1);  // too little to be sure
 }
 
 TEST_F(DeviceWatch, BrokenEncoderThatFlickersOneCount_IsStuckTwoCountsAreMotion) {
@@ -229,7 +230,7 @@ TEST_F(DeviceWatch, EverySecondReadingLate_IsNoSpeedFault) {
 
 // A second is any second: two gaps close together are no worse than two at its ends.
 TEST_F(DeviceWatch, GapsSpreadUnevenly_FourWithinAnySecondStop) {
-  const auto told = [this](std::initializer_list<int> on_time_before) {
+  const auto reported = [this](std::initializer_list<int> on_time_before) {
     state_ = DeviceWatchState{};
     see(at(0.0));
     int gap = 0;
@@ -241,12 +242,12 @@ TEST_F(DeviceWatch, GapsSpreadUnevenly_FourWithinAnySecondStop) {
     return 0;
   };
   // From the first to the fourth 999 and 1,001 periods.
-  EXPECT_EQ(told({100, 0, 0, 981}), 4);
-  EXPECT_EQ(told({100, 0, 0, 983}), 0);
-  EXPECT_EQ(told({100, 981, 0, 0}), 4);
-  EXPECT_EQ(told({100, 983, 0, 0}), 0);
-  EXPECT_EQ(told({100, 0, 981, 0}), 4);
-  EXPECT_EQ(told({100, 0, 983, 0}), 0);
+  EXPECT_EQ(reported({100, 0, 0, 981}), 4);
+  EXPECT_EQ(reported({100, 0, 0, 983}), 0);
+  EXPECT_EQ(reported({100, 981, 0, 0}), 4);
+  EXPECT_EQ(reported({100, 983, 0, 0}), 0);
+  EXPECT_EQ(reported({100, 0, 981, 0}), 4);
+  EXPECT_EQ(reported({100, 0, 983, 0}), 0);
 }
 
 // y's range is 0.2 m: five of them.
@@ -364,7 +365,7 @@ TEST(StopRequests, AskedWhileArming_RefusesThatArmingOnly) {
   EXPECT_FALSE(stops.consumeUnseen());
   stops.requestEmergency();
   EXPECT_FALSE(stops.arm());
-  EXPECT_FALSE(stops.consumeUnseen()) << "it was told already";
+  EXPECT_FALSE(stops.consumeUnseen()) << "it was reported already";
   EXPECT_TRUE(stops.arm());
   EXPECT_EQ(stops.pending(), Fault::kNone);
 }

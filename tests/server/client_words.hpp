@@ -68,7 +68,7 @@ inline wire::Bytes setHelp(std::uint32_t id, fb::Help help) {
 inline wire::Bytes action(std::uint32_t id, fb::Act act) {
   return command(id, [&](Builder& b) { return fb::CreateAction(b, act); });
 }
-/// Whoever has them must show every 200 ms that it is alive.
+/// Their holder must show every 200 ms that it is alive.
 inline wire::Bytes takeControls(std::uint32_t id, const char* token = "") {
   seesRealTime();
   return command(id, [&](Builder& b) { return fb::CreateTakeControlsDirect(b, token); });

@@ -28,7 +28,7 @@ struct ControlDeskTest : ::testing::Test {
     return all;
   }
   static void add(const ControlDesk::Advice& more, ControlDesk::Advice& all) {
-    if (more.owner_alive) all.owner_alive = more.owner_alive;
+    if (more.holder_alive) all.holder_alive = more.holder_alive;
     all.give_back = all.give_back || more.give_back;
     all.unattended = all.unattended || more.unattended;
     all.holder_changed = all.holder_changed || more.holder_changed;
@@ -45,7 +45,7 @@ struct ControlDeskTest : ::testing::Test {
 
 TEST_F(ControlDeskTest, Nobody_NothingIsSaid) {
   const auto advice = after(60'000);
-  EXPECT_FALSE(advice.owner_alive);
+  EXPECT_FALSE(advice.holder_alive);
   EXPECT_FALSE(advice.give_back);
   EXPECT_FALSE(advice.holder_changed);
 }
@@ -59,24 +59,24 @@ TEST_F(ControlDeskTest, SecondClient_IsRefusedUntilTheFirstGivesBack) {
   const auto advice = after(0);
   EXPECT_TRUE(advice.give_back);
   EXPECT_TRUE(advice.holder_changed);
-  EXPECT_FALSE(advice.owner_alive);  // given back, not lost: the effort stays
+  EXPECT_FALSE(advice.holder_alive);  // given back, not lost: the effort stays
   EXPECT_EQ(desk.take(ben, now), "");
 }
 
 TEST_F(ControlDeskTest, SilentHolder_IsSuspendedAfter200msAndGoesOnWithinASecond) {
   annaTakes();
-  EXPECT_FALSE(after(200).owner_alive);
+  EXPECT_FALSE(after(200).holder_alive);
   const auto silent = after(1);
-  ASSERT_TRUE(silent.owner_alive);
-  EXPECT_FALSE(*silent.owner_alive);
+  ASSERT_TRUE(silent.holder_alive);
+  EXPECT_FALSE(*silent.holder_alive);
   EXPECT_FALSE(silent.holder_changed);
   EXPECT_EQ(silent.suspended_client, anna);
   EXPECT_EQ(desk.take(ben, now), "another client holds the controls");
   EXPECT_FALSE(after(799).holder_changed);
   desk.heard(anna, now);
   const auto back = after(0);
-  ASSERT_TRUE(back.owner_alive);
-  EXPECT_TRUE(*back.owner_alive);
+  ASSERT_TRUE(back.holder_alive);
+  EXPECT_TRUE(*back.holder_alive);
   EXPECT_FALSE(back.give_back) << "her aim goes on";
   EXPECT_TRUE(desk.holds(anna));
 }
@@ -85,16 +85,16 @@ TEST_F(ControlDeskTest, SilentForASecond_LosesTheControlsAndMustTakeThemAnew) {
   annaTakes();
   EXPECT_FALSE(after(1000).holder_changed);
   const auto silent = after(1);
-  EXPECT_FALSE(silent.owner_alive) << "was said when the silence began";
-  EXPECT_TRUE(silent.holder_changed);  // all are told, Anna too
+  EXPECT_FALSE(silent.holder_alive) << "was said when the silence began";
+  EXPECT_TRUE(silent.holder_changed);  // all are notified, Anna too
   EXPECT_EQ(silent.silent_client, anna);
   EXPECT_FALSE(desk.held());
   desk.heard(anna, now);
-  EXPECT_FALSE(after(100).owner_alive);  // to be heard again is not enough
+  EXPECT_FALSE(after(100).holder_alive);  // a new message is not enough
   EXPECT_EQ(desk.take(anna, now), "");
   const auto back = after(0);
-  ASSERT_TRUE(back.owner_alive);
-  EXPECT_TRUE(*back.owner_alive);
+  ASSERT_TRUE(back.holder_alive);
+  EXPECT_TRUE(*back.holder_alive);
   EXPECT_TRUE(back.give_back);  // where the hand was asked to be before is not meant any more
 }
 
@@ -107,10 +107,10 @@ TEST_F(ControlDeskTest, StandstillOfTheProgram_TakesTheControlsFromNobodyWhoIsHe
       (void)after(static_cast<std::int64_t>(random() % 100));
       desk.heard(anna, now);
       const auto woken = afterStandstill(100 + static_cast<std::int64_t>(random() % 4900));
-      ASSERT_FALSE(woken.owner_alive);
+      ASSERT_FALSE(woken.holder_alive);
       ASSERT_EQ(woken.silent_client, 0U);
       const auto waits = after(static_cast<std::int64_t>(random() % 200));
-      ASSERT_FALSE(waits.owner_alive);
+      ASSERT_FALSE(waits.holder_alive);
       desk.heard(anna, now);
       ASSERT_TRUE(desk.holds(anna));
     }
@@ -124,17 +124,17 @@ TEST_F(ControlDeskTest, WhoVanishesInAStandstill_IsSuspended200msAfterItHoweverM
   annaTakes();
   (void)after(100);
   (void)afterStandstill(5000);
-  EXPECT_FALSE(after(200).owner_alive);
+  EXPECT_FALSE(after(200).holder_alive);
   const auto silent = after(1);
-  ASSERT_TRUE(silent.owner_alive);
-  EXPECT_FALSE(*silent.owner_alive);
+  ASSERT_TRUE(silent.holder_alive);
+  EXPECT_FALSE(*silent.holder_alive);
   ASSERT_EQ(desk.release(anna), "");
   (void)after(0);
   annaTakes();
   (void)afterStandstill(300);
   const auto second = afterStandstill(300);
-  ASSERT_TRUE(second.owner_alive) << "one standstill of a silence is excused";
-  EXPECT_FALSE(*second.owner_alive);
+  ASSERT_TRUE(second.holder_alive) << "one standstill of a silence is excused";
+  EXPECT_FALSE(*second.holder_alive);
 }
 
 // Browsers let a hidden page beat once a second, and once a minute after some time.
@@ -150,9 +150,9 @@ TEST_F(ControlDeskTest, BeatsTooSeldom_TheEffortReturnsOnceAtMost) {
     for (std::int64_t t = 0; t < for_ms; t += 10) {
       if (t % every_ms == 0) desk.heard(anna, now);
       const auto advice = after(10);
-      if (!advice.owner_alive) continue;
-      returns += *advice.owner_alive ? 1 : 0;
-      alive = *advice.owner_alive;
+      if (!advice.holder_alive) continue;
+      returns += *advice.holder_alive ? 1 : 0;
+      alive = *advice.holder_alive;
       EXPECT_LE(t, 2 * std::min<std::int64_t>(every_ms, 1000) + 210);
     }
     EXPECT_FALSE(alive);
@@ -175,7 +175,7 @@ TEST_F(ControlDeskTest, BeatsAtRandom_TheEffortReturnsOnceIn10sAtMost) {
         beat = t + static_cast<std::int64_t>(random() % (random() % 4 == 0 ? 400 : 190));
       }
       const auto advice = after(10);
-      if (!advice.owner_alive || !*advice.owner_alive) continue;
+      if (!advice.holder_alive || !*advice.holder_alive) continue;
       ASSERT_GE(t - returned_ms, 10'000);
       returned_ms = t;
     }
@@ -190,11 +190,11 @@ TEST_F(ControlDeskTest, SilentFor5s_TheVirtualPatientSteersAndNothingPushes) {
   EXPECT_FALSE(after(5000).give_back);
   const auto lost = after(1);
   EXPECT_TRUE(lost.give_back);
-  EXPECT_FALSE(lost.owner_alive);
+  EXPECT_FALSE(lost.holder_alive);
   for (int i = 0; i < 100; ++i) {
     const auto advice = after(60'000);
     EXPECT_FALSE(advice.give_back);
-    EXPECT_FALSE(advice.owner_alive);
+    EXPECT_FALSE(advice.holder_alive);
   }
 }
 
@@ -202,14 +202,14 @@ TEST_F(ControlDeskTest, LineLost_FadesAtOnceAndTheVirtualPatientSteersAfter5s) {
   annaTakes();
   desk.left(anna, now);
   const auto lost = after(0);
-  ASSERT_TRUE(lost.owner_alive);
-  EXPECT_FALSE(*lost.owner_alive);
+  ASSERT_TRUE(lost.holder_alive);
+  EXPECT_FALSE(*lost.holder_alive);
   EXPECT_FALSE(lost.give_back);
   EXPECT_TRUE(lost.holder_changed);
   EXPECT_FALSE(after(5000).give_back);
   const auto given = after(1);
   EXPECT_TRUE(given.give_back);
-  EXPECT_FALSE(given.owner_alive);  // it pushes again when somebody takes the controls
+  EXPECT_FALSE(given.holder_alive);  // it pushes again when somebody takes the controls
 }
 
 TEST_F(ControlDeskTest, LineLost_TheNextHolderBeginsWithTheVirtualPatient) {
@@ -219,14 +219,14 @@ TEST_F(ControlDeskTest, LineLost_TheNextHolderBeginsWithTheVirtualPatient) {
   EXPECT_EQ(desk.take(ben, now), "");
   const auto advice = after(0);
   EXPECT_TRUE(advice.give_back);  // not Anna's last aim
-  ASSERT_TRUE(advice.owner_alive);
-  EXPECT_TRUE(*advice.owner_alive);
+  ASSERT_TRUE(advice.holder_alive);
+  EXPECT_TRUE(*advice.holder_alive);
 }
 
 TEST_F(ControlDeskTest, WatcherLeaves_NothingHappens) {
   annaTakes();
   desk.left(ben, now);
-  EXPECT_FALSE(after(0).owner_alive);
+  EXPECT_FALSE(after(0).holder_alive);
   EXPECT_TRUE(desk.holds(anna));
 }
 
@@ -237,16 +237,16 @@ TEST_F(ControlDeskTest, GameElsewhere_HoldsAndLosesThem) {
   auto advice = after(0);
   EXPECT_TRUE(advice.holder_changed);
   EXPECT_NE(desk.take(anna, now), "");
-  EXPECT_FALSE(after(60'000).owner_alive);  // its silence is its own server's matter
+  EXPECT_FALSE(after(60'000).holder_alive);  // its silence is its own server's matter
   ASSERT_TRUE(arbiter.release(game));
   advice = after(0);
   EXPECT_TRUE(advice.holder_changed);
-  ASSERT_TRUE(advice.owner_alive);
-  EXPECT_FALSE(*advice.owner_alive);
+  ASSERT_TRUE(advice.holder_alive);
+  EXPECT_FALSE(*advice.holder_alive);
   EXPECT_FALSE(after(5000).give_back);
   advice = after(1);
   EXPECT_TRUE(advice.give_back);
-  EXPECT_FALSE(advice.owner_alive);
+  EXPECT_FALSE(advice.holder_alive);
 }
 
 TEST_F(ControlDeskTest, LeftAloneFor15Minutes_IsSaidOnceInAsLong) {
@@ -277,7 +277,7 @@ TEST_F(ControlDeskTest, OrderOfSomebodyWithoutTheControls_BeginsThe15MinutesAnew
   EXPECT_TRUE(after(1).unattended);
 }
 
-// The game's own server has told the program that nobody is alive; this desk has told it nothing.
+// The game's own server has reported to the program that nobody is alive; this desk has not.
 TEST_F(ControlDeskTest, GameVanishesBetweenTwoFrames_TheNextHolderIsAliveAndStartsAnew) {
   for (const bool seen : {true, false}) {
     const auto game = arbiter.newClient();
@@ -286,8 +286,8 @@ TEST_F(ControlDeskTest, GameVanishesBetweenTwoFrames_TheNextHolderIsAliveAndStar
     ASSERT_TRUE(arbiter.release(game));
     ASSERT_EQ(desk.take(anna, now), "");
     const auto advice = after(0);
-    ASSERT_TRUE(advice.owner_alive) << seen;
-    EXPECT_TRUE(*advice.owner_alive);
+    ASSERT_TRUE(advice.holder_alive) << seen;
+    EXPECT_TRUE(*advice.holder_alive);
     EXPECT_TRUE(advice.give_back) << "not the game's last aim";
     ASSERT_EQ(desk.release(anna), "");
     (void)after(16);

@@ -19,7 +19,7 @@
 
 namespace wholehand::test {
 
-/// A program without a loop: answers as it is told, and remembers what it was asked.
+/// A program without a loop: gives the answers that a test sets, and remembers what it was asked.
 class FakeProgram final : public ServerBackend {
  public:
   struct Asked {

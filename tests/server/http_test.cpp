@@ -335,7 +335,7 @@ TEST_F(HttpTest, ReportUnderWay_KeepsNobodyWaiting) {
   patient.join();
 }
 
-// Whoever waits for a disk that hangs is told, and keeps nobody else from anything.
+// A client that waits for a disk that hangs gets an answer, and delays no other client.
 TEST_F(HttpTest, WorkThatTakesTooLong_IsRefusedAndItsWorkerGivenUp) {
   std::promise<void> answers;
   program.report_waits_for = answers.get_future().share();

@@ -48,7 +48,7 @@ RawSocket::~RawSocket() {
 void RawSocket::send(const std::string& bytes) {
   for (std::size_t sent = 0; sent < bytes.size();) {
     const ssize_t n = ::send(handle_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-    if (n <= 0) return;  // closed by the other side: what is read next tells
+    if (n <= 0) return;  // closed by the other side: the next read shows it
     sent += static_cast<std::size_t>(n);
   }
 }

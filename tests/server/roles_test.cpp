@@ -66,7 +66,7 @@ TEST(Roles, PlayerAloneOnASimulatedDevice_BeginsButNeverAgainAfterAStop) {
   now.holds = true;
   EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
   EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::LoadExercise{}}, now).accepted);
-  for (const RunState ended : {RunState::kStopped, RunState::kFaulted, RunState::kRampingDown}) {
+  for (const RunState ended : {RunState::kStopped, RunState::kFaulted, RunState::kStopping}) {
     now.run_state = ended;
     EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal, Refusal::kTherapistOnly);
   }

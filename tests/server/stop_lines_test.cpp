@@ -10,17 +10,17 @@
 #include <algorithm>
 #include <deque>
 
-// Stop, Rest and EmergencyStop from every role, by both lines, whoever holds the controls, in every
-// state, and with standstills of the program, on a clock and a network that the test makes up.
-// The law (docs/protocol.md, "Roles"): an EmergencyStop is everybody's, Stop and Rest are
-// everybody's but a watcher's; without the controls a Rest is a plain Stop.
+// Stop, Rest and EmergencyStop from every role, by both lines, whichever client holds the controls,
+// in every state, and with standstills of the program, on a clock and a network that the test makes
+// up. The rules (docs/protocol.md, "Roles"): every client may send EmergencyStop; every client but
+// a watcher may send Stop and Rest; without the controls a Rest is a plain Stop.
 namespace wholehand::test {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// What one client is told.
-class Told final : public ClientLine {
+/// The messages to one client.
+class RecordingLine final : public ClientLine {
  public:
   void deliver(SharedBytes message) override {
     const auto* said = fb::GetMessage(message->data());
@@ -45,7 +45,7 @@ class Told final : public ClientLine {
 struct Both {
   std::uint32_t number = 0, id = 0;
   Role role = Role::kUnsaid;
-  std::shared_ptr<Told> told = std::make_shared<Told>();
+  std::shared_ptr<RecordingLine> line = std::make_shared<RecordingLine>();
   std::unique_ptr<TestGame> game;
   UdpEndpoint at;
 };
@@ -62,7 +62,7 @@ class Lines {
   Both& join(Role role) {
     auto& c = *all.emplace_back(std::make_unique<Both>());
     c.role = role;
-    c.number = clients_->join(c.told, role, now_ns);
+    c.number = clients_->join(c.line, role, now_ns);
     c.at = {0x7F000001, static_cast<std::uint16_t>(5000 + c.number)};
     c.game = std::make_unique<TestGame>([](const TestGame::Bytes&) {});
     c.game->key = c.number;
@@ -194,10 +194,10 @@ class Draw {
     const bool may = kind == Kind::kEmergency || stops.role != Role::kWatcher;
     expectHandedOn(may, kind, kind == Kind::kRest && (holds || status.rested));
     if (!by_datagram) {
-      ASSERT_TRUE(stops.told->replies.contains(id));
-      EXPECT_EQ(stops.told->replies[id].accepted, may);
+      ASSERT_TRUE(stops.line->replies.contains(id));
+      EXPECT_EQ(stops.line->replies[id].accepted, may);
     }
-    if (!may && !by_datagram) EXPECT_EQ(stops.told->replies[id].refusal, Refusal::kOnlyWatches);
+    if (!may && !by_datagram) EXPECT_EQ(stops.line->replies[id].refusal, Refusal::kOnlyWatches);
     if (holder.role == Role::kWatcher) return;
     EXPECT_EQ(lines_.controls.holder(), holder.number) << "after " << stands_ms << " ms";
     EXPECT_TRUE(lines_.program.askedFor<orders::OwnerAlive>(0).empty())
@@ -246,13 +246,13 @@ TEST(StopLines, LineWhoseWriteOutlastsAStandstill_IsNotCut) {
   Lines lines(random);
   Both& c = lines.join(Role::kPlayer);
   lines.frame();
-  c.told->writing_since_ns = lines.now_ns;
+  c.line->writing_since_ns = lines.now_ns;
   lines.pass(5000);
   lines.frame();
-  EXPECT_FALSE(c.told->was_cut) << "what the client has read meanwhile is seen first";
+  EXPECT_FALSE(c.line->was_cut) << "what the client has read meanwhile is seen first";
   lines.pass(16);
   lines.frame();
-  EXPECT_TRUE(c.told->was_cut) << "it reads nothing";
+  EXPECT_TRUE(c.line->was_cut) << "it reads nothing";
 }
 
 struct RestRight : ::testing::Test {
@@ -270,7 +270,7 @@ struct RestRight : ::testing::Test {
     lines.say(who, order(++who.id));
     lines.frame();
     lines.say(who, words::heartbeat(0));
-    return who.told->replies[who.id];
+    return who.line->replies[who.id];
   }
   OrderReply take(Both& who) {
     return ask(who, [](std::uint32_t id) { return words::takeControls(id); });

@@ -39,9 +39,9 @@ void listen(WebSocket& socket, std::chrono::steady_clock::time_point until, Draw
       drawn.bodies = state->bodies()->size();
       ++drawn.states;
     }
-    const auto* told = message(*frame).payload_as_GameBodies();
-    if (told == nullptr || told->registered() == nullptr) continue;
-    for (const auto* body : *told->registered()) where[body->number()] = body->whereabouts();
+    const auto* reported = message(*frame).payload_as_GameBodies();
+    if (reported == nullptr || reported->registered() == nullptr) continue;
+    for (const auto* body : *reported->registered()) where[body->number()] = body->whereabouts();
   }
 }
 

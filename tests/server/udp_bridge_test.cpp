@@ -107,9 +107,9 @@ TEST_F(UdpBridgeOnLoopback, EveryTick_ReachesTheGameInOrder) {
     bridge.publish(backend.record(tick));
     // The game's buffer holds some hundred: it reads before it is full, however slow this goes.
     if (tick % 50 == 0) {
-      const auto& told = game.state_ticks;
-      ASSERT_TRUE(
-          g.fast->until([&] { return std::find(told.begin(), told.end(), tick) != told.end(); }));
+      const auto& reported = game.state_ticks;
+      ASSERT_TRUE(g.fast->until(
+          [&] { return std::find(reported.begin(), reported.end(), tick) != reported.end(); }));
     }
   }
   std::erase(game.state_ticks, 0U);  // how the loop was before its first record
@@ -204,9 +204,9 @@ TEST_F(UdpBridgeOnLoopback, ManyGamesAtOnceWhileRecordsCome_NothingIsMixedUp) {
   for (int i = 0; i < 4; ++i) {
     games.emplace_back([&] {
       const WholeGame g(*server, bridge, 100);
-      auto& told = g.fast->game.state_ticks;
-      if (g.fast->until([&] { return told.size() >= 20; }) &&
-          std::is_sorted(told.begin(), told.end())) {
+      auto& reported = g.fast->game.state_ticks;
+      if (g.fast->until([&] { return reported.size() >= 20; }) &&
+          std::is_sorted(reported.begin(), reported.end())) {
         ++done;
       }
     });

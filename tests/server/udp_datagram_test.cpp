@@ -90,7 +90,7 @@ TEST(UdpDatagram, Read_IsWhatWasWritten) {
   EXPECT_EQ(r.payload.size(), kLargestPayload);
 }
 
-TEST(UdpDatagram, EveryFlaw_IsTold) {
+TEST(UdpDatagram, EveryFlaw_IsReported) {
   const Bytes good = written(someHeader(), {1, 2, 3});
   EXPECT_EQ(read({}).flaw, Flaw::kTooShort);
   EXPECT_EQ(read(Bytes(47)).flaw, Flaw::kTooShort);
@@ -105,7 +105,7 @@ TEST(UdpDatagram, EveryFlaw_IsTold) {
   game.kind = Kind::kCommand;
   const Bytes command = written(game, {1});
   EXPECT_EQ(read(command).flaw, Flaw::kNone);
-  EXPECT_EQ(flawWith(command, 7, 1), Flaw::kBadHeader) << "a game tells no controls";
+  EXPECT_EQ(flawWith(command, 7, 1), Flaw::kBadHeader) << "a game sends no controls";
   EXPECT_EQ(flawWith(command, 21, 4), Flaw::kBadHeader) << "1024 states a second";
   EXPECT_EQ(read(written(game, {})).flaw, Flaw::kBadHeader) << "a Command of nothing";
 }

@@ -66,7 +66,7 @@ class FakeBackend : public ServerBackend {
     r.exercise.value_count = kValues;
     const std::lock_guard lock(mutex_);
     r.exercise.values[0] = lead_in_m_;
-    r.exercise.values[1] = owner_alive_;
+    r.exercise.values[1] = holder_alive_;
     r.exercise.values[2] = aims_;
     r.exercise.values[3] = aimed_;
     return r;
@@ -87,7 +87,7 @@ class FakeBackend : public ServerBackend {
   }
   [[nodiscard]] double ownerAlive() const {
     const std::lock_guard lock(mutex_);
-    return owner_alive_;
+    return holder_alive_;
   }
 
  private:
@@ -151,7 +151,7 @@ class FakeBackend : public ServerBackend {
     return {true, ""};
   }
   OrderReply carryOut(const orders::OwnerAlive& owner) {
-    owner_alive_ = owner.alive ? 1.0 : 0.0;
+    holder_alive_ = owner.alive ? 1.0 : 0.0;
     return {true, ""};
   }
   OrderReply carryOut(const orders::LoadExercise& load) {
@@ -168,7 +168,7 @@ class FakeBackend : public ServerBackend {
   std::shared_ptr<const SceneFacts> scene_;
   RunState run_state_ = RunState::kDisarmed;
   Steering steering_ = Steering::kVirtualPatient;
-  double lead_in_m_ = 0.005, owner_alive_ = 1.0, aims_ = 0.0, aimed_ = 0.0;
+  double lead_in_m_ = 0.005, holder_alive_ = 1.0, aims_ = 0.0, aimed_ = 0.0;
   std::vector<Order> orders_;
   std::uint32_t endings_ = 1;  ///< as a station: an order to arm has seen the last one
   std::uint32_t claim_ = 0;    ///< as a station: what a former holder asked for comes too late

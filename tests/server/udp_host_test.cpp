@@ -1,15 +1,15 @@
 #include "server/udp_host_fixture.hpp"
 
-// Who is heard, who is answered, and what is ignored.
+// Who is obeyed, who is answered, and what is ignored.
 namespace wholehand::udp {
 namespace {
 
 TEST_F(UdpHost, WithoutAKey_NothingIsAnsweredAndItIsCounted) {
-  TestGame stranger = makeGame(kElsewhere);
-  stranger.key = kGameKey + 1;
+  TestGame untrusted = makeGame(kElsewhere);
+  untrusted.key = kGameKey + 1;
   for (int i = 0; i < 100; ++i) {
-    stranger.say();
-    stranger.say(words::emergencyStop(1));
+    untrusted.say();
+    untrusted.say(words::emergencyStop(1));
   }
   settle();
   EXPECT_EQ(sent_bytes, 0U);

@@ -14,7 +14,7 @@ namespace wholehand::test {
 
 namespace fb = wholehand::protocol;
 
-/// A game of few words: says what it is told to, keeps what it hears. Datagrams leave through a
+/// A minimal game: sends what the test says, keeps what it receives. Datagrams leave through a
 /// function and come by hear(): a socket, or a network made up.
 class TestGame {
  public:

@@ -1,7 +1,7 @@
 #include "server/sample_facts.hpp"
 #include "server/websocket_words.hpp"
 
-// Orders to the bodies of a game over real WebSockets: who may, and what clients are told.
+// Orders to the bodies of a game over real WebSockets: who may send them, and what clients get.
 namespace wholehand::test {
 namespace {
 
@@ -125,45 +125,45 @@ TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsManyMessages) {
   EXPECT_GE(passed, 43.0);
 }
 
-TEST_F(BodiesTest, BodiesOfAGame_AreToldWhenTheyChangeAndToWhoComesLater) {
+TEST_F(BodiesTest, BodiesOfAGame_AreReportedWhenTheyChangeAndToWhoJoinsLater) {
   open();
   const auto first = client("?role=watcher");
   ASSERT_TRUE(next(*first, fb::Payload::Controls));
   show(SlotState::kGhost);
   const auto ghost = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(ghost);
-  const auto* told = message(*ghost).payload_as_GameBodies();
-  EXPECT_EQ(told->session(), 4U);
-  ASSERT_EQ(told->bodies()->size(), 1U);
-  EXPECT_EQ(told->bodies()->Get(0)->slot(), 3U);
-  EXPECT_EQ(told->bodies()->Get(0)->generation(), 9U);
-  EXPECT_EQ(told->bodies()->Get(0)->shapes(), 11U);
-  EXPECT_EQ(told->bodies()->Get(0)->state(), fb::SlotState::Ghost);
-  ASSERT_EQ(told->new_shapes()->size(), 1U);
-  EXPECT_EQ(told->new_shapes()->Get(0)->id(), 11U);
-  EXPECT_FLOAT_EQ(told->new_shapes()->Get(0)->com_m()->z(), 0.01F);
-  const auto* piece = told->new_shapes()->Get(0)->pieces()->Get(0);
+  const auto* reported = message(*ghost).payload_as_GameBodies();
+  EXPECT_EQ(reported->session(), 4U);
+  ASSERT_EQ(reported->bodies()->size(), 1U);
+  EXPECT_EQ(reported->bodies()->Get(0)->slot(), 3U);
+  EXPECT_EQ(reported->bodies()->Get(0)->generation(), 9U);
+  EXPECT_EQ(reported->bodies()->Get(0)->shapes(), 11U);
+  EXPECT_EQ(reported->bodies()->Get(0)->state(), fb::SlotState::Ghost);
+  ASSERT_EQ(reported->new_shapes()->size(), 1U);
+  EXPECT_EQ(reported->new_shapes()->Get(0)->id(), 11U);
+  EXPECT_FLOAT_EQ(reported->new_shapes()->Get(0)->com_m()->z(), 0.01F);
+  const auto* piece = reported->new_shapes()->Get(0)->pieces()->Get(0);
   EXPECT_FLOAT_EQ(piece->radius_m(), 0.03F);
   EXPECT_EQ(piece->in_body()->position_m().z(), 0.0F) << "about the centre of mass";
   show(SlotState::kSolid);
   const auto solid = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(solid);
-  told = message(*solid).payload_as_GameBodies();
-  EXPECT_EQ(told->bodies()->Get(0)->state(), fb::SlotState::Solid);
-  EXPECT_EQ(told->new_shapes()->size(), 0U) << "known from the message before";
+  reported = message(*solid).payload_as_GameBodies();
+  EXPECT_EQ(reported->bodies()->Get(0)->state(), fb::SlotState::Solid);
+  EXPECT_EQ(reported->new_shapes()->size(), 0U) << "known from the message before";
   const auto later = client("?role=watcher");
   const auto joined = next(*later, fb::Payload::GameBodies);
   ASSERT_TRUE(joined);
-  told = message(*joined).payload_as_GameBodies();
-  EXPECT_EQ(told->bodies()->Get(0)->state(), fb::SlotState::Solid);
-  EXPECT_EQ(told->new_shapes()->size(), 1U);
+  reported = message(*joined).payload_as_GameBodies();
+  EXPECT_EQ(reported->bodies()->Get(0)->state(), fb::SlotState::Solid);
+  EXPECT_EQ(reported->new_shapes()->size(), 1U);
   show(SlotState::kParked);
   const auto none = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(none);
   EXPECT_EQ(message(*none).payload_as_GameBodies()->bodies()->size(), 0U);
 }
 
-TEST_F(BodiesTest, BodiesBeyondTheSlots_AreToldByWhatChangesAndAllToWhoComesLater) {
+TEST_F(BodiesTest, BodiesBeyondTheSlots_AreReportedByWhatChangesAndAllToWhoJoinsLater) {
   open();
   const auto first = client("?role=watcher");
   ASSERT_TRUE(next(*first, fb::Payload::Controls));
@@ -174,26 +174,26 @@ TEST_F(BodiesTest, BodiesBeyondTheSlots_AreToldByWhatChangesAndAllToWhoComesLate
   showRegistered({away, near});
   const auto both = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(both);
-  const auto* told = message(*both).payload_as_GameBodies();
-  ASSERT_EQ(told->registered()->size(), 2U);
-  EXPECT_EQ(told->registered()->Get(0)->number(), 1000U);
-  EXPECT_EQ(told->registered()->Get(0)->generation(), 5U);
-  EXPECT_EQ(told->registered()->Get(0)->shapes(), 11U);
-  EXPECT_EQ(told->registered()->Get(0)->slot(), -1);
-  EXPECT_EQ(told->registered()->Get(0)->whereabouts(), fb::Whereabouts::OutOfReach);
-  EXPECT_EQ(told->registered()->Get(0)->pose().position_m().z(), 3.0F);
-  EXPECT_EQ(told->registered()->Get(1)->slot(), 3);
-  EXPECT_EQ(told->bodies()->size(), 1U) << "slots, as before";
+  const auto* reported = message(*both).payload_as_GameBodies();
+  ASSERT_EQ(reported->registered()->size(), 2U);
+  EXPECT_EQ(reported->registered()->Get(0)->number(), 1000U);
+  EXPECT_EQ(reported->registered()->Get(0)->generation(), 5U);
+  EXPECT_EQ(reported->registered()->Get(0)->shapes(), 11U);
+  EXPECT_EQ(reported->registered()->Get(0)->slot(), -1);
+  EXPECT_EQ(reported->registered()->Get(0)->whereabouts(), fb::Whereabouts::OutOfReach);
+  EXPECT_EQ(reported->registered()->Get(0)->pose().position_m().z(), 3.0F);
+  EXPECT_EQ(reported->registered()->Get(1)->slot(), 3);
+  EXPECT_EQ(reported->bodies()->size(), 1U) << "slots, as before";
   // The pose of a body in a slot is in states: no news.
   near.body.pose.position_m.x = 0.5;
   away.body.pose.position_m.z = 4.0;
   showRegistered({away, near});
   const auto moved = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(moved);
-  told = message(*moved).payload_as_GameBodies();
-  ASSERT_EQ(told->registered()->size(), 1U);
-  EXPECT_EQ(told->registered()->Get(0)->number(), 1000U);
-  EXPECT_EQ(told->registered()->Get(0)->pose().position_m().z(), 4.0F);
+  reported = message(*moved).payload_as_GameBodies();
+  ASSERT_EQ(reported->registered()->size(), 1U);
+  EXPECT_EQ(reported->registered()->Get(0)->number(), 1000U);
+  EXPECT_EQ(reported->registered()->Get(0)->pose().position_m().z(), 4.0F);
   const auto later = client("?role=watcher");
   const auto joined = next(*later, fb::Payload::GameBodies);
   ASSERT_TRUE(joined);
@@ -201,13 +201,13 @@ TEST_F(BodiesTest, BodiesBeyondTheSlots_AreToldByWhatChangesAndAllToWhoComesLate
   showRegistered({near});
   const auto gone = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(gone);
-  told = message(*gone).payload_as_GameBodies();
-  ASSERT_EQ(told->registered()->size(), 1U);
-  EXPECT_EQ(told->registered()->Get(0)->number(), 1000U);
-  EXPECT_EQ(told->registered()->Get(0)->whereabouts(), fb::Whereabouts::Gone);
+  reported = message(*gone).payload_as_GameBodies();
+  ASSERT_EQ(reported->registered()->size(), 1U);
+  EXPECT_EQ(reported->registered()->Get(0)->number(), 1000U);
+  EXPECT_EQ(reported->registered()->Get(0)->whereabouts(), fb::Whereabouts::Gone);
 }
 
-TEST_F(BodiesTest, BodyAndItsEventInOneTick_AreToldInThisOrder) {
+TEST_F(BodiesTest, BodyAndItsEventInOneTick_AreReportedInThisOrder) {
   std::atomic<bool> happens{false};
   program.in_tick = [&] {
     if (!happens.exchange(false)) return;
@@ -221,16 +221,16 @@ TEST_F(BodiesTest, BodyAndItsEventInOneTick_AreToldInThisOrder) {
   const auto socket = client("?role=watcher");
   ASSERT_TRUE(next(*socket, fb::Payload::Controls));
   happens = true;
-  std::vector<fb::Payload> told;
-  while (told.size() < 2) {
+  std::vector<fb::Payload> reported;
+  while (reported.size() < 2) {
     const auto frame = socket->hear();
     ASSERT_TRUE(frame);
     const fb::Payload payload = message(*frame).payload_type();
     if (payload == fb::Payload::GameBodies || payload == fb::Payload::Events) {
-      told.push_back(payload);
+      reported.push_back(payload);
     }
   }
-  EXPECT_EQ(told, (std::vector{fb::Payload::GameBodies, fb::Payload::Events}));
+  EXPECT_EQ(reported, (std::vector{fb::Payload::GameBodies, fb::Payload::Events}));
 }
 
 }  // namespace

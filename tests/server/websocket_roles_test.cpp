@@ -47,11 +47,11 @@ struct RolesTest : ServerTest {
     while (controls.holder() != 0) std::this_thread::sleep_for(1ms);
     return controls.holder() == 0;
   }
-  struct Told {
+  struct Reported {
     bool mine = false, held = false, led = false;
     fb::Role role = fb::Role::Unsaid, holder = fb::Role::Unsaid;
   };
-  static Told controlsOf(WebSocket& socket) {
+  static Reported controlsOf(WebSocket& socket) {
     const auto frame = next(socket, fb::Payload::Controls);
     if (!frame) return {};
     const auto* c = message(*frame).payload_as_Controls();
@@ -73,12 +73,12 @@ TEST_F(RolesTest, TherapistWhileAPlayerPlays_IsObeyedInAllButSteering) {
   EXPECT_EQ(program.askedFor<orders::SetParameter>(1).size(), 1U);
 }
 
-TEST_F(RolesTest, TherapistWhoTakesTheSteering_GetsItAndThePlayerIsTold) {
+TEST_F(RolesTest, TherapistWhoTakesTheSteering_GetsItAndThePlayerIsNotified) {
   open();
   const auto plays = player();
   const auto leads = client("therapist");
   EXPECT_TRUE(ask(*leads, takeControls(1)).accepted);
-  Told lost = controlsOf(*plays);
+  Reported lost = controlsOf(*plays);
   while (lost.held && lost.holder == fb::Role::Player) lost = controlsOf(*plays);
   EXPECT_TRUE(lost.led);
   EXPECT_FALSE(lost.mine);
@@ -147,7 +147,7 @@ TEST_F(RolesTest, PlayerThatIsStopped_GivesTheControlsBackAndKeepsThemThroughALo
   program.setRecord(busyRecord());
   open();
   const auto plays = player();
-  show(RunState::kRampingDown, 1);  // a load: nothing ended
+  show(RunState::kStopping, 1);  // a load: nothing ended
   ASSERT_TRUE(next(*plays, fb::Payload::WorldState));
   EXPECT_NE(controls.holder(), 0U);
   show(RunState::kStopped, 2);

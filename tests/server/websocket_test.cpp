@@ -3,7 +3,7 @@
 #include <future>
 #include <limits>
 
-// Clients over real WebSockets: what they are told, who may command, what is refused.
+// Clients over real WebSockets: what they get, who may command, what is refused.
 namespace wholehand::test {
 namespace {
 
@@ -129,15 +129,15 @@ TEST_F(WebSocketTest, SecondController_WatchesAndMayOnlyStop) {
   EXPECT_TRUE(logged("another client holds the controls"));
 }
 
-TEST_F(WebSocketTest, Holder_IsToldToAllAndCommands) {
+TEST_F(WebSocketTest, Holder_IsReportedToAllAndCommands) {
   open();
   WebSocket watcher(port());
   ASSERT_TRUE(next(watcher, fb::Payload::Controls));
   const auto first = holder();
-  const auto told = next(watcher, fb::Payload::Controls);
-  ASSERT_TRUE(told);
-  EXPECT_TRUE(message(*told).payload_as_Controls()->held());
-  EXPECT_FALSE(message(*told).payload_as_Controls()->held_by_you());
+  const auto reported = next(watcher, fb::Payload::Controls);
+  ASSERT_TRUE(reported);
+  EXPECT_TRUE(message(*reported).payload_as_Controls()->held());
+  EXPECT_FALSE(message(*reported).payload_as_Controls()->held_by_you());
   first->say(setParameter(2, "lead_in_m", 0.25));
   EXPECT_TRUE(answer(*first).accepted);
   const auto set = program.askedFor<orders::SetParameter>(1);
@@ -174,7 +174,7 @@ std::pair<int, std::string> closing(WebSocket& client) {
           std::string(frame->payload.begin() + 2, frame->payload.end())};
 }
 
-// Nobody can be told which order it was. Whoever waits for an answer learns that the line ended.
+// No answer can name the order. A client that waits for one sees that the line ended.
 TEST_F(WebSocketTest, UnreadableMessages_EndTheConnectionAndSayWhy) {
   open();
   wire::Bytes cut = steer(2, fb::Steering::Person);
@@ -186,9 +186,9 @@ TEST_F(WebSocketTest, UnreadableMessages_EndTheConnectionAndSayWhy) {
   for (const auto& [message, reason] : bad) {
     const auto client = holder();
     client->say(message);
-    const auto told = answer(*client);
-    EXPECT_EQ(told.command, 0U);
-    EXPECT_EQ(told.reason, reason);
+    const auto reported = answer(*client);
+    EXPECT_EQ(reported.command, 0U);
+    EXPECT_EQ(reported.reason, reason);
     EXPECT_EQ(closing(*client), std::pair(1008, reason));
     for (int i = 0; i < 1000 && controls.holder() != 0; ++i) std::this_thread::sleep_for(5ms);
     EXPECT_EQ(controls.holder(), 0U);
@@ -300,8 +300,8 @@ TEST_F(WebSocketTest, FloodOfMessages_IsDroppedBut_StopsAreNot) {
   EXPECT_LE(refused("rate"), 200.0);
 }
 
-// Whoever waits for an answer must not wait for ever: each refused command is named.
-TEST_F(WebSocketTest, CommandsBeyondTheRate_AreEachToldWhichTheyAre) {
+// A client that waits for an answer must not wait for ever: each refused command is named.
+TEST_F(WebSocketTest, CommandsBeyondTheRate_AreEachReportedByTheirId) {
   open();
   WebSocket client(port());
   for (std::uint32_t id = 1; id <= 600; ++id) client.say(heartbeat(id));
@@ -337,7 +337,7 @@ TEST_F(WebSocketTest, ForeignOrigin_GetsNoConnection) {
   EXPECT_TRUE(logged("refused (origin)"));
 }
 
-TEST_F(WebSocketTest, Token_IsAskedForAtTheDoorAndWithTheControls) {
+TEST_F(WebSocketTest, Token_IsAskedForByConnectionsAndByTheControls) {
   options.token = "a-token-of-twenty-ch";
   open();
   EXPECT_EQ(WebSocket(port()).status(), 401);

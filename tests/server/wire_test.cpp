@@ -229,7 +229,7 @@ std::vector<Eigen::Isometry3d> drawn(const fb::Scene& scene, const fb::WorldStat
   return poses;
 }
 
-// WorldState.links comes from the loop's own kinematics: the tree that a client is told has to lead
+// WorldState.links comes from the loop's own kinematics: the tree that a client gets has to lead
 // there. Single precision over 20 links: some 1e-6.
 TEST(WireScene, Links_LeadToWhereTheStateSaysTheyAre) {
   for (const char* device : {"lambda-pride", "wrist-9axis"}) {

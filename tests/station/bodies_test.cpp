@@ -72,11 +72,11 @@ class GameInAStation : public Bar {
     all.commands = std::move(commands);
     return bodies<orders::Spawn>(std::move(all), claim);  // the station reads the commands
   }
-  /// State of a slot's body as clients are told; parked where there is none.
+  /// State of a slot's body as reported to clients; parked where there is none.
   SlotState stateOf(int slot) {
-    const auto told = station_->status().bodies;
-    if (!told) return SlotState::kParked;
-    for (const GameBody& body : *told) {
+    const auto reported = station_->status().bodies;
+    if (!reported) return SlotState::kParked;
+    for (const GameBody& body : *reported) {
       if (body.slot == slot) return body.state;
     }
     return SlotState::kParked;
@@ -104,8 +104,8 @@ TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimula
   far.pose.position_m = {3.0, 0.0, 0.0};
   ASSERT_TRUE(ask(say({spawnCommand(near), spawnCommand(far)})).accepted);
   const auto shown = [&](int number) {
-    const auto told = station_->status().registered;
-    for (const ShownBody& body : told ? *told : RegisteredBodies{}) {
+    const auto reported = station_->status().registered;
+    for (const ShownBody& body : reported ? *reported : RegisteredBodies{}) {
       if (body.body.number == number && body.shapes) return body.body;
     }
     return RegisteredBody{};
@@ -125,7 +125,7 @@ TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimula
   EXPECT_TRUE(becomes([&] { return shown(kFirstNumber).whereabouts == Whereabouts::kOutOfReach; }));
   EXPECT_EQ(stateOf(slot), SlotState::kParked);
   EXPECT_TRUE(becomes([&] { return shown(kFirstNumber).pose.position_m.y == -3.0; }));
-  EXPECT_EQ(ask(prepare(0, {ballShape(0.02)})).items.at(0).refusal, OrderRefusal::kShapesBusy);
+  EXPECT_EQ(ask(prepare(0, {ballShape(0.02)})).items.at(0).refusal, BodyRefusal::kShapesBusy);
   ASSERT_TRUE(
       ask(say({removeCommand(kFirstNumber, 1), removeCommand(kFirstNumber + 1, 1)})).accepted);
   EXPECT_TRUE(station_->status().registered->empty());
@@ -136,7 +136,7 @@ TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   const auto refusalOf = [&](const Command& command, const char* says) {
     const OrderReply reply = ask(say({command}));
-    if (reply.items.empty()) return OrderRefusal::kNone;
+    if (reply.items.empty()) return BodyRefusal::kNone;
     EXPECT_NE(reply.reason.find(says), std::string::npos) << reply.reason;
     EXPECT_EQ(reply.items[0].slot, command.index);
     return reply.items[0].refusal;
@@ -146,28 +146,28 @@ TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
     all.push_back(spawnCommand(ballAside(kFirstNumber + i)));
   ASSERT_TRUE(ask(say(all)).accepted);
   EXPECT_EQ(refusalOf(spawnCommand(ballAside(kFirstNumber + 1000)), "1000 are registered"),
-            OrderRefusal::kBudget);
+            BodyRefusal::kBudget);
   EXPECT_EQ(refusalOf(spawnCommand(ballAside(kFirstNumber)), "registered already"),
-            OrderRefusal::kSlotTaken);
+            BodyRefusal::kSlotTaken);
   EXPECT_EQ(refusalOf(spawnCommand(ballAside(kLastNumber + 1)), "[1000, 32767]"),
-            OrderRefusal::kNoSuchSlot);
-  EXPECT_EQ(refusalOf(removeCommand(9999, 1), "is registered"), OrderRefusal::kWrongGeneration);
+            BodyRefusal::kNoSuchSlot);
+  EXPECT_EQ(refusalOf(removeCommand(9999, 1), "is registered"), BodyRefusal::kWrongGeneration);
   EXPECT_EQ(refusalOf(removeCommand(kFirstNumber, 2), "generation 2"),
-            OrderRefusal::kWrongGeneration);
+            BodyRefusal::kWrongGeneration);
   ASSERT_TRUE(ask(say({removeCommand(kFirstNumber, 1)})).accepted);
   SpawnOrder without = ballAside(kFirstNumber);
   without.shape_set = 1;
-  EXPECT_EQ(refusalOf(spawnCommand(without), "prepare it first"), OrderRefusal::kNoSuchShapes);
+  EXPECT_EQ(refusalOf(spawnCommand(without), "prepare it first"), BodyRefusal::kNoSuchShapes);
   SpawnOrder lost = ballAside(kFirstNumber);
   lost.pose.position_m.x = std::nan("");
-  EXPECT_EQ(refusalOf(spawnCommand(lost), "must be finite"), OrderRefusal::kBadPose);
+  EXPECT_EQ(refusalOf(spawnCommand(lost), "must be finite"), BodyRefusal::kBadPose);
   EXPECT_EQ(station_->status().registered->size(), 999U);
   // They are there when it is armed, and end with their session.
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().registered->size(), 999U);
   EXPECT_EQ(refusalOf(bodyTargetCommand(kFirstNumber + 1, 1, {}), "owner Game"),
-            OrderRefusal::kNotTheGames);
+            BodyRefusal::kNotTheGames);
   ASSERT_TRUE(ask(orders::Stop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   EXPECT_TRUE(station_->status().registered->empty());
@@ -182,7 +182,7 @@ TEST_F(GameInAStation, SlotOfARegisteredBody_IsNotSpawnedInto) {
   ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
   const OrderReply taken = ask(say({spawnCommand(ballAside(0))}));
   ASSERT_EQ(taken.refusal, Refusal::kBodiesRefused);
-  EXPECT_EQ(taken.items.at(0).refusal, OrderRefusal::kSlotTaken);
+  EXPECT_EQ(taken.items.at(0).refusal, BodyRefusal::kSlotTaken);
   EXPECT_NE(taken.reason.find("holds a registered body"), std::string::npos) << taken.reason;
   EXPECT_TRUE(ask(say({spawnCommand(ballAside(1))})).accepted);
 }
@@ -215,21 +215,20 @@ TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(4, 7)), spawnCommand(ballAside(5))})).accepted);
   // As in a session: a slot once, and only shapes that were prepared and are free.
-  EXPECT_EQ(ask(say({spawnCommand(ballAside(4, 8))})).items.at(0).refusal,
-            OrderRefusal::kSlotTaken);
-  EXPECT_EQ(ask(prepare(0, {ballShape(0.02)})).items.at(0).refusal, OrderRefusal::kShapesBusy);
+  EXPECT_EQ(ask(say({spawnCommand(ballAside(4, 8))})).items.at(0).refusal, BodyRefusal::kSlotTaken);
+  EXPECT_EQ(ask(prepare(0, {ballShape(0.02)})).items.at(0).refusal, BodyRefusal::kShapesBusy);
   SpawnOrder without = ballAside(6);
   without.shape_set = 1;
-  EXPECT_EQ(ask(say({spawnCommand(without)})).items.at(0).refusal, OrderRefusal::kNoSuchShapes);
+  EXPECT_EQ(ask(say({spawnCommand(without)})).items.at(0).refusal, BodyRefusal::kNoSuchShapes);
   // A spawn can be taken back, by its generation.
-  EXPECT_EQ(ask(say({removeCommand(5, 2)})).items.at(0).refusal, OrderRefusal::kWrongGeneration);
+  EXPECT_EQ(ask(say({removeCommand(5, 2)})).items.at(0).refusal, BodyRefusal::kWrongGeneration);
   ASSERT_TRUE(ask(say({removeCommand(5, 1)})).accepted);
   EXPECT_EQ(station_->status().bodies, nullptr);
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(4) == SlotState::kSolid; }));
-  const auto told = station_->status().bodies;
-  ASSERT_EQ(told->size(), 1U);
-  EXPECT_EQ(told->front().generation, 7);
+  const auto reported = station_->status().bodies;
+  ASSERT_EQ(reported->size(), 1U);
+  EXPECT_EQ(reported->front().generation, 7);
 }
 
 TEST_F(GameInAStation, WhatIsKept_IsHandedOverOnce) {
@@ -247,7 +246,7 @@ TEST_F(GameInAStation, WhatIsKept_IsHandedOverOnce) {
   // Shapes are those of a session.
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
-  EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);
+  EXPECT_EQ(spawn.items.at(0).refusal, BodyRefusal::kNoSuchShapes);
 }
 
 TEST_F(GameInAStation, OrdersToBodiesThatAreNotThere_AreRefusedWhileDisarmed) {
@@ -272,7 +271,7 @@ TEST_F(GameInAStation, MoreThanALoopTakesAtOnce_IsNotKept) {
   }
   EXPECT_TRUE(busy);
   EXPECT_EQ(kept, 144);  // two commands each, 288 in all
-  EXPECT_EQ(ask(say({removeCommand(0, 1)})).items.at(0).refusal, OrderRefusal::kWrongGeneration)
+  EXPECT_EQ(ask(say({removeCommand(0, 1)})).items.at(0).refusal, BodyRefusal::kWrongGeneration)
       << "a spawn could be taken back";
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   EXPECT_TRUE(rendersOn());
@@ -287,7 +286,7 @@ TEST_F(GameInAStation, WhatAnEarlierHolderKept_IsForgotten) {
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))}, 1)).accepted);
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}, 2));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
-  EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);
+  EXPECT_EQ(spawn.items.at(0).refusal, BodyRefusal::kNoSuchShapes);
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().bodies, nullptr);
@@ -300,7 +299,7 @@ TEST_F(GameInAStation, WhatIsKept_IsForgottenWhenAnExerciseIsLoaded) {
   ASSERT_TRUE(ask(orders::LoadExercise{}).accepted);
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
-  EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);
+  EXPECT_EQ(spawn.items.at(0).refusal, BodyRefusal::kNoSuchShapes);
 }
 
 TEST_F(GameInAStation, SceneWithoutABudget_TakesNoBodies) {

@@ -1,5 +1,5 @@
 // Orders in a state that does not expect them, in numbers that nobody can carry out, from clients
-// that are gone: what is safe stays safe, and whoever comes next is served. In real time.
+// that are gone: what is safe stays safe, and the next client is served. In real time.
 #include "server/client_words.hpp"
 #include "station/station_bench.hpp"
 #include "support/seed.hpp"
@@ -188,7 +188,7 @@ TEST_F(HostileOrders, MutatedMessages_NeverPushBeyondTheLimitsNorPastAnEmergency
   ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   ASSERT_TRUE(becomes([&] {
     const RunState state = station_->status().run_state;
-    return state != RunState::kRendering && state != RunState::kRampingDown;
+    return state != RunState::kRendering && state != RunState::kStopping;
   })) << "whatever waits to be loaded or armed was asked for before the stop";
   staysAt(station_->status().run_state);
   EXPECT_EQ(beyond, 0) << kAlways;

@@ -109,7 +109,7 @@ TEST(ProfileFile, NameThatIsNone_IsRefusedAndWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() + "/profiles"));
 }
 
-TEST(ProfileFile, EveryFault_IsToldByKey) {
+TEST(ProfileFile, EveryFault_IsReportedByKey) {
   const Folder folder;
   const Profiles profiles(folder.path());
   std::ofstream(folder.path() + "/p.toml")
@@ -117,9 +117,9 @@ TEST(ProfileFile, EveryFault_IsToldByKey) {
          "hand = \"h\"\nhelp = \"much\"\nlevel = 0\n[parameters]\na = \"x\"\n";
   const auto loaded = profiles.load("p");
   ASSERT_FALSE(loaded.ok());
-  const std::string told = format(loaded.errors());
+  const std::string reported = format(loaded.errors());
   for (const char* key : {"name", "side", "exercise", "help", "level", "parameters.a"}) {
-    EXPECT_NE(told.find(key), std::string::npos) << key << " in " << told;
+    EXPECT_NE(reported.find(key), std::string::npos) << key << " in " << reported;
   }
 }
 

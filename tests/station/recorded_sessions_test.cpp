@@ -184,7 +184,7 @@ TEST_F(Demonstration, ControlsThatWereTaken_KeepItsRecording) {
   EXPECT_EQ(files().size(), 1U);
 }
 
-// Whoever takes the controls while the old session ends, and does nothing, is in the new one.
+// A client that takes the controls while the old session ends, and does nothing, is in the new one.
 TEST_F(Demonstration, ControlsTakenWhileItIsBegunAnew_KeepTheNextRecording) {
   begin();
   const std::uint32_t session = station_->status().session;
@@ -206,12 +206,12 @@ TEST_F(Demonstration, StopWhileItIsBegunAnew_StaysStopped) {
   ASSERT_TRUE(ask(orders::Stop{}).accepted);
   std::this_thread::sleep_for(1500ms);
   const RunState now = station_->status().run_state;
-  if (now == RunState::kRampingDown) EXPECT_TRUE(becomes(RunState::kStopped));
+  if (now == RunState::kStopping) EXPECT_TRUE(becomes(RunState::kStopped));
   EXPECT_NE(station_->status().run_state, RunState::kRendering) << kAlways;
   EXPECT_EQ(files().size(), 1U) << "somebody was there";
 }
 
-// The program goes on without a disk, and clients are told.
+// The program goes on without a disk, and clients are notified.
 class WithoutAFolder : public Demonstration {
   void change(StationConfig& config) override {
     std::ofstream(folder_ + "/recordings") << "a file where the folder should be";

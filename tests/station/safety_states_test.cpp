@@ -1,4 +1,5 @@
-// What people see of the safety states: arming that is refused, stops, faults, and what is told.
+// What people see of the safety states: arming that is refused, stops, faults, and what is
+// reported.
 #include "station/station_bench.hpp"
 
 #include <fstream>
@@ -72,7 +73,7 @@ TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
       ++overtaken;
       EXPECT_EQ(reply.refusal, Refusal::kStopCame) << reply.reason;
     }
-    ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
+    ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kStopping; }));
     EXPECT_NE(station_->status().run_state, RunState::kRendering) << kAlways;
     expectNeutral();
   }
@@ -93,7 +94,7 @@ TEST_F(SafetyStates, RearmingOnTheWayToNeutral_IsRefusedAndChangesNothing) {
 }
 
 // From the record stream: disarmed, armed, rendering, disarmed, and who asked for it.
-TEST_F(SafetyStates, EmergencyStop_IsToldAsOne) {
+TEST_F(SafetyStates, EmergencyStop_IsReportedAsOne) {
   run(true);
   ASSERT_TRUE(becomes([&] { return station_->status().safety_state == SafetyState::kRendering; }));
   ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
@@ -112,7 +113,7 @@ TEST_F(SafetyStates, EmergencyStop_IsToldAsOne) {
   EXPECT_TRUE(says("rehearsal"));
 }
 
-TEST_F(SafetyStates, Fault_IsToldWithItsAxisAndHowMuchAndNothingPushesUntilArmed) {
+TEST_F(SafetyStates, Fault_IsReportedWithItsAxisAndHowMuchAndNothingPushesUntilArmed) {
   StationConfig config = grasping();
   config.make_player = [](const Models& models) {
     return std::make_unique<Startled>(models.device.axisCount());

@@ -160,7 +160,7 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
   }
 }
 
-TEST_F(Bar, OwnerSilent_FadesTheExerciseAndNothingElse) {
+TEST_F(Bar, HolderSilent_FadesTheExerciseAndNothingElse) {
   run(true);
   ASSERT_TRUE(squeezes());
   TickRecord record;
@@ -237,7 +237,7 @@ TEST_F(Bar, EmergencyStopThenRefusedArm_IsNotForgotten) {
   ASSERT_TRUE(rendersOn());
   later(orders::EmergencyStop{});
   later(orders::Arm{});  // still on its way down: refused, or armed by somebody's own wish
-  ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
+  ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kStopping; }));
   if (station_->status().run_state != RunState::kStopped) return;
   later(kLoadLevel2);
   staysAt(RunState::kStopped);

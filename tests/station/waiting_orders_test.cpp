@@ -21,9 +21,9 @@ struct Devices {
 };
 
 /// Moves nobody, and says whether it is open.
-class ToldDevice final : public RestingDevice {
+class CountedDevice final : public RestingDevice {
  public:
-  ToldDevice(Devices& devices, const AxisPosition& at) : RestingDevice(at), devices_(devices) {}
+  CountedDevice(Devices& devices, const AxisPosition& at) : RestingDevice(at), devices_(devices) {}
   [[nodiscard]] Expected<Done> open() override {
     ++devices_.opened;
     ++devices_.open;
@@ -68,7 +68,7 @@ class WaitingOrders : public Bar {
     config.make_device = [this](const DeviceModel& device) {
       if (while_it_is_built) while_it_is_built();
       return Expected<std::unique_ptr<HapticDevice>>(
-          std::make_unique<ToldDevice>(devices, AxisPosition(device.axisCount())));
+          std::make_unique<CountedDevice>(devices, AxisPosition(device.axisCount())));
     };
     config.make_player = [this](const Models& models) {
       if (when_it_begins) when_it_begins();
@@ -97,7 +97,7 @@ class WaitingOrders : public Bar {
   OrderReply stopAndWait() {
     OrderReply reply = ask(orders::EmergencyStop{});
     EXPECT_TRUE(becomes([&] { return devices.open == 0; }));
-    EXPECT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
+    EXPECT_TRUE(becomes([&] { return station_->status().run_state != RunState::kStopping; }));
     return reply;
   }
   static Order parameter(const char* name, double value) {
@@ -333,7 +333,7 @@ TEST_F(WaitingOrders, LoadProfile_OverwritesNothingThatWasSetLater) {
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 3.0)).accepted);
   release();
   ASSERT_TRUE(loaded.get().accepted);
-  EXPECT_EQ(value("effort_limit_arm_n"), 3.0) << "the therapist was told \"accepted\"";
+  EXPECT_EQ(value("effort_limit_arm_n"), 3.0) << "the answer to the therapist was \"accepted\"";
   EXPECT_EQ(value("effort_limit_hand_tip_n"), 5.0);
 }
 
@@ -525,7 +525,7 @@ TEST_F(WaitingOrders, EmergencyStopsWithId0ByDatagram_AreObeyedAndCountOnce) {
 TEST_F(WaitingOrders, StopInEveryState_LeadsToNeutral) {
   begin();
   auto random = seededRandom(3403);
-  enum { kDisarmed, kArming, kRendering, kRampingDown, kStopped, kStates };
+  enum { kDisarmed, kArming, kRendering, kStopping, kStopped, kStates };
   for (int i = 0; i < cases(200) && !HasFailure(); ++i) {
     const int state = static_cast<int>(random() % kStates);
     SCOPED_TRACE("state " + std::to_string(state));
@@ -539,7 +539,7 @@ TEST_F(WaitingOrders, StopInEveryState_LeadsToNeutral) {
       EXPECT_EQ(ask(person().asks(of(orders::Arm{}))).accepted, state != kArming);
     }
     while_it_is_built = nullptr;
-    if (state == kRampingDown) (void)ask(orders::Stop{});
+    if (state == kStopping) (void)ask(orders::Stop{});
     if (state != kArming) press();
     EXPECT_TRUE(reply.accepted);
     EXPECT_TRUE(becomes([&] { return devices.open == 0; }));

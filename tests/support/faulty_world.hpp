@@ -33,7 +33,7 @@ class FaultyWorld final : public PhysicsWorld {
     return world_.placeHand(q_s);
   }
 
-  [[nodiscard]] Fault observe(WorldState& state) noexcept override {
+  [[nodiscard]] Fault observe(PhysicsState& state) noexcept override {
     ++tick_;
     const Fault fault = world_.observe(state);
     if (now(InjectedWorldFault::Kind::kNonFiniteState)) {

@@ -7,9 +7,9 @@ namespace wholehand::test {
 
 inline std::atomic<bool> g_sees_real_time{false};
 
-/// Said by what runs on the real clock, when it begins: a loop, a host, whoever must show that it
-/// is alive. From then on a failure of this test may be the machine's. Failures of other tests are
-/// never excused.
+/// Said by what runs on the real clock, when it begins: a loop, a host, a client that must show
+/// that it is alive. From then on a failure of this test may be the machine's. Failures of other
+/// tests are never excused.
 inline void seesRealTime() {
   g_sees_real_time = true;
 }

@@ -15,7 +15,7 @@ ALWAYS = "(whatever the machine does) "
 KEPT_WAITING_S = 0.005  # watched_main.hpp says why
 HANG_S = 300.0  # ends what hangs, not what is slow
 
-# Sleeps a millisecond at a time; tells at every line how much longer than that it took at most, since the last.
+# Sleeps a millisecond at a time; reports at every line how much longer than that it took at most, since the last.
 SLEEPER = """
 import select, sys, time
 longest, last = 0.0, time.monotonic()

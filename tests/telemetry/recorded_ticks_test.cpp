@@ -63,14 +63,14 @@ struct RecordedTicks : testing::Test {
     ticks.clear();
     folder.reset();
   }
-  /// A copy of the recording after `edit`, a few lines of h5py: f is the file, spoil(dataset,
+  /// A copy of the recording after `edit`, a few lines of h5py: f is the file, corrupt(dataset,
   /// chunk) overwrites the middle of a chunk.
   static std::string edited(const std::string& name, const std::string& edit) {
     const std::string path = folder->file(name);
     std::filesystem::copy_file(folder->file("a.h5"), path);
     const std::string script = R"(
 import h5py
-def spoil(dataset, chunk):
+def corrupt(dataset, chunk):
   where = f[dataset].id.get_chunk_info(chunk)
   places.append((where.byte_offset, where.size))
 places = []
@@ -79,7 +79,7 @@ with h5py.File(path, 'r+') as f:
 with open(path, 'r+b') as raw:
   for offset, size in places:
     raw.seek(offset + size // 3)
-    raw.write(b'spoiled' * (size // 21)))";
+    raw.write(b'corrupt' * (size // 21)))";
     const std::size_t at = script.find("EDIT");
     EXPECT_EQ(python("path = '" + path + "'" + std::string(script).replace(at, 4, edit)), "");
     return path;
@@ -134,7 +134,7 @@ TEST_F(RecordedTicks, RandomOnes_AreThoseWritten) {
 
 // Chunk 5 is rows 1250 to 1499.
 TEST_F(RecordedTicks, DamagedChunkOfACount_CostsItsTicks) {
-  const auto reader = opened(edited("counts.h5", "spoil('ticks/contact_count', 5)"));
+  const auto reader = opened(edited("counts.h5", "corrupt('ticks/contact_count', 5)"));
   ASSERT_NE(reader, nullptr);
   expectOutline(*reader);
   TickRecord got;
@@ -145,7 +145,7 @@ TEST_F(RecordedTicks, DamagedChunkOfACount_CostsItsTicks) {
 }
 
 TEST_F(RecordedTicks, DamagedChunkOfTheirNumbers_CostsItsTicks) {
-  const auto reader = opened(edited("numbers.h5", "spoil('ticks/tick', 5)"));
+  const auto reader = opened(edited("numbers.h5", "corrupt('ticks/tick', 5)"));
   ASSERT_NE(reader, nullptr);
   ASSERT_EQ(reader->size(), kTicks - 250);
   EXPECT_EQ(reader->outline().missing, 100U + 250U);
@@ -159,7 +159,7 @@ TEST_F(RecordedTicks, DamagedChunkOfTheirNumbers_CostsItsTicks) {
 
 // 256 rows of /contacts belong to ticks of two chunks at most: these are lost, and no others.
 TEST_F(RecordedTicks, DamagedOwnersOfContacts_CostTheChunksThatHaveThem) {
-  const auto reader = opened(edited("owners.h5", "spoil('contacts/row', 1)"));
+  const auto reader = opened(edited("owners.h5", "corrupt('contacts/row', 1)"));
   ASSERT_NE(reader, nullptr);
   ASSERT_TRUE(reader->outline().contradicted_tick.has_value());
   EXPECT_NE(reader->outline().contradiction.find("in /contacts, its contact_count says"),

@@ -22,7 +22,7 @@ using test::seed;
 using test::writeBytes;
 
 /// One byte (half of the trials) or up to eight places of up to 64 bytes get other contents.
-void spoil(std::string& bytes, std::mt19937_64& random) {
+void corrupt(std::string& bytes, std::mt19937_64& random) {
   const bool one = random() % 2 == 0;
   for (std::uint64_t n = one ? 1 : 1 + random() % 8; n > 0; --n) {
     const std::size_t at = random() % bytes.size();
@@ -32,7 +32,7 @@ void spoil(std::string& bytes, std::mt19937_64& random) {
   }
 }
 
-/// What a process that reads damaged files tells its parent, as far as it came.
+/// What a process that reads damaged files reports to its parent, as far as it came.
 struct CopyProgress {
   int trial = 0, refused = 0, read = 0, silent = 0;
 };
@@ -53,7 +53,8 @@ void readAll(const std::string& path, CopyProgress& progress) {
   ++progress.read;
 }
 
-/// Spoils and reads `whole` again and again, in a process of its own: a crash is told, not shared.
+/// Corrupts and reads `whole` again and again, in a process of its own, so that a crash ends only
+/// that process and is reported.
 void expectReadsOrRefuses(const std::string& whole, const std::string& path, int count) {
   auto* const progress = static_cast<CopyProgress*>(::mmap(
       nullptr, sizeof(CopyProgress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
@@ -64,7 +65,7 @@ void expectReadsOrRefuses(const std::string& whole, const std::string& path, int
       progress->trial = i;
       std::mt19937_64 random(seed() + static_cast<std::uint64_t>(i));
       std::string bytes = whole;
-      spoil(bytes, random);
+      corrupt(bytes, random);
       writeBytes(path, bytes);
       ::alarm(20);  // a hang ends it as well; a read takes milliseconds
       readAll(path, *progress);
@@ -91,10 +92,10 @@ std::string wholeRecording(const std::string& path, std::uint64_t ticks) {
 
 TEST(RecordingReader, RandomDamageAnywhere_IsReadOrRefusedNeverACrash) {
   const Folder folder;
-  const std::string path = folder.file("a.h5"), spoiled = folder.file("spoiled.h5");
+  const std::string path = folder.file("a.h5"), corrupted = folder.file("corrupted.h5");
   // Most of the first is meta, most of the second ticks.
-  expectReadsOrRefuses(wholeRecording(path, 60), spoiled, test::cases(300));
-  expectReadsOrRefuses(wholeRecording(path, 600), spoiled, test::cases(60));
+  expectReadsOrRefuses(wholeRecording(path, 60), corrupted, test::cases(300));
+  expectReadsOrRefuses(wholeRecording(path, 600), corrupted, test::cases(60));
 }
 
 TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
@@ -109,14 +110,14 @@ TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
   }
   ::waitpid(child, nullptr, 0);
   ASSERT_EQ(RecordingReader::open(path).value()->size(), 60U);
-  expectReadsOrRefuses(bytesOfFile(path), folder.file("spoiled.h5"), test::cases(60));
+  expectReadsOrRefuses(bytesOfFile(path), folder.file("corrupted.h5"), test::cases(60));
 }
 
 // Every byte of a text that the file holds once: where HDF5 would keep texts of variable length,
 // its reader would fall over (HDF5 1.10, H5HG_read).
 TEST(RecordingReader, DamageToEveryTextOfTheDescription_IsRefused) {
   const Folder folder;
-  const std::string path = folder.file("whole.h5"), spoiled = folder.file("spoiled.h5");
+  const std::string path = folder.file("whole.h5"), corrupted = folder.file("corrupted.h5");
   const RecordingMeta meta = synthetic::meta();
   RecordingWriter::create(path, meta).value()->close();
   const std::string whole = bytesOfFile(path);
@@ -125,8 +126,8 @@ TEST(RecordingReader, DamageToEveryTextOfTheDescription_IsRefused) {
     ASSERT_NE(at, std::string::npos) << text;
     std::string bytes = whole;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x20);
-    writeBytes(spoiled, bytes);
-    EXPECT_FALSE(RecordingReader::open(spoiled).ok()) << text;
+    writeBytes(corrupted, bytes);
+    EXPECT_FALSE(RecordingReader::open(corrupted).ok()) << text;
   }
 }
 

@@ -173,7 +173,7 @@ class BrokenRecorder final : public CountingRecorder {
 
 constexpr std::uint64_t kHundred = 100;
 
-TEST(TelemetryHub, ConsumersThatThrow_AreAskedNoMoreAndToldOf) {
+TEST(TelemetryHub, ConsumersThatThrow_AreCalledNoMoreAndReported) {
   BrokenRecorder recorder;
   TickStatistics statistics;
   TelemetryHub hub(noisySource(kHundred));
@@ -222,7 +222,7 @@ class HungRecorder final : public CountingRecorder {
   std::atomic<bool> go_{false};
 };
 
-TEST(TelemetryHub, DiskThatHangs_HoldsUpNobodyAndIsToldWhatItHadNoRoomFor) {
+TEST(TelemetryHub, DiskThatHangs_HoldsUpNobodyAndWhatItLostIsReported) {
   constexpr std::uint64_t kTicks = 2000;
   HungRecorder recorder;
   std::uint64_t next = 0;
@@ -254,7 +254,7 @@ TEST(TelemetryHub, DiskThatHangs_HoldsUpNobodyAndIsToldWhatItHadNoRoomFor) {
   EXPECT_GE(recorder.written(), room - 5);
 }
 
-TEST(TelemetryHub, SourceThatThrows_EndsInSilenceAndIsToldOf) {
+TEST(TelemetryHub, SourceThatThrows_EndsInSilenceAndIsReported) {
   TelemetryHub hub([](TickRecord&) -> bool { throw std::runtime_error("gone"); });
   hub.start();
   hub.stop();

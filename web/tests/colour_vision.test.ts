@@ -1,4 +1,4 @@
-// States of meters and limits are told apart by who sees no red or no green: by words, and by lightness.
+// States of meters and limits can be distinguished by who sees no red or no green: by words, and by lightness.
 // Simulation: Machado, Oliveira and Fernandes 2009, severity 1, in linear RGB. Contrast: WCAG 2.2.
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';

@@ -1,7 +1,7 @@
 import { readdirSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { asWords, bytes, duration, fixed, grouped } from '../src/shared/format';
-import { deviceLines, type ToldDevice } from '../src/console/device_status';
+import { deviceLines, type ReportedDevice } from '../src/console/device_status';
 import { History, shownUnits, WINDOW_S } from '../src/console/history';
 import { de } from '../src/console/i18n/de';
 import { en } from '../src/console/i18n/en';
@@ -269,7 +269,7 @@ describe('parameters', () => {
     expect([target.target, target.shown]).toEqual([undefined, 7]);
   });
 
-  it('an earlier ramp may run on for a moment before the newer value is heard', () => {
+  it('an earlier ramp may run on for a moment before the newer value arrives', () => {
     const target = new ParameterTarget(5);
     target.ask(2, 0);
     target.see(5.1, 100);
@@ -287,7 +287,7 @@ describe('parameters', () => {
 });
 
 describe('what a real device says', () => {
-  const device: ToldDevice = {
+  const device: ReportedDevice = {
     enabled: true, homed: true, silenced: false, temperatureKnown: true, temperatureC: 41.4,
     sampleAgeS: 0.0012, hosted: true, hostAgeS: 2.34, letGo: LetGo.Not,
   };
@@ -305,7 +305,7 @@ describe('what a real device says', () => {
 
   it('says why the host let go, in every language, for every reason of the schema', () => {
     const reasons = Object.values(LetGo).filter((value): value is LetGo => typeof value === 'number' && value !== LetGo.Not);
-    expect(reasons.length).toBe(6);   // HostReason of src/device/host/shared_frame.hpp, but for kNone
+    expect(reasons.length).toBe(6);   // ReleaseReason of src/core/release_reason.hpp, but for kNone
     for (const texts of [en, de, fr]) {
       const said = reasons.map((letGo) => deviceLines({ ...device, silenced: true, letGo }, texts)?.letGo ?? '');
       expect(new Set(said).size).toBe(reasons.length);
@@ -426,7 +426,7 @@ describe('texts', () => {
 describe('what was saved', () => {
   const entry = { name: '20261122-081500-p-014-cocktail-bar-level-1.h5', title: 'cocktail-bar, level 1', duration_s: 63, bytes: 11_000_000, report: '/r' };
 
-  it('is told once, when the recording that was being written is in the list', () => {
+  it('is reported once, when the recording that was being written is in the list', () => {
     const watch = new SavedWatch();
     expect(watch.take('')).toBe(false);
     expect(watch.take(entry.name)).toBe(false);
@@ -437,7 +437,7 @@ describe('what was saved', () => {
     expect(watch.found([entry])).toEqual([]);
   });
 
-  it('is told where the next recording begins at once', () => {
+  it('is reported where the next recording begins at once', () => {
     const watch = new SavedWatch();
     watch.take(entry.name);
     expect(watch.take('next.h5')).toBe(true);

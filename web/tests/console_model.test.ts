@@ -30,7 +30,7 @@ const order = (asked: string[], name: string, accepted = true) => async () => {
 };
 
 describe('an order of the therapist', () => {
-  it('is sent as it is, whoever has the controls', async () => {
+  it('is sent as it is, whichever client has the controls', async () => {
     for (const controls of [{ heldByYou: false, held: false }, { heldByYou: false, held: true }, { heldByYou: true, held: true }]) {
       const { asked, model } = connectionWith(controls);
       await model.command('a', order(asked, 'a'));
@@ -38,7 +38,7 @@ describe('an order of the therapist', () => {
     }
   });
 
-  it('steering takes the controls, from whoever has them, and keeps them', async () => {
+  it('steering takes the controls, from whichever client has them, and keeps them', async () => {
     const { asked, model } = connectionWith({ heldByYou: false, held: true });
     await model.command('a', order(asked, 'a'), { steers: true });
     expect(asked).toEqual(['take', 'a']);
@@ -93,15 +93,15 @@ describe('after a stop', () => {
     expect(model.state?.runState, 'and the state that is shown is the last').toBe(RunState.Stopped);
   });
 
-  it('time that states tell stands still while none comes', () => {
+  it('time that states give stands still while none comes', () => {
     const now = vi.spyOn(performance, 'now').mockReturnValue(1000);
     const { model, see } = stopped();
-    const began_ms = model.told_ms;
+    const began_ms = model.stated_ms;
     for (const at_ms of [1016, 1032, 9032, 9048]) {  // 8 s without a state
       now.mockReturnValue(at_ms);
       see(30_000);
     }
-    expect(model.told_ms - began_ms).toBe(16 + 16 + 50 + 16);
+    expect(model.stated_ms - began_ms).toBe(16 + 16 + 50 + 16);
     now.mockRestore();
   });
 
@@ -135,7 +135,7 @@ describe('notices', () => {
     return { model, see };
   }
 
-  it('a limit that held between two states that are shown is told', () => {
+  it('a limit that held between two states that are shown is reported', () => {
     const { model, see } = listening();
     see(0);
     expect(model.notice).toBeUndefined();

@@ -40,7 +40,7 @@ interface Played extends Partial<Pick<InputWay, 'enable' | 'disable' | 'overrule
   press(down: boolean, at: { clientX: number; clientY: number }): void;
 }
 
-const told = (type: string, more: object): Event => Object.assign(new Event(type), { button: 0, buttons: 1, isPrimary: true, pointerId: 1, ...more });
+const eventOf = (type: string, more: object): Event => Object.assign(new Event(type), { button: 0, buttons: 1, isPrimary: true, pointerId: 1, ...more });
 
 /** The game's picture of the bar, and a page without a page. */
 class Picture {
@@ -96,7 +96,7 @@ function waysOf(picture: Picture): Played[] {
   const padWish = (): Wish => pads.look([{ index: 0, mapping: 'standard', axes: [0, 0, 0, 0], buttons: [button(padDown)] }]).wish ?? restingWish();
   const pointer = (way: Mouse | Touch, name: string, pointerType: string): Played => ({
     name, points: true, enable: () => way.enable(), disable: () => way.disable(), wish: () => way.wish(), overruled: (places) => way.overruled(places),
-    press: (down, at) => void (down ? page : window).dispatchEvent(told(down ? 'pointerdown' : 'pointerup', { pointerType, ...at })),
+    press: (down, at) => void (down ? page : window).dispatchEvent(eventOf(down ? 'pointerdown' : 'pointerup', { pointerType, ...at })),
   });
   return [
     { name: 'one button', points: false, wish: () => ({ ...restingWish(), squeeze: tapped }), press: (down) => { tapped = down; } },

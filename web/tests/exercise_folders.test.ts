@@ -27,9 +27,9 @@ it('no file outside of its folder names what is the bar\'s', () => {
     .filter((file) => /\.(ts|css|html)$/.test(file) && !file.startsWith('tests/') && !file.startsWith('src/exercises/cocktail_bar/'));
   expect(files.length).toBeGreaterThan(100);
   const named = files.flatMap((file) => readFileSync(resolve(WEB, file), 'utf8').split('\n').flatMap((line, i) => {
-    const told = isFrench(file) ? line.replace(/\bpour\b/gi, '') : line;
+    const judged = isFrench(file) ? line.replace(/\bpour\b/gi, '') : line;
     const may = MAY.some(([of, only]) => of.test(file) && only.test(line));
-    return (WORDS.test(told) || NAMES.test(told) || PLACE.test(told)) && !may ? [`${file}:${i + 1}: ${line.trim().slice(0, 120)}`] : [];
+    return (WORDS.test(judged) || NAMES.test(judged) || PLACE.test(judged)) && !may ? [`${file}:${i + 1}: ${line.trim().slice(0, 120)}`] : [];
   }));
   expect(named).toEqual([]);
 });

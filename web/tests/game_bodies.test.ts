@@ -18,7 +18,7 @@ describe('bodies of a game', () => {
     expect(list.bodies.map(({ ghost, shapes }) => [ghost, shapes.length])).toEqual([[false, 1], [false, 1]]);
     list.take(message([]));
     expect(list.bodies).toEqual([]);
-    list.take(message([new GameBodyT(3, 3, 7, SlotState.Solid)]));   // not told again: nothing to draw
+    list.take(message([new GameBodyT(3, 3, 7, SlotState.Solid)]));   // not sent again: nothing to draw
     expect(list.bodies[0]!.shapes).toEqual([]);
   });
 });

@@ -42,9 +42,9 @@ function form(name: string, table: object): Form {
     const value = (table as Form)[camel(field.name)];
     if (value === undefined) throw new Error(`${name}.${field.name} is not unpacked`);
     if (value === null || value === '' || (Array.isArray(value) && value.length === 0)) continue;
-    const told = Array.isArray(value)
+    const entry = Array.isArray(value)
       ? value.map((item: unknown) => element(field.element as string, field.of, item)) : element(field.kind, field.of, value);
-    if (layout[name].struct || told !== field.default) result[field.name] = told;
+    if (layout[name].struct || entry !== field.default) result[field.name] = entry;
   }
   return result;
 }
@@ -70,17 +70,17 @@ function orderOf(bytes: Uint8Array): protocol.Order {
 }
 
 /** Null where the pages do not give such an order. */
-function write(told: Job['write'][number]): string | null {
-  const make = (protocol as unknown as Record<string, new () => AnyOrder>)[`${told.order}T`];
+function write(entry: Job['write'][number]): string | null {
+  const make = (protocol as unknown as Record<string, new () => AnyOrder>)[`${entry.order}T`];
   const order = new make();
-  if (orderOf(encodeCommand(told.id, order)) === protocol.Order.NONE) return null;
-  for (const field of layout[told.order].fields) {
-    const value = told.fields[field.name];
+  if (orderOf(encodeCommand(entry.id, order)) === protocol.Order.NONE) return null;
+  for (const field of layout[entry.order].fields) {
+    const value = entry.fields[field.name];
     if (value === undefined) continue;
     (order as unknown as Form)[camel(field.name)] = Array.isArray(value)
       ? value.map((item: unknown) => given(field.element as string, item)) : given(field.kind, value);
   }
-  return Buffer.from(encodeCommand(told.id, order)).toString('base64');
+  return Buffer.from(encodeCommand(entry.id, order)).toString('base64');
 }
 
 let longest_ms = 0;
@@ -97,7 +97,7 @@ function timedRead(bytes: Uint8Array): Form {
 }
 
 writeFileSync(process.argv[3], JSON.stringify({
-  read: Object.fromEntries(job.read.map((told) => [told.name, timedRead(Buffer.from(told.bytes, 'base64'))])),
-  write: Object.fromEntries(job.write.map((told) => [told.name, write(told)])),
+  read: Object.fromEntries(job.read.map((entry) => [entry.name, timedRead(Buffer.from(entry.bytes, 'base64'))])),
+  write: Object.fromEntries(job.write.map((entry) => [entry.name, write(entry)])),
   longest_s: 1e-3 * longest_ms,
 }));

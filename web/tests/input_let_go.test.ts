@@ -217,7 +217,7 @@ describe('a mouse', () => {
     mouse.disable();
   });
 
-  it('whose button came up where nobody told does not squeeze on', () => {
+  it('whose button was released without an event does not squeeze on', () => {
     const picture = new Picture();
     const mouse = new Mouse(picture as unknown as HTMLElement, () => 0);
     mouse.enable();
@@ -283,7 +283,7 @@ describe('a finger', () => {
     touch.disable();
   });
 
-  it('whose end nobody told is forgotten with the next first finger', () => {
+  it('whose end was not reported is forgotten with the next first finger', () => {
     const { picture, touch } = touched();
     picture.dispatchEvent(event('pointerdown', finger(1, true)));
     picture.dispatchEvent(event('pointerdown', finger(2, true)));

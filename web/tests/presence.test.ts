@@ -1,4 +1,4 @@
-// What a page that is left, not heard or not answered does: the controls, the beat, the emergency stop.
+// What a page that is left, silent or not answered does: the controls, the beat, the emergency stop.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { Connection } from '../src/net/connection';
 import type { Line } from '../src/net/line';
@@ -157,13 +157,13 @@ describe('a line with a beat of its own', () => {
 
 describe('the worker', () => {
   const sent: unknown[] = [];
-  const told: FromLine[] = [];
+  const reported: FromLine[] = [];
   let hear: (order: ToLine) => void = () => {};
 
   it('beats every 50 ms for as long as the page answers, and a page that hangs for 3 s is silent', async () => {
     class Socket { static readonly OPEN = 1; readyState = 1; send(bytes: unknown): void { sent.push(bytes); } close(): void {} }
     vi.stubGlobal('WebSocket', Socket);
-    vi.stubGlobal('postMessage', (message: FromLine) => told.push(message));
+    vi.stubGlobal('postMessage', (message: FromLine) => reported.push(message));
     vi.stubGlobal('addEventListener', (_: string, callback: (event: { data: ToLine }) => void) => { hear = (data) => callback({ data }); });
     await import('../src/net/line_worker');
     hear({ is: 'open', url: 'ws://nowhere/ws' });
@@ -174,7 +174,7 @@ describe('the worker', () => {
       await vi.advanceTimersByTimeAsync(50);
       hear({ is: 'answer' });
     }
-    expect([sent.length, told.filter(({ is }) => is === 'ask').length]).toEqual([20, 20]);
+    expect([sent.length, reported.filter(({ is }) => is === 'ask').length]).toEqual([20, 20]);
     await vi.advanceTimersByTimeAsync(5000);  // the page does not answer: beats at 50 to 2950 ms
     expect(sent).toHaveLength(79);
     hear({ is: 'hold', beat: null });

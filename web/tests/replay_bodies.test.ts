@@ -9,11 +9,11 @@ import { RecordingSource } from '../src/replay/recording_source';
 import { ReplaySide } from '../src/replay/side';
 
 const ball = new GameShapesT(7, null, [new ShapeT(ShapeType.Sphere, null, 0.03)]);
-const told = (bodies: GameBodyT[], shapes: GameShapesT[] = []) => new GameBodiesT(1, bodies, shapes);
+const gameBodies = (bodies: GameBodyT[], shapes: GameShapesT[] = []) => new GameBodiesT(1, bodies, shapes);
 const CHANGES = [
-  { row: 100, told: told([new GameBodyT(2, 1, 7, SlotState.Ghost)], [ball]) },
-  { row: 150, told: told([new GameBodyT(2, 1, 7, SlotState.Solid)]) },
-  { row: 900, told: told([]) },
+  { row: 100, reported: gameBodies([new GameBodyT(2, 1, 7, SlotState.Ghost)], [ball]) },
+  { row: 150, reported: gameBodies([new GameBodyT(2, 1, 7, SlotState.Solid)]) },
+  { row: 900, reported: gameBodies([]) },
 ];
 const WINDOW = { from_s: 0, to_s: 2 };
 

@@ -22,7 +22,7 @@ const kindOf = (read: () => unknown): ProblemKind | 'none' => {
 const sourceOf = (fake: FakeRecordings, name = 'a.h5'): RecordingSource => new RecordingSource(name, '', (address) => fake.answer(address));
 
 describe('what the program says of a recording', () => {
-  it('is taken as it is told; what is missing is unknown and not false', () => {
+  it('is taken as it is reported; what is missing is unknown and not false', () => {
     expect(readAbout(ABOUT)).toMatchObject({ ticks: 10, whole: true, picture: true, still_written: false, title: '', result: [], unreadable_from_s: undefined });
     expect(readAbout({ ...ABOUT, whole: false, unreadable_from_s: 4, result: [{ label: 'Score', value: 87, unit: '' }, 'x'] }))
       .toMatchObject({ whole: false, unreadable_from_s: 4, result: [{ label: 'Score', value: '87', unit: '' }] });
@@ -105,7 +105,7 @@ describe('rows and times', () => {
   });
 });
 
-it('a row that the series told of is right though the loop was late before it', () => {
+it('a row that the series reported is right though the loop was late before it', () => {
   const map = new TimeMap({ from_s: 0, period_s: 0.001 }, 1000);
   // Ten ticks were passed over somewhere in the first half second: nothing says where.
   map.addAnchor(490, 0.4995);
@@ -177,7 +177,7 @@ describe('what is loaded', () => {
 
   it('is asked for again while the program is away, and not where it says no', async () => {
     let away = true;
-    const told: (string | undefined)[] = [];
+    const reported: (string | undefined)[] = [];
     const taken: string[] = [];
     let asked = 0;
     const loader = new Loader<string>(async (key) => {
@@ -185,13 +185,13 @@ describe('what is loaded', () => {
       if (key === 'bad') throw new Problem('unreadable', 'damaged');
       if (away) throw new Problem('gone');
       return key;
-    }, (key) => taken.push(key), (problem) => told.push(problem?.kind));
+    }, (key) => taken.push(key), (problem) => reported.push(problem?.kind));
     loader.want(['bad', 'a']);
     await vi.advanceTimersByTimeAsync(10);
-    expect([told, asked]).toEqual([['unreadable', 'gone'], 2]);
+    expect([reported, asked]).toEqual([['unreadable', 'gone'], 2]);
     away = false;
     await vi.advanceTimersByTimeAsync(1100);
-    expect([taken, told.at(-1), asked]).toEqual([['a'], undefined, 3]);
+    expect([taken, reported.at(-1), asked]).toEqual([['a'], undefined, 3]);
     expect(loader.idle).toBe(true);
     loader.want(['bad']);
     loader.retry();

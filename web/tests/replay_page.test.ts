@@ -183,7 +183,7 @@ describe('two recordings of different devices', () => {
     expect(scenes.map((scene) => channelOf({ of: 'value', name: 'score' }, scene)?.key)).toEqual(['value/0', 'value/1']);
   });
 
-  it('are told apart, with the axes that only one has', () => {
+  it('are distinguished, with the axes that only one has', () => {
     const about = { patient: 'p', hand: 'h', device: 'lambda', exercise: 'cocktail-bar', level: 1 };
     const side = (i: number, changes = {}): ReplaySide => ({ scene: scenes[i], about: { ...about, ...changes } }) as unknown as ReplaySide;
     expect(linesOfSecond(side(0), side(1, { device: 'desktop', hand: 'left' })).map(({ text }) => text)).toEqual([

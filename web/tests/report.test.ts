@@ -62,7 +62,7 @@ const kindOf = async (data: Json): Promise<string> => readReport(data).then(() =
 describe('the data in a page', () => {
   const page = (text: string | null): Document => ({ querySelector: () => (text === null ? null : { textContent: text }) }) as unknown as Document;
 
-  it('is an object; a template has none; a file that was cut is told apart', () => {
+  it('is an object; a template has none; a file that was cut is recognised', () => {
     expect(pageData(page('{"page":"report"}'))).toEqual({ page: 'report' });
     for (const text of ['"wholehand-page-data"', '[]', 'null']) expect(pageData(page(text))).toBeNull();
     for (const text of ['{"page":"rep', '', null]) expect(() => pageData(page(text))).toThrow(SyntaxError);
@@ -99,7 +99,7 @@ describe('a report', () => {
     const fake = new FakeRecordings(new URLSearchParams('length=6'));
     const ball = new GameShapesT(7, null, [new ShapeT(ShapeType.Sphere, null, 0.03)]);
     fake.scene.budget = new BodyBudgetT(64, 24);
-    fake.bodies = [{ row: 100, told: new GameBodiesT(1, [new GameBodyT(2, 1, 7, SlotState.Ghost)], [ball]) }, { row: 300, told: new GameBodiesT(1, []) }];
+    fake.bodies = [{ row: 100, reported: new GameBodiesT(1, [new GameBodyT(2, 1, 7, SlotState.Ghost)], [ball]) }, { row: 300, reported: new GameBodiesT(1, []) }];
     const side = await ReplaySide.open(new EmbeddedRecording(await readReport(await carried('', {}, fake))));
     await vi.waitFor(() => expect(side.fresh).toBe(true));
     const at = (time_s: number) => { side.seek(time_s, { from_s: 0, to_s: 6 }, false, 1); return side.bodies.map(({ slot, ghost, shapes }) => [slot, ghost, shapes.length]); };
@@ -158,10 +158,10 @@ describe('the therapy', () => {
     ]);
   });
 
-  it('tells each drink with what was poured for its steps, the person’s first', () => {
-    const told = JSON.stringify({ kind: 'cocktail_bar', dispensers: [], drinks: [{ name: 'blush', steps: [{ liquid: 'lemon', amount_l: 0.04 }, { liquid: 'cherry', amount_l: 0.02 }] }] });
+  it('lists each drink with what was poured for its steps, the person’s first', () => {
+    const exercise_json = JSON.stringify({ kind: 'cocktail_bar', dispensers: [], drinks: [{ name: 'blush', steps: [{ liquid: 'lemon', amount_l: 0.04 }, { liquid: 'cherry', amount_l: 0.02 }] }] });
     const part = { index: 0, steps: [[0, 0.039], [1, 0.02]] as const };
-    expect(drinkOf(part, barOf({ exerciseJson: told }))).toEqual({
+    expect(drinkOf(part, barOf({ exerciseJson: exercise_json }))).toEqual({
       name: 'blush', steps: [{ liquid: 'lemon', poured_l: 0.039, asked_l: 0.04 }, { liquid: 'cherry', poured_l: 0.02, asked_l: 0.02 }],
     });
     const broken = (drinks: string): string => `{"kind":"cocktail_bar","dispensers":[],"drinks":${drinks}}`;
@@ -170,7 +170,7 @@ describe('the therapy', () => {
     expect(rows.map((cells) => cells.slice(3))).toEqual([['91', '5', 'person'], ['97', '0.9', 'other']]);
   });
 
-  it('tells every stop, fault and loss of the controls, and that there was none', () => {
+  it('lists every stop, fault and loss of the controls, and that there was none', () => {
     const mark = (kind: 'stop' | 'fault' | 'controls_lost' | 'armed') => ({ time_s: 1, kind, text: '', axis: '' });
     const happened = whatHappened({ marks: [mark('armed'), mark('stop'), mark('fault'), mark('fault'), mark('controls_lost')] });
     expect(happened.map(({ kind, marks }) => [kind, marks.length])).toEqual([['stop', 1], ['emergency_stop', 0], ['fault', 2], ['controls_lost', 1]]);
@@ -178,7 +178,7 @@ describe('the therapy', () => {
 });
 
 describe('charts', () => {
-  it('hold all values, and what they are told to hold', () => {
+  it('hold all values, and what they are asked to hold', () => {
     const line = { name: '', color: '', values: [2, NaN, 4] };
     const [low, high] = rangeOf([line], [0, 1]);
     expect([low, high > 4, high < 5]).toEqual([0, true, true]);
@@ -236,7 +236,7 @@ describe('the session before', () => {
     expect((await readReport(await carried())).before).toBeUndefined();
   });
 
-  it('tells what became better, what worse, and what is shown alike', () => {
+  it('says what became better, what worse, and what is shown alike', () => {
     const became = (now: Figure, ...before: Figure[]): string | undefined => comparedWith(now, before, [])?.became;
     expect(became(figure('drinks', 3, 'more'), figure('drinks', 2, 'more'))).toBe('better');
     expect(became(figure('reach', 3, 'less'), figure('reach', 2, 'less'))).toBe('worse');
@@ -245,7 +245,7 @@ describe('the session before', () => {
     expect(became(figure('reach', 1, 'less'), figure('grip', 1))).toBeUndefined();
   });
 
-  it('is told apart where it was another patient, hand, device, exercise or level', async () => {
+  it('is marked where it was another patient, hand, device, exercise or level', async () => {
     const { about } = await readReport(await carried());
     const other = (changes: Partial<typeof about>): string[] => differencesBetween(about, { ...about, ...changes });
     expect([other({}), other({ patient: 'x', hand: 'y' }), other({ exercise: 'z' }), other({ level: about.level + 1 }), other({ exercise: 'z', level: 0 })])
@@ -280,7 +280,7 @@ describe('the session before', () => {
 });
 
 describe('titles of recordings', () => {
-  it('of an exercise are told in words, all others as they are', () => {
+  it('of an exercise are put in words, all others as they are', () => {
     expect(titleWords('cocktail-bar, level 1 of 4', 'f.h5')).toBe('Cocktail bar, Level 1');
     expect(titleWords('squeeze-to-level, level 2', 'f.h5')).toBe('Squeeze to a level, Level 2');
     for (const own of ['my-exercise, level 1', 'محمد علي', '<b>x</b>', 'x'.repeat(10_000)]) expect(titleWords(own, 'f.h5')).toBe(own);

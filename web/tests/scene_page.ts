@@ -18,9 +18,9 @@ const quality = (options.get('quality') ?? 'high') as Quality;
 await document.fonts.load('700 40px "Atkinson Hyperlegible Next Variable"');
 const scene = new SceneView(document.getElementById('scene') as HTMLCanvasElement, {
   quality, tone: options.get('tone') ?? 'honey', view: options.get('view') === 'console' ? 'console' : 'game' });
-const told = program.scene();
-if (options.has('plain')) told.exerciseJson = '';
-scene.setScene(told);
+const reported = program.scene();
+if (options.has('plain')) reported.exerciseJson = '';
+scene.setScene(reported);
 scene.setLook({ ghostHand: options.has('ghost'), grey: options.has('ghost'), showColliders: options.has('colliders') });
 
 if (options.has('zoom')) {   // x, y of the middle in px of 1280 × 800, and how much larger
@@ -35,7 +35,7 @@ if (options.has('zoom')) {   // x, y of the middle in px of 1280 × 800, and how
 }
 
 const page = window as unknown as { scene: SceneView; ready: number; check?: ReturnType<typeof checkOnCard> };
-if (options.has('check')) page.check = checkOnCard(told, program.state(), 2e-3);
+if (options.has('check')) page.check = checkOnCard(reported, program.state(), 2e-3);
 page.scene = scene;
 page.ready = 0;
 const still = options.has('still');

@@ -87,7 +87,7 @@ class Page {
 }
 
 /** Which keys the words on the screen ask for: held, or `press`ed once; "a little" is a `nudge`. */
-function told({ title, more, sign }: Page): { hold?: string; press?: string; nudge?: string } {
+function askedBy({ title, more, sign }: Page): { hold?: string; press?: string; nudge?: string } {
   if (title === bar.letGo || title === bar.drawBack || title.startsWith(bar.wrong.replace('{x}', ''))) return { hold: 'ArrowDown' };
   if ([en['hint.press'], en['hint.again']].includes(more as never)) return { press: 'Space' };
   if (more === en['game.onItsWay'] || more === en['game.closing'] || more === en['hint.shows']) return {};
@@ -121,7 +121,7 @@ async function drink(help: Help, frame_looks: number): Promise<{ took_s: number;
       pressed = '';
     }
     if (t - read_s < REACTS_S) continue;
-    const { hold = '', press = '', nudge = '' } = told(page);
+    const { hold = '', press = '', nudge = '' } = askedBy(page);
     if (hold !== held) {
       if (held) tell('keyup', held);
       if (hold) tell('keydown', hold);

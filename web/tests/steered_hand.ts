@@ -12,7 +12,7 @@ import { HandPart, type SceneT, type WorldStateT } from '../src/protocol';
 export const LOOK_S = 0.016;
 const FILE = resolve(process.env.WHOLEHAND_STEERED_HAND ?? resolve(__dirname, '../../build/release/steered_hand'));
 
-interface Told { right_hand: boolean; palm_link: number; axes: AimAxis[]; bodies: string[]; values: string[]; exercise: string }
+interface Reported { right_hand: boolean; palm_link: number; axes: AimAxis[]; bodies: string[]; values: string[]; exercise: string }
 type Vec = [number, number, number];
 export interface Seen {
   /** That stopped the loop. */
@@ -28,7 +28,7 @@ export class SteeredHand {
   state!: WorldStateT;
   perceiver!: Perceiver;
   now!: Seen;
-  private told!: Told;
+  private reported!: Reported;
   private readonly lines: string[] = [];
   private heard: (() => void) | undefined;
   private ended = '';
@@ -42,11 +42,11 @@ export class SteeredHand {
   static async start(level: number, exercise = 'cocktail-bar', hand = 'adult-median-right'): Promise<SteeredHand> {
     if (!existsSync(FILE)) throw new Error(`${FILE} is not there: ninja -C build/release steered_hand`);
     const out = new SteeredHand(spawn(FILE, [exercise, String(level), hand]));
-    const told = out.told = JSON.parse(await out.line()) as Told;
-    out.axes = told.axes;
+    const reported = out.reported = JSON.parse(await out.line()) as Reported;
+    out.axes = reported.axes;
     out.scene = {
-      axes: told.axes, bodies: told.bodies.map((name) => ({ name })), valueNames: told.values, exerciseJson: told.exercise,
-      rightHand: told.right_hand, capsules: [{ part: HandPart.Palm, link: told.palm_link }],
+      axes: reported.axes, bodies: reported.bodies.map((name) => ({ name })), valueNames: reported.values, exerciseJson: reported.exercise,
+      rightHand: reported.right_hand, capsules: [{ part: HandPart.Palm, link: reported.palm_link }],
     } as unknown as SceneT;
     out.perceiver = new Perceiver(out.scene, targetsOf(out.scene));
     out.take(await out.line());
@@ -59,11 +59,11 @@ export class SteeredHand {
     this.take(await this.line());
   }
 
-  value(name: string): number { return this.now.values[this.told.values.indexOf(name)] ?? NaN; }
+  value(name: string): number { return this.now.values[this.reported.values.indexOf(name)] ?? NaN; }
 
   bodyOf(dispenser: number): number {
-    const { dispensers } = JSON.parse(this.told.exercise) as { dispensers: { body: string }[] };
-    return this.told.bodies.indexOf(dispensers[dispenser]?.body ?? '');
+    const { dispensers } = JSON.parse(this.reported.exercise) as { dispensers: { body: string }[] };
+    return this.reported.bodies.indexOf(dispensers[dispenser]?.body ?? '');
   }
 
   stop(): void { this.program.kill(); }
@@ -71,7 +71,7 @@ export class SteeredHand {
   private take(line: string): void {
     const now = this.now = JSON.parse(line) as Seen;
     const links: unknown[] = [];
-    links[this.told.palm_link] = { positionM: xyz(now.palm) };
+    links[this.reported.palm_link] = { positionM: xyz(now.palm) };
     this.state = {
       qM: now.q_m, qS: now.q_s, links, bodies: now.bodies.map((p, i) => { const [x, y, z, w] = now.turns_xyzw[i]!; return { positionM: xyz(p), orientationXyzw: { x, y, z, w } }; }), values: now.values,
       contacts: now.contacts.map(([body, capsule, force]) => ({ body, capsule, forceN: xyz(force) })),

@@ -42,7 +42,7 @@ const std::complex<double>& best(const ImpedanceCurve& curve, const ImpedancePoi
   return curve.not_measured.empty() ? point.measured.felt : point.predicted.felt;
 }
 
-constexpr std::array<double, 3> kTold_hz = {1.0, 10.0, 100.0};
+constexpr std::array<double, 3> kReported_hz = {1.0, 10.0, 100.0};
 
 const ImpedancePoint& nearest(const ImpedanceCurve& curve, double frequency_hz) {
   return *std::min_element(curve.points.begin(), curve.points.end(),
@@ -79,7 +79,7 @@ std::string padded(const std::string& text, std::size_t width) {
 std::string row(const AxisImpedance& axis, const ImpedanceCurve& curve) {
   std::string out = "  " + padded(contactKey(curve.contact), 7) +
                     padded(fmt::format("{:g}", curve.phi), 3) + padded(feltSlowly(axis, curve), 15);
-  for (const double frequency_hz : kTold_hz) {
+  for (const double frequency_hz : kReported_hz) {
     out += padded(polar(best(curve, nearest(curve, frequency_hz))), 14);
   }
   if (!curve.not_measured.empty())
@@ -161,7 +161,7 @@ std::string impedanceText(const ImpedanceReport& report) {
   out += padded("", 12) + padded("felt slowly", 15) + padded("effort over velocity at", 42) +
          "prediction\n";
   out += "  " + padded("contact", 7) + padded(" Φ", 3) + padded("(0.1 Hz)", 15);
-  for (const double frequency_hz : kTold_hz) {
+  for (const double frequency_hz : kReported_hz) {
     out += padded(fmt::format("{:g} Hz", frequency_hz), 14);
   }
   out += "off dB  °\n";

@@ -212,7 +212,7 @@ void RealTicks::waitForTick() {
 }
 
 constexpr double kAnyDelay_s = 1.0;  // it is measured
-constexpr std::chrono::seconds kPagesAreTold{1};
+constexpr std::chrono::seconds kPagesAreNotified{1};
 
 Expected<std::shared_ptr<DeviceDriver>> openDriver(const CommissionOptions& options,
                                                    const DeviceModel& model) {
@@ -393,7 +393,7 @@ int leadAtPage(const CommissionOptions& options, DeviceDriver& driver, const Dev
   const std::string file = fileOf(options, commissioning, model, driver.identity());
   person.finish(file);
   std::printf("Written: %s\n", printable(file).c_str());
-  std::this_thread::sleep_for(kPagesAreTold);
+  std::this_thread::sleep_for(kPagesAreNotified);
   return kExitDone;
 }
 

@@ -77,7 +77,7 @@ Json listOneHost(const HostFacts& host) {
     std::printf("  %-20s %s\n", name.c_str(), printable(host.problem, kLongestLine).c_str());
     return {{"name", host.name}, {"problem", host.problem}};
   }
-  const bool let_go = host.reason != HostReason::kNone;
+  const bool let_go = host.reason != ReleaseReason::kNone;
   std::printf("  %-20s %-28s %zu axes, process %lld, %s%s\n", name.c_str(),
               printable(host.driver).c_str(), host.axes.size(), static_cast<long long>(host.pid),
               stateOf(host).c_str(), host.in_use ? ", in use" : "");

@@ -38,7 +38,7 @@ std::string lineAbout(const HostEvent& event) {
     case HostPhase::kRendering:
       return {};
     case HostPhase::kRamping:
-      if (event.reason == HostReason::kNone) {
+      if (event.reason == ReleaseReason::kNone) {
         return fmt::format(
             "session {}: the loop ended at neutral; the device follows (this host's longest gap "
             "{:.1f} ms)",

@@ -139,7 +139,7 @@ void lookAtPackages(const std::filesystem::path& file, Findings& findings) {
   if (wanted.empty() || installed.empty()) {
     findings.push_back({"packages", false, Blocks::kNothing,
                         wanted.empty() ? "the list " + printable(file.string()) + " cannot be read"
-                                       : "dpkg-query tells nothing: no Debian?",
+                                       : "dpkg-query reports nothing: no Debian?",
                         "Nothing to do as long as ./start builds."});
     return;
   }
@@ -222,7 +222,7 @@ DoctorFinding wakeUpFinding(const WakeUpStatistics& s, std::int64_t period_ns) {
           "late by p50 " + us(s.p50_ns) + ", p99 " + us(s.p99_ns) + ", p99.9 " + us(s.p999_ns) +
               ", max " + us(s.max_ns) + " µs; " + std::to_string(s.skipped_periods) + " of " +
               std::to_string(s.wake_ups + s.skipped_periods) + " periods skipped",
-          "Mend the lines above, close other programs; a virtual machine stalls when its host is "
+          "Fix the lines above, close other programs; a virtual machine stalls when its host is "
           "busy.",
           std::string("it woke the loop ") + (good ? "at most " : "up to ") + us(s.max_ns) +
               " µs late (p99.9 " + us(s.p999_ns) + " µs; allowed is half a period, " +
@@ -286,7 +286,7 @@ Findings findingsAboutLoop(const WakeUpProbe& probe, std::int64_t period_ns) {
 
 Findings findingsAboutNoLoop(const Diagnostics& why) {
   return {{"loop", false, Blocks::kEverything, format(why), "",
-           "no loop can run here: " + format(why), "mend that"}};
+           "no loop can run here: " + format(why), "fix that"}};
 }
 
 Verdict verdictOf(const Findings& findings) {

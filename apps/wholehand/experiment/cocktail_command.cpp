@@ -163,7 +163,7 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
     auto result = runCocktail(plan);
     return result ? lineOf(*result) : Json{{"refused", format(result.errors())}}.dump();
   };
-  int told = 0, completed = 0;
+  int reported = 0, completed = 0;
   const auto done = [&](int job, const std::string& line) {
     const Json json = Json::parse(line, nullptr, false);
     if (json.is_discarded() || json.contains("stopped")) return;
@@ -177,8 +177,8 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
     result.seed = options.first_seed + static_cast<std::uint64_t>(job);
     known[job] = true;
     completed += result.completed ? 1 : 0;
-    if (++told % 10 == 0) {
-      std::fprintf(stderr, "level %d: %d of %d, %d completed\n", level, told, options.seeds,
+    if (++reported % 10 == 0) {
+      std::fprintf(stderr, "level %d: %d of %d, %d completed\n", level, reported, options.seeds,
                    completed);
     }
   };

@@ -259,10 +259,10 @@ int replayCommand(const ReplayOptions& options) {
                     "read it with any program for HDF5 (docs/recording.md)"}});
   }
   whole.reader = std::move(*recording);
-  const int told =
+  const int reported =
       tell(resimulate(*whole.reader, options.recording), whole.reader->meta(), options.recording);
-  if (told == kExitBadInput) return told;  // the reason is printed
-  return std::max(told, tellNotShown(notShown(whole, {}, options.recording)));
+  if (reported == kExitBadInput) return reported;  // the reason is printed
+  return std::max(reported, tellNotShown(notShown(whole, {}, options.recording)));
 }
 
 }  // namespace wholehand

@@ -52,9 +52,6 @@ DeviceStatus statusOf(const ObservedDriver& driver) {
   return out;
 }
 
-static_assert(static_cast<int>(ReleaseReason::kNeverCommanded) ==
-              static_cast<int>(HostReason::kNeverCommanded));
-
 // Passport entry of a recording without a passport.
 constexpr const char* kWithout = "without";
 
@@ -114,7 +111,7 @@ DeviceStatus statusOf(const ObservedDriver& driver, const HostedDriver* host) {
   if (host == nullptr) return status;
   status.hosted = true;
   status.host_age_s = age_s(host->cycleNs());
-  status.let_go = static_cast<ReleaseReason>(host->reason());
+  status.let_go = host->reason();
   return status;
 }
 
@@ -178,7 +175,7 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
   };
   config.log = [&terminal](const std::string& text) { terminal.say(text); };
   config.status = [&terminal](RunState state, const TickSummary& now) {
-    const bool runs = state == RunState::kRendering || state == RunState::kRampingDown;
+    const bool runs = state == RunState::kRendering || state == RunState::kStopping;
     if (!runs || now.time_s <= 0.0) return;
     terminal.update(now, static_cast<double>(now.records) / now.time_s);
   };
@@ -270,7 +267,7 @@ Diagnostics faultsOf(const RunOptions& options) {
   return faults;
 }
 
-void printDoors(const RunOptions& options, const Server& server, const UdpBridge& udp) {
+void printAddresses(const RunOptions& options, const Server& server, const UdpBridge& udp) {
   const std::string url = server.url();
   std::printf("%s\n", url.c_str());  // first line, for programs to parse
   const RoleTokens tokens = roleTokens(options.tokens);
@@ -406,7 +403,7 @@ int playCommand(RunOptions options) {
     return refuse(ready.errors());
   }
   station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
-  printDoors(options, **server, udp);
+  printAddresses(options, **server, udp);
   if (*driver) {
     std::printf("  driver   %s, %zu axes%s\n", (*driver)->name().c_str(), (*driver)->axes().size(),
                 options.host.empty() ? "" : (", in " + (*driver)->where()).c_str());

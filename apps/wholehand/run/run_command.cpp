@@ -59,10 +59,10 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
     faults.push_back({"", 0, "--level", std::to_string(o.files.level),
                       "belongs to an exercise, not to a scene", "leave one of them out"});
   }
-  for (const char* door : {"--port", "--address", "--token", "--token-file", "--origin", "--udp",
-                           "--udp-key", "--wait"}) {
-    if (pages || run.count(door) == 0) continue;
-    faults.push_back({"", 0, door, "", "is about pages and games, and this run opens no port",
+  for (const char* option : {"--port", "--address", "--token", "--token-file", "--origin", "--udp",
+                             "--udp-key", "--wait"}) {
+    if (pages || run.count(option) == 0) continue;
+    faults.push_back({"", 0, option, "", "is about pages and games, and this run opens no port",
                       scene && !o.no_web && !o.simulated_clock
                           ? "give --port, too, or leave it out"
                           : "leave out --no-web and --simulated-clock"});

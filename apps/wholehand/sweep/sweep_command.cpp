@@ -95,9 +95,9 @@ class Progress {
   void operator()(int finished, int all) {
     const auto now = Clock::now();
     if (first_ < 0) first_ = finished - 1;
-    const std::chrono::duration<double> spent = now - began_, since = now - told_;
+    const std::chrono::duration<double> spent = now - began_, since = now - reported_;
     if (since.count() < (terminal_ ? 0.2 : 5.0) && finished < all) return;
-    told_ = now;
+    reported_ = now;
     const double each_s = spent.count() / std::max(1, finished - first_);
     const std::string text = fmt::format("{} of {} cells, about {} left", finished, all,
                                          duration(each_s * (all - finished)));
@@ -111,7 +111,7 @@ class Progress {
  private:
   const bool terminal_ = ::isatty(STDERR_FILENO) != 0;
   const Clock::time_point began_ = Clock::now();
-  Clock::time_point told_ = {};
+  Clock::time_point reported_ = {};
   int first_ = -1;
   bool drawn_ = false;
 };

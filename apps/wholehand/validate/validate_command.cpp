@@ -54,7 +54,7 @@ class Validation {
       if (kind == "motion") add(loadMotionFile(file));
       if (kind != "motion" && !kind.empty()) checkKind(file, kind);
       if (!faulty_device_.empty()) {
-        std::printf("-   %-9s %s (not checked: mend %s first)\n", kind.c_str(),
+        std::printf("-   %-9s %s (not checked: correct %s first)\n", kind.c_str(),
                     printable(file).c_str(), faulty_device_.c_str());
       } else if (!faulty_) {
         std::printf("ok  %-9s %s\n%s", kind.c_str(), printable(file).c_str(), remark.c_str());
@@ -69,7 +69,7 @@ class Validation {
   void add(const Diagnostics& errors) {
     faulty_ = faulty_ || !errors.empty();
     for (const Diagnostic& error : errors) {
-      if (told_.insert(format(error)).second) errors_.push_back(error);
+      if (reported_.insert(format(error)).second) errors_.push_back(error);
     }
   }
   template <class T>
@@ -267,7 +267,7 @@ class Validation {
 
   std::vector<std::pair<std::string, std::string>> kinds_;
   Diagnostics errors_;
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
   bool faulty_ = false;        // the file at hand
   std::string faulty_device_;  // prevents checking the current file
 };

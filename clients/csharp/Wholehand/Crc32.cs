@@ -1,6 +1,6 @@
 namespace Wholehand
 {
-    /// <summary>CRC-32 of IEEE 802.3 and zlib. FlatBuffers has no verifier in C#: this is what tells
+    /// <summary>CRC-32 of IEEE 802.3 and zlib. FlatBuffers has no verifier in C#: this is what shows
     /// that a datagram is whole.</summary>
     public static class Crc32
     {

@@ -3,7 +3,7 @@ using System.Diagnostics;
 namespace Wholehand
 {
     /// <summary>Time since an arbitrary start, never set back. On Linux it is the clock of the program
-    /// (CLOCK_MONOTONIC), so that latencies can be told on one machine.</summary>
+    /// (CLOCK_MONOTONIC), so that latencies can be measured on one machine.</summary>
     public static class MonotonicClock
     {
         public static long NowNs()

@@ -16,14 +16,14 @@ namespace Wholehand
         private readonly Dictionary<int, BodyId> numbered = new Dictionary<int, BodyId>();
 
         // Throws where the message is damaged; then nothing has changed.
-        private void Take(GameBodies told)
+        private void Take(GameBodies reported)
         {
-            BodySlots read = SlotsOf(told);
-            BodyInWorld[] changed = RegisteredOf(told);
+            BodySlots read = SlotsOf(reported);
+            BodyInWorld[] changed = RegisteredOf(reported);
             var news = new Dictionary<uint, GameShapes>();
-            for (int i = 0; i < Believable(told.NewShapesLength); ++i)
+            for (int i = 0; i < Believable(reported.NewShapesLength); ++i)
             {
-                GameShapes made = told.NewShapes(i).Value;
+                GameShapes made = reported.NewShapes(i).Value;
                 news[made.Id] = made;
             }
             lock (gate)
@@ -42,13 +42,13 @@ namespace Wholehand
             }
         }
 
-        private static BodySlots SlotsOf(GameBodies told)
+        private static BodySlots SlotsOf(GameBodies reported)
         {
-            var read = new BodySlots { Session = told.Session };
-            read.Resize(Believable(told.BodiesLength));
+            var read = new BodySlots { Session = reported.Session };
+            read.Resize(Believable(reported.BodiesLength));
             for (int i = 0; i < read.Count; ++i)
             {
-                GameBody body = told.Bodies(i).Value;
+                GameBody body = reported.Bodies(i).Value;
                 read.Bodies[i] = new BodyId(body.Slot, body.Generation);
                 read.States[i] = body.State;
                 read.Shapes[i] = body.Shapes;
@@ -56,12 +56,12 @@ namespace Wholehand
             return read;
         }
 
-        private static BodyInWorld[] RegisteredOf(GameBodies told)
+        private static BodyInWorld[] RegisteredOf(GameBodies reported)
         {
-            var read = new BodyInWorld[Believable(told.RegisteredLength)];
+            var read = new BodyInWorld[Believable(reported.RegisteredLength)];
             for (int i = 0; i < read.Length; ++i)
             {
-                RegisteredBody body = told.Registered(i).Value;
+                RegisteredBody body = reported.Registered(i).Value;
                 Vec3 p = body.Pose.PositionM;
                 QuatXyzw q = body.Pose.OrientationXyzw;
                 read[i] = new BodyInWorld
@@ -108,7 +108,7 @@ namespace Wholehand
                 BodyInWorld body = registered.Values[i];
                 slots.All[all++] = body;
                 if (body.State == SlotState.Parked) continue;
-                // The next list says its state anew, and if that has it no more, where it was told to stand is old.
+                // The next list says its state anew; if it is not in that list, its last reported pose is out of date.
                 body.State = SlotState.Parked;
                 body.Stands = false;
                 registered[body.Id.Slot] = body;

@@ -22,7 +22,7 @@ namespace Wholehand
 
         private void ReceiveDatagrams(Socket socket)
         {
-            // One byte more than is allowed tells what is too long.
+            // One byte more than is allowed shows what is too long.
             var bytes = new byte[Datagram.LargestSize + 1];
             while (!closed && socket == datagrams)
             {

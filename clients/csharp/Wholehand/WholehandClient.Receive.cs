@@ -80,7 +80,7 @@ namespace Wholehand
                 || e is ObjectDisposedException || e is OperationCanceledException || e is InvalidOperationException;
         }
 
-        // A WebSocket does not tell why it was refused: a plain request does.
+        // A WebSocket does not report why it was refused: a plain request does.
         private string InWords(Exception e)
         {
             try

@@ -69,7 +69,7 @@ namespace Wholehand
             keeper = new Thread(KeepLoop) { IsBackground = true, Name = "Wholehand heartbeat" };
         }
 
-        /// <summary>Begins to connect; ConnectionChanged tells when it is done. Subscribe to events before;
+        /// <summary>Begins to connect; ConnectionChanged reports when it is done. Subscribe to events before;
         /// to be called once.</summary>
         public void Connect()
         {
@@ -147,7 +147,7 @@ namespace Wholehand
             }
         }
 
-        /// <summary>Raises the events that wait, where options say Polled, and tells that the game is
+        /// <summary>Raises the events that wait, where options say Polled, and reports that the game is
         /// alive. To be called in every frame.</summary>
         public void Poll()
         {

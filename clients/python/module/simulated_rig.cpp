@@ -53,7 +53,7 @@ void SimulatedRig::describeStart() noexcept {
   record.q_m = record.intention = rig_->renderer->armedPosition();
   record.safety_state = rig_->renderer->safetyState();
   record.palm_distance_m = record.palm_target_distance_m = std::numeric_limits<double>::infinity();
-  WorldState state;
+  PhysicsState state;
   record.faults |= rig_->world->observe(state);
   record.q_s = state.q_s;
   record.qd_s = state.qd_s;

@@ -267,11 +267,11 @@ class Connection:
     def body_poses(self):
         """Where bodies of a game are: the schema's Pose by slot, or by number. By the newest state where they have a slot."""
         poses = {number: body["pose"] for number, body in self.registered.items()}
-        state, told = self.state, self.bodies
-        if told is None or state is None or state.session != told.session:
+        state, reported = self.state, self.bodies
+        if reported is None or state is None or state.session != reported.session:
             return poses
         numbers, in_state = self._numbers_in_slots(), state.bodies[len(self.scene.bodies):]
-        for slot in map(int, told.bodies["slot"]):
+        for slot in map(int, reported.bodies["slot"]):
             if slot < len(in_state) and in_state["position_m"][slot, 2] > EMPTY_BELOW_M:
                 poses[numbers.get(slot, slot)] = in_state[slot]
         return poses

@@ -1,15 +1,15 @@
 /* Reference firmware of a device that speaks the frame: C99, no malloc, no clock and no I/O of its
- * own. A board gives it bytes and time, and is asked for positions and told efforts.
+ * own. A board gives it bytes and time, returns positions and gets efforts.
  *
  * What it holds to, whatever the program does:
  *   - no effort beyond the axis's limit, none that is not finite;
  *   - neutral when disabled;
  *   - from a command on, another within `silence_us`, or it lets go: every axis goes to neutral at
  *     once by the same smoothstep over 80 ms, only ever falling. Samples then say WH_SILENCED, and
- *     no command is heard, until WH_ENABLE;
+ *     no command is obeyed, until WH_ENABLE;
  *   - the same where a command is not finite or of another number of axes;
  *   - what was sent before is not done again: a copy of a question that was answered is answered
- *     with the same and does nothing, and no command of before WH_ENABLE is heard after it. */
+ *     with the same and does nothing, and no command of before WH_ENABLE is obeyed after it. */
 #ifndef WHOLEHAND_FIRMWARE_H
 #define WHOLEHAND_FIRMWARE_H
 
@@ -70,7 +70,7 @@ typedef struct {
   uint8_t to_off;      /* ramping because of WH_DISABLE */
   uint8_t saturated;   /* the last command was clamped */
   uint32_t session, heard, samples, asked; /* sequence of the last command, sample, question */
-  uint32_t passed;     /* commands up to this one are not heard any more */
+  uint32_t passed;     /* commands up to this one are not obeyed any more */
   uint8_t answered;    /* the last question is done */
   int32_t result;      /* of it */
   uint32_t heard_us, ramp_us; /* when the last command came, when the ramp began */
@@ -82,7 +82,7 @@ typedef struct {
 
 /* @pre the board lives as long as the firmware. */
 void firmware_init(firmware* fw, const fw_board* board);
-/* Bytes that came. The watchdog looks first: what comes too late is not heard. */
+/* Bytes that came. The watchdog looks first: what comes too late is not obeyed. */
 void firmware_receive(firmware* fw, const uint8_t* bytes, size_t count, uint32_t now_us);
 /* Call it at a fixed rate, 1,000 times a second and more: watchdog, ramp, motors, sample. */
 void firmware_tick(firmware* fw, uint32_t now_us);

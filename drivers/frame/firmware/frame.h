@@ -33,7 +33,7 @@
  *                            24: i32 vendor_code; 28: u32 heard, sequence of the last command
  *                            taken; 32: axes x float32 position; then axes x float32 effort
  *
- * Bytes 0 to 1, 4 to 11, the CRC and COBS never change: whatever its version, a device can be told
+ * Bytes 0 to 1, 4 to 11, the CRC and COBS never change: every version of a device can answer
  * that it speaks another one.
  *
  * Why float32: six axes at 1,000 samples a second are 84 kB/s and go through a line of 1 Mbaud; in

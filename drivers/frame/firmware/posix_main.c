@@ -226,7 +226,7 @@ static void run(machine* m, const fw_board* board, int commanded) {
   firmware fw;
   int64_t next_ns = now_ns(), last_ns = next_ns, longest_ns = 0;
   uint32_t now_us = 0, heard = 0;
-  fw_phase told = FW_OFF;
+  fw_phase reported = FW_OFF;
   firmware_init(&fw, board);
   while (!ended) {
     if (commanded) {
@@ -253,9 +253,9 @@ static void run(machine* m, const fw_board* board, int commanded) {
     firmware_tick(&fw, now_us);
     if (now_ns() - last_ns > longest_ns) longest_ns = now_ns() - last_ns;
     last_ns = now_ns();
-    if (fw.phase == told) continue;
+    if (fw.phase == reported) continue;
     tell_phase(&fw, now_us, longest_ns);
-    told = fw.phase;
+    reported = fw.phase;
     longest_ns = 0;
   }
 }

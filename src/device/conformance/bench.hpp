@@ -110,7 +110,7 @@ class DriverBench {
   /// Reads once a millisecond for that long, and writes neutral if `writing`.
   [[nodiscard]] std::vector<Sampled> idle(int milliseconds, bool writing);
 
-  /// Tells the process that waits for this one that a long check goes on.
+  /// Reports to the waiting process that a long check goes on.
   void alive() const {
     if (on_alive_) on_alive_();
   }

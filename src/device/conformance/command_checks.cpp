@@ -219,12 +219,12 @@ CheckFinding enabledIsNeutral(DriverBench& bench) {
 
 // Asks one axis for more than its limit. Returns what is wrong.
 std::string beyond(DriverBench& bench, std::size_t a, double share) {
-  bool told = false;
+  bool reported = false;
   double most = 0.0;
   everyMillisecond(kBeyond_s, [&] {
     if (bench.writeShare(a, share) < 0) return false;
     const Sampled now = bench.read();
-    told = told || (now.sample.status & WH_SATURATED) != 0;
+    reported = reported || (now.sample.status & WH_SATURATED) != 0;
     const double given = std::abs(now.sample.effort[a]);
     if (std::isfinite(given)) most = std::max(most, given);
     return true;
@@ -233,7 +233,7 @@ std::string beyond(DriverBench& bench, std::size_t a, double share) {
   (void)bench.writeNeutral();
   if (refuses) return {};
   if (most > kClipped * bench.axes()[a].effort_limit) return "gives " + number(most);
-  return told ? std::string() : "no sample says WH_SATURATED";
+  return reported ? std::string() : "no sample says WH_SATURATED";
 }
 
 CheckFinding beyondLimit(DriverBench& bench) {

@@ -226,7 +226,7 @@ CheckFinding pushClosed(DriverBench& bench) {
   });
 }
 
-// Where it rests, before anything was pushed; and, with what the pushes tell, in the middle.
+// Where it rests, before anything was pushed; and, with what the pushes show, in the middle.
 CheckFinding stillAtNeutral(DriverBench& bench) {
   CheckFinding first = neutralFromRest(bench);
   if (first.outcome == Outcome::kFailed) return first;
@@ -410,7 +410,7 @@ CheckFinding measured(DriverBench& bench) {
   return any || out.outcome != Outcome::kPassed ? out : skipped("efforts are not measured");
 }
 
-// Effort over acceleration is the mass: it tells a wrong unit; with a device file, any wrong
+// Effort over acceleration is the mass: it reveals a wrong unit; with a device file, any wrong
 // effort.
 CheckFinding mass(DriverBench& bench) {
   bool all_known = true;

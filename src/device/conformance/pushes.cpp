@@ -121,17 +121,17 @@ void judgeMeasured(const DriverBench& bench, const Course& course, std::size_t a
   double best = 0.0;
   out.measured = kNan;
   for (double lag_s = 0.0; lag_s <= kLongestDelay_s; lag_s += 0.001) {
-    double both = 0.0, asked = 0.0, told = 0.0;
+    double both = 0.0, asked = 0.0, reported = 0.0;
     for (const Sampled& s : course.samples()) {
       const double e = s.sample.effort[a], u = limit * course.shareAt(a, course.timeOf(s) - lag_s);
       if (!std::isfinite(e)) continue;
       both += e * u;
       asked += u * u;
-      told += e * e;
+      reported += e * e;
     }
     if (asked == 0.0) continue;
     if (std::isnan(out.measured)) out.measured = both / asked;
-    const double alike = told > 0.0 ? std::abs(both) / std::sqrt(asked * told) : 0.0;
+    const double alike = reported > 0.0 ? std::abs(both) / std::sqrt(asked * reported) : 0.0;
     if (alike <= best) continue;
     best = alike;
     out.measured = both / asked;
@@ -141,12 +141,12 @@ void judgeMeasured(const DriverBench& bench, const Course& course, std::size_t a
   for (const Sampled& s : course.samples())
     asked += std::pow(course.shareAt(a, course.timeOf(s)), 2);
   for (std::size_t j = 0; j < bench.axes().size(); ++j) {
-    double told = 0.0;
+    double reported = 0.0;
     for (const Sampled& s : course.samples()) {
       const double e = s.sample.effort[j] / bench.axes()[j].effort_limit;
-      if (std::isfinite(e)) told += e * e;
+      if (std::isfinite(e)) reported += e * e;
     }
-    out.measured_elsewhere.push_back(asked > 0.0 && j != a ? std::sqrt(told / asked) : 0.0);
+    out.measured_elsewhere.push_back(asked > 0.0 && j != a ? std::sqrt(reported / asked) : 0.0);
   }
 }
 

@@ -164,10 +164,10 @@ CheckFinding clockRate(DriverBench& bench) {
   const auto& samples = bench.samples();
   const Sampled &first = samples.front(), &last = samples.back();
   const auto read_s = static_cast<double>(last.read_ns - first.read_ns) * 1e-9;
-  const auto told_s =
+  const auto stated_s =
       static_cast<double>(last.sample.monotonic_ns - first.sample.monotonic_ns) * 1e-9;
-  if (std::abs(told_s - read_s) <= kClockRate * read_s + kAge_s) return passed();
-  return failed("in " + number(read_s) + " s their times go on by " + number(told_s) + " s");
+  if (std::abs(stated_s - read_s) <= kClockRate * read_s + kAge_s) return passed();
+  return failed("in " + number(read_s) + " s their times go on by " + number(stated_s) + " s");
 }
 
 CheckFinding validDescribed(DriverBench& bench) {

@@ -119,12 +119,12 @@ Fault FaultInjector::read(DeviceReading& reading, int elapsed_periods) noexcept 
   DeviceReading truth;
   const Fault fault = device_.read(truth, elapsed_periods);
   if (at(tick_, InjectedKind::kReadFails) != nullptr) return fault | Fault::kDeviceRead;
-  spoil(truth);
+  corrupt(truth);
   reading = truth;
   return fault;
 }
 
-void FaultInjector::spoil(DeviceReading& reading) noexcept {
+void FaultInjector::corrupt(DeviceReading& reading) noexcept {
   for (const InjectedFault& fault : faults_) {
     if (!hasAxis(fault.kind) || fault.axis >= reading.q_m.size()) continue;
     double& q = reading.q_m[fault.axis];

@@ -78,7 +78,7 @@ class FaultInjector final : public HapticDevice {
 
  private:
   [[nodiscard]] const InjectedFault* at(int tick, InjectedKind kind) const noexcept;
-  void spoil(DeviceReading& reading) noexcept;
+  void corrupt(DeviceReading& reading) noexcept;
 
   HapticDevice& device_;
   std::vector<InjectedFault> faults_;

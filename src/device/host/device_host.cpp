@@ -18,21 +18,21 @@ void copyText(char (&to)[N], const std::string& text) {
 
 }  // namespace
 
-const char* describe(HostReason reason) noexcept {
+const char* describe(ReleaseReason reason) noexcept {
   switch (reason) {
-    case HostReason::kNone:
+    case ReleaseReason::kNone:
       return "nothing";
-    case HostReason::kLoopSilent:
+    case ReleaseReason::kLoopSilent:
       return "the loop sent no new command for 20 ms";
-    case HostReason::kSilentAtNeutral:
+    case ReleaseReason::kSilentAtNeutral:
       return "the loop sent no new command for 20 ms; the effort was neutral";
-    case HostReason::kBadCommand:
+    case ReleaseReason::kBadCommand:
       return "the loop's command was not finite, or not of as many axes";
-    case HostReason::kLoopEnded:
+    case ReleaseReason::kLoopEnded:
       return "the loop ended before it was at neutral";
-    case HostReason::kHostEnds:
-      return "the host was told to end";
-    case HostReason::kNeverCommanded:
+    case ReleaseReason::kHostEnds:
+      return "the host was asked to end";
+    case ReleaseReason::kNeverCommanded:
       return "the loop enabled the device and sent no command";
   }
   return "unknown";
@@ -97,15 +97,15 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
   (void)frame_.request.take(request_);
   bool asked = request_.number != answered_;
   const bool ending = end_.load(std::memory_order_acquire);
-  HostReason let_go = HostReason::kNone;
-  if (ending) let_go = HostReason::kHostEnds;
+  ReleaseReason let_go = ReleaseReason::kNone;
+  if (ending) let_go = ReleaseReason::kHostEnds;
   commanded_ = frame_.command.take(command_) || commanded_;
   if (asked && request_.verb == WH_DISABLE) {
     // The loop sent its last command before its end request. Both may arrive between two cycles.
     if (commanded_ && isNew(command_)) {
       asked = false;
     } else {
-      let_go = HostReason::kLoopEnded;
+      let_go = ReleaseReason::kLoopEnded;
     }
   }
   guard_ = advanceGuard(guard_, commanded_ ? &command_ : nullptr, let_go, elapsed_periods, now_ns,

@@ -15,7 +15,7 @@ namespace wholehand {
 /// An event of a host, for people and logs.
 struct HostEvent {
   HostPhase phase = HostPhase::kIdle;  ///< phase that has begun
-  HostReason reason = HostReason::kNone;
+  ReleaseReason reason = ReleaseReason::kNone;
   std::uint64_t session = 0;
   std::int64_t at_ns = 0;           ///< CLOCK_MONOTONIC
   std::int64_t silent_ns = 0;       ///< age of the loop's newest command at that time
@@ -24,7 +24,7 @@ struct HostEvent {
 };
 
 /// Text of a reason for people: "the loop was silent for 20 ms".
-[[nodiscard]] const char* describe(HostReason reason) noexcept;
+[[nodiscard]] const char* describe(ReleaseReason reason) noexcept;
 
 /// Guard configuration of every axis of the driver, from the device file. Axes that the file does
 /// not name get no effort.

@@ -23,32 +23,32 @@ AxisEffort effortOf(const HostCommand& command, const GuardConfig& config) noexc
 }
 
 // Accepts the command if it is new. Returns why the loop must be let go; kNone otherwise.
-HostReason hear(GuardState& s, const HostCommand* command, std::int64_t now_ns,
-                const GuardConfig& config, AxisEffort& wanted) noexcept {
+ReleaseReason hear(GuardState& s, const HostCommand* command, std::int64_t now_ns,
+                   const GuardConfig& config, AxisEffort& wanted) noexcept {
   if (command == nullptr || command->session != s.session || command->sequence <= s.sequence) {
-    return HostReason::kNone;
+    return ReleaseReason::kNone;
   }
   s.sequence = command->sequence;
   s.last_command_ns = std::min(command->monotonic_ns, now_ns);
   s.phase = HostPhase::kRendering;
   wanted = effortOf(*command, config);
-  return wanted.size() == 0 ? HostReason::kBadCommand : HostReason::kNone;
+  return wanted.size() == 0 ? ReleaseReason::kBadCommand : ReleaseReason::kNone;
 }
 
-HostReason judgeSilence(const GuardState& s, std::int64_t now_ns) noexcept {
+ReleaseReason judgeSilence(const GuardState& s, std::int64_t now_ns) noexcept {
   const bool waits = s.phase == HostPhase::kWaiting;
   const std::int64_t patience_ns = waits ? kFirstCommand_ns : kLoopSilence_ns;
-  if (now_ns - s.last_command_ns <= patience_ns) return HostReason::kNone;
-  return waits ? HostReason::kNeverCommanded : HostReason::kLoopSilent;
+  if (now_ns - s.last_command_ns <= patience_ns) return ReleaseReason::kNone;
+  return waits ? ReleaseReason::kNeverCommanded : ReleaseReason::kLoopSilent;
 }
 
-void letGo(GuardState& s, HostReason why, const GuardConfig& config) noexcept {
+void letGo(GuardState& s, ReleaseReason why, const GuardConfig& config) noexcept {
   const bool neutral = isNeutral(s.ramp.sent, config.neutral);
   s.reason = why;
-  if (neutral && why == HostReason::kLoopSilent) s.reason = HostReason::kSilentAtNeutral;
+  if (neutral && why == ReleaseReason::kLoopSilent) s.reason = ReleaseReason::kSilentAtNeutral;
   // A loop that ended at neutral ended well, even if a late host has yet to bring the device there.
-  const bool ended_well = why == HostReason::kLoopEnded && isNeutral(s.wanted, config.neutral);
-  if (ended_well) s.reason = HostReason::kNone;
+  const bool ended_well = why == ReleaseReason::kLoopEnded && isNeutral(s.wanted, config.neutral);
+  if (ended_well) s.reason = ReleaseReason::kNone;
   s.phase = neutral ? HostPhase::kLatched : HostPhase::kRamping;
 }
 
@@ -84,25 +84,25 @@ GuardState endSession(const GuardState& state, const GuardConfig& config) noexce
   return s;
 }
 
-GuardState advanceGuard(const GuardState& state, const HostCommand* command, HostReason let_go,
+GuardState advanceGuard(const GuardState& state, const HostCommand* command, ReleaseReason let_go,
                         int elapsed_periods, std::int64_t now_ns,
                         const GuardConfig& config) noexcept {
   GuardState next = state;
   if (state.phase == HostPhase::kIdle) return next;
-  HostReason why = HostReason::kNone;
+  ReleaseReason why = ReleaseReason::kNone;
   if (state.phase == HostPhase::kWaiting || state.phase == HostPhase::kRendering) {
     AxisEffort wanted = state.wanted;
     why = let_go;
-    if (why == HostReason::kNone) why = hear(next, command, now_ns, config, wanted);
-    if (why == HostReason::kNone) why = judgeSilence(next, now_ns);
+    if (why == ReleaseReason::kNone) why = hear(next, command, now_ns, config, wanted);
+    if (why == ReleaseReason::kNone) why = judgeSilence(next, now_ns);
     // The ramp begins at the effort that the device holds, not at a command that came too late.
-    if (why == HostReason::kNone) {
+    if (why == ReleaseReason::kNone) {
       next.wanted = wanted;
     } else {
       letGo(next, why, config);
     }
   }
-  const StopAsked stop = why == HostReason::kNone ? StopAsked::kNone : StopAsked::kPlain;
+  const StopAsked stop = why == ReleaseReason::kNone ? StopAsked::kNone : StopAsked::kPlain;
   next.ramp = advanceRamp(state.ramp, next.wanted, config.neutral, stop, elapsed_periods,
                           config.period_s, config.ramp);
   next.ramp.sent = limitSlew(next.ramp.sent, state.given, config.most_change).effort;

@@ -29,7 +29,7 @@ struct GuardConfig {
 /// State of the guard in one session.
 struct GuardState {
   HostPhase phase = HostPhase::kIdle;
-  HostReason reason = HostReason::kNone;
+  ReleaseReason reason = ReleaseReason::kNone;
   std::uint64_t session = 0;
   std::uint64_t sequence = 0;        ///< of the last accepted command
   std::int64_t last_command_ns = 0;  ///< when the loop was last alive, or when the session began
@@ -60,7 +60,7 @@ struct GuardState {
 /// @param let_go why the loop is to be ignored from now on; kNone: it is not
 /// @param elapsed_periods 1 + skipped periods of the host
 [[nodiscard]] WHOLEHAND_RT GuardState advanceGuard(const GuardState& state,
-                                                   const HostCommand* command, HostReason let_go,
+                                                   const HostCommand* command, ReleaseReason let_go,
                                                    int elapsed_periods, std::int64_t now_ns,
                                                    const GuardConfig& config) noexcept;
 

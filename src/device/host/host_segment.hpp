@@ -79,7 +79,7 @@ struct HostFacts {
   bool in_use = false;      ///< a loop is connected
   double sample_age_s = 0;  ///< time since its last cycle; < 0: no cycle yet
   HostPhase phase = HostPhase::kIdle;
-  HostReason reason = HostReason::kNone;
+  ReleaseReason reason = ReleaseReason::kNone;
   std::vector<wh_axis> axes;
 };
 

@@ -31,7 +31,7 @@ class HostedDriver final : public DeviceDriver {
     return cycle_ns_.load(std::memory_order_relaxed);
   }
   /// Why the host let go in this session, as read by the loop. Any thread.
-  [[nodiscard]] HostReason reason() const noexcept {
+  [[nodiscard]] ReleaseReason reason() const noexcept {
     return reason_.load(std::memory_order_relaxed);
   }
 
@@ -64,7 +64,7 @@ class HostedDriver final : public DeviceDriver {
   HostSample last_{};
   HostCommand command_{};
   std::atomic<std::int64_t> cycle_ns_{0};
-  std::atomic<HostReason> reason_{HostReason::kNone};
+  std::atomic<ReleaseReason> reason_{ReleaseReason::kNone};
 };
 
 }  // namespace wholehand

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/release_reason.hpp"
 #include "device/host/newest_value.hpp"
 #include "wholehand/device.h"
 
@@ -18,24 +19,13 @@ enum class HostPhase : std::uint32_t {
   kLatched = 4     ///< holds neutral until a loop enables again
 };
 
-/// Why the host ramped to neutral by itself.
-enum class HostReason : std::uint32_t {
-  kNone = 0,             ///< the loop is alive, or ended at neutral
-  kLoopSilent = 1,       ///< no new command for 20 ms
-  kSilentAtNeutral = 2,  ///< no new command for 20 ms, at the neutral effort
-  kBadCommand = 3,       ///< not finite, or another number of axes
-  kLoopEnded = 4,        ///< the loop disabled the device before it was at neutral
-  kHostEnds = 5,         ///< the host was asked to end
-  kNeverCommanded = 6    ///< enabled, and no command came
-};
-
 /// Host → loop, once a cycle of the host.
 struct HostSample {
   std::uint64_t cycle;        ///< increments every cycle
   std::int64_t monotonic_ns;  ///< time of the cycle, CLOCK_MONOTONIC
   std::uint64_t session;      ///< session that the host serves; 0: none yet
   HostPhase phase;
-  HostReason reason;
+  ReleaseReason reason;
   std::int32_t read_result;   ///< result of wh_plugin.read
   std::int32_t write_result;  ///< result of the last wh_plugin.write; 0 before
   wh_sample sample;

@@ -220,7 +220,7 @@ Fault PluginDevice::judgeAge(const wh_sample& sample) noexcept {
   return mean_age_s_ > most_mean_age_s_ ? Fault::kSampleDelay : Fault::kNone;
 }
 
-// Both means lag alike, so that the drive's delay tells little beside them.
+// Both means lag alike, so that the drive's delay matters little beside them.
 Fault PluginDevice::judgeEfforts(const wh_sample& sample) noexcept {
   const double share = std::min(period_s_ / kMeanOver_s, 1.0);
   const bool derates = (sample.status & WH_DERATING) != 0;

@@ -72,7 +72,7 @@ typedef struct {
   uint32_t effort_meaning; /* WH_EFFORT or another; others are not rendered to yet */
   double lower, upper;     /* travel [m or rad] */
   double effort_limit;     /* most that the drive gives for good [N or N.m] */
-  double resolution;       /* smallest change of position it can tell [m or rad] */
+  double resolution;       /* smallest change of position it resolves [m or rad] */
   double delay_s;          /* from a write to its effect */
   double silence_s;        /* without a write for so long it goes to neutral by itself; 0: never */
   uint32_t disabled;       /* since 1.2: WH_LOCKS, WH_BALANCED, WH_FALLS */

@@ -12,7 +12,7 @@ namespace wholehand::game_scene {
 namespace {
 
 enum Value : std::int32_t { kBodies, kGhosts, kMoving, kValues };
-// index: the slot, −1 for shapes. value: the body's generation; of kRefused the OrderRefusal, of
+// index: the slot, −1 for shapes. value: the body's generation; of kRefused the BodyRefusal, of
 // kTouched an impulse.
 enum Event : std::int32_t {
   kAppeared,
@@ -41,7 +41,7 @@ class GameScene final : public Exercise {
     return description_;
   }
   void reset() override {
-    told_ = {};
+    reported_ = {};
     touches_ = {};
   }
   [[nodiscard]] WorldQuery query() const noexcept override { return {}; }
@@ -56,7 +56,7 @@ class GameScene final : public Exercise {
       tell(out, kRefused, refused.slot, static_cast<double>(refused.refusal));
     }
     const int quarantined = input.pool->quarantined;
-    if (quarantined >= 0) tell(out, kQuarantined, quarantined, told_[quarantined].generation);
+    if (quarantined >= 0) tell(out, kQuarantined, quarantined, reported_[quarantined].generation);
     watchTouches(input, out);
     for (int slot = 0; slot < input.pool->count; ++slot) follow(slot, *input.pool, out);
     out.values[kMoving] = input.pool->moving;
@@ -67,7 +67,7 @@ class GameScene final : public Exercise {
   }
 
  private:
-  /// False when the tick's events are full: told in a later tick.
+  /// False when the tick's events are full: reported in a later tick.
   static bool tell(ExerciseRecord& out, Event event, int slot, double value) noexcept {
     if (out.event_count == kMaxExerciseEvents) return false;
     out.events[out.event_count++] = {event, slot, value};
@@ -78,11 +78,11 @@ class GameScene final : public Exercise {
   struct Touch {
     std::int32_t generation = 0;
     double free_s = kFree_s;  ///< since the last contact
-    double strikes_s = -1.0;  ///< since the touch began; −1: told, or none
+    double strikes_s = -1.0;  ///< since the touch began; −1: reported, or none
     Vec3 impulse_ns;          ///< on the hand, since then
   };
 
-  /// Tells the impulse of a touch when kStrike_s is over, or when the body leaves before.
+  /// Reports the impulse of a touch when kStrike_s is over, or when the body leaves before.
   void watchTouches(const ExerciseInput& input, ExerciseRecord& out) noexcept {
     const PoolReport& pool = *input.pool;
     std::array<Vec3, kMaxSlots> force_n{};
@@ -126,31 +126,32 @@ class GameScene final : public Exercise {
 
   void follow(int slot, const PoolReport& pool, ExerciseRecord& out) noexcept {
     const SlotReport& now = pool.slots[slot];
-    SlotReport& told = told_[slot];
+    SlotReport& reported = reported_[slot];
     if (now.state != SlotState::kParked) out.values[kBodies] += 1.0;
     if (now.state == SlotState::kGhost) out.values[kGhosts] += 1.0;
-    if (told.generation != 0 && told.generation != now.generation) {
-      if (!tell(out, kLeft, slot, told.generation)) return;
-      told = SlotReport{};
+    if (reported.generation != 0 && reported.generation != now.generation) {
+      if (!tell(out, kLeft, slot, reported.generation)) return;
+      reported = SlotReport{};
     }
     if (now.state == SlotState::kParked) return;
-    if (told.generation != now.generation) {
+    if (reported.generation != now.generation) {
       if (!tell(out, kAppeared, slot, now.generation)) return;
-      told = now;
-      told.state = SlotState::kGhost;
+      reported = now;
+      reported.state = SlotState::kGhost;
     }
-    const bool solid_again = now.state == SlotState::kSolid && told.solid_count != now.solid_count;
-    if (told.state == now.state && !solid_again) return;
+    const bool solid_again =
+        now.state == SlotState::kSolid && reported.solid_count != now.solid_count;
+    if (reported.state == now.state && !solid_again) return;
     const bool ghost = now.state == SlotState::kGhost;
     const Event event = ghost ? kAppeared : now.state == SlotState::kSolid ? kSolid : kLettingGo;
     if (!tell(out, event, slot, now.generation)) return;
-    told.state = now.state;
-    told.solid_count = now.solid_count;
+    reported.state = now.state;
+    reported.solid_count = now.solid_count;
   }
 
   int axes_;
   ExerciseDescription description_;
-  std::array<SlotReport, kMaxSlots> told_{};  ///< what events have told of every slot
+  std::array<SlotReport, kMaxSlots> reported_{};  ///< what events have reported of every slot
   std::array<Touch, kMaxSlots> touches_{};
 };
 

@@ -148,13 +148,14 @@ void SqueezePlayer::see(const TickRecord& record) noexcept {
     near_ = record.exercise.alpha > 0.0;
   }
   advanced_ = false;
-  const ExerciseRecord& told = record.exercise;
-  if (told.value_count != kValues) return;  // no values on the way to neutral
-  done_ = told.values[kDone] > 0.5;
-  let_go_ = static_cast<Instruction>(told.values[kInstruction]) == Instruction::kLetGo || done_;
-  squeeze_n_ = told.values[kSqueeze];
+  const ExerciseRecord& reported = record.exercise;
+  if (reported.value_count != kValues) return;  // no values on the way to neutral
+  done_ = reported.values[kDone] > 0.5;
+  let_go_ = static_cast<Instruction>(reported.values[kInstruction]) == Instruction::kLetGo || done_;
+  squeeze_n_ = reported.values[kSqueeze];
   wanted_n_ = std::max(
-      told.values[kGoalLow] + share_ * (told.values[kGoalHigh] - told.values[kGoalLow]), 0.1);
+      reported.values[kGoalLow] + share_ * (reported.values[kGoalHigh] - reported.values[kGoalLow]),
+      0.1);
   const BodyState& body = record.bodies[layout_.dispensers[0].body];
   if (phase_ == Phase::kDrawBack || phase_ == Phase::kAlign) {
     grip_m_ = body.position_m.eigen() - layout_.grip_m;

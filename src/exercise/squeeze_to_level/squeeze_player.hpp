@@ -10,7 +10,7 @@
 namespace wholehand::squeeze_to_level {
 
 /// A virtual patient who follows what a page shows: approaches the object from beside it, closes
-/// until the force is within the goal band, releases when told, draws back at the end. The seed
+/// until the force is within the goal band, releases when asked, draws back at the end. The seed
 /// sets the pace and the aimed part of a band. Deterministic.
 class SqueezePlayer final : public Player {
  public:

@@ -113,7 +113,7 @@ Expected<HandFile> loadMirrored(TomlFile& file, const std::string& path) {
   if (!hand) {
     Diagnostics faults = hand.errors();
     faults.push_back({path, root.lineOf("mirror_of"), "mirror_of", other, "cannot be read",
-                      "mend that file, or name another of the folder"});
+                      "correct that file, or name another of the folder"});
     return faults;
   }
   hand->path = path;

@@ -133,7 +133,7 @@ Expected<MeshSurface> hullOf(const std::vector<Vector3d>& points_m,
   return apart_m.size() == hull->points.size() ? std::move(hull) : convexHull(apart_m);
 }
 
-/// What the user is told when a hull takes the place of a mesh. @param why the mesh is no collider
+/// Message for the user when a hull takes the place of a mesh. @param why the mesh is no collider
 Diagnostic hullNotice(std::string why, double hull_m3, std::optional<double> mesh_m3) {
   why += "; its convex hull takes its place, ";
   // A surface that overlaps itself counts some space twice.

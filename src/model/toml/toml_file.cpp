@@ -423,9 +423,9 @@ const toml::node* TomlTable::State::require(std::string_view key, const std::str
   known.emplace(key);
   const toml::node* node = find(key);
   // A missing table was reported itself; its keys are not.
-  const bool already_told =
+  const bool already_reported =
       std::any_of(missing.begin(), missing.end(), [&](const Missing& m) { return m.key == key; });
-  if (node == nullptr && table != nullptr && !faulty.contains(key) && !already_told) {
+  if (node == nullptr && table != nullptr && !faulty.contains(key) && !already_reported) {
     missing.push_back({std::string(key), remedy});
   }
   return node;
@@ -775,7 +775,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key, std::size_t minim
   }
   for (std::size_t i = 0; i < array->size(); ++i) {
     const toml::table& element = *(*array)[i].as_table();
-    // A name tells a person more than a position does.
+    // A name says more to a person than a position does.
     const auto* name = element.get("name") == nullptr ? nullptr : element.get("name")->as_string();
     const std::string index = name == nullptr ? std::to_string(i) : name->get();
     out.push_back(TomlTable(state_->child(&element, state_->keyPath(key) + "[" + index + "]",

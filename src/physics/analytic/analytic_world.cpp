@@ -62,7 +62,7 @@ Expected<Done> AnalyticWorld::placeHand(const AxisPosition& q_s) {
   return Done{};
 }
 
-Fault AnalyticWorld::observe(WorldState& state) noexcept {
+Fault AnalyticWorld::observe(PhysicsState& state) noexcept {
   state.q_s = q_s_;
   state.qd_s = qd_s_;
   state.theta = theta_;

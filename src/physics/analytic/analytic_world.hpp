@@ -34,7 +34,7 @@ class AnalyticWorld final : public PhysicsWorld {
   AnalyticWorld(const HandModel& hand, AnalyticScene scene);
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
-  [[nodiscard]] WHOLEHAND_RT Fault observe(WorldState& state) noexcept override;
+  [[nodiscard]] WHOLEHAND_RT Fault observe(PhysicsState& state) noexcept override;
   /// No bodies to place.
   WHOLEHAND_RT void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] WHOLEHAND_RT Fault step(const HandDrive& drive, double period_s) noexcept override;

@@ -34,7 +34,7 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   return Done{};
 }
 
-Fault BulletWorld::observe(WorldState& state) noexcept {
+Fault BulletWorld::observe(PhysicsState& state) noexcept {
   bullet::BulletEngine& e = *engine_;
   state.q_s = e.q_s;
   state.qd_s = e.qd_s;

@@ -26,7 +26,7 @@ class BulletWorld final : public PhysicsWorld, public BodyPool {
   ~BulletWorld() override;
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
-  [[nodiscard]] Fault observe(WorldState& state) noexcept override;
+  [[nodiscard]] Fault observe(PhysicsState& state) noexcept override;
   void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
   void contacts(ContactList& contacts) const noexcept override;

@@ -120,7 +120,7 @@ WHOLEHAND_INLINE void ConeNewton::set(Row& row, double impulse) noexcept {
   if (more != 0.0) addScaled<4 * V>(change_.data(), more, row.along.data());
 }
 
-// One sweep of projected Gauss-Seidel tells which contacts hold, stick and spin.
+// One sweep of projected Gauss-Seidel shows which contacts hold, stick and spin.
 template <int V>
 WHOLEHAND_INLINE void ConeNewton::sweep() noexcept {
   for (int c = 0; c < cone_count_; ++c) {

@@ -72,8 +72,8 @@ GameBodies::GameBodies(const SceneModel& scene, std::vector<BulletBody>& bodies,
   for (int slot = 0; slot < count(); ++slot) bodyOf(slot).putAt({kParkedAt, {}}, {});
 }
 
-void GameBodies::refuse(int slot, OrderRefusal refusal) noexcept {
-  if (refusal == OrderRefusal::kNone || refused_count_ == kMaxCommands) return;
+void GameBodies::refuse(int slot, BodyRefusal refusal) noexcept {
+  if (refusal == BodyRefusal::kNone || refused_count_ == kMaxCommands) return;
   refused_[refused_count_++] = {slot, refusal};
 }
 
@@ -107,24 +107,24 @@ int GameBodies::movingCount() const noexcept {
 }
 
 void GameBodies::spawn(const SpawnOrder& order) noexcept {
-  if (order.slot < 0 || order.slot >= count()) return refuse(order.slot, OrderRefusal::kNoSuchSlot);
+  if (order.slot < 0 || order.slot >= count()) return refuse(order.slot, BodyRefusal::kNoSuchSlot);
   Slot& slot = slots_[order.slot];
-  const auto say = [&](OrderRefusal refusal) noexcept { refuse(order.slot, refusal); };
-  if (slot.state != SlotState::kParked) return say(OrderRefusal::kSlotTaken);
-  if (order.generation < 1) return say(OrderRefusal::kWrongGeneration);
-  if (!alive_) return say(OrderRefusal::kSilent);
+  const auto say = [&](BodyRefusal refusal) noexcept { refuse(order.slot, refusal); };
+  if (slot.state != SlotState::kParked) return say(BodyRefusal::kSlotTaken);
+  if (order.generation < 1) return say(BodyRefusal::kWrongGeneration);
+  if (!alive_) return say(BodyRefusal::kSilent);
   const ShapeSets::Set* set = sets_.find(order.shape_set);
-  if (set == nullptr) return say(OrderRefusal::kNoSuchShapes);
+  if (set == nullptr) return say(BodyRefusal::kNoSuchShapes);
   if (!isBodyPose(order.pose) || !isBodyOwner(order.owner) ||
       !(order.velocity_m_s.eigen().norm() <= kMostSpawnSpeed_m_s)) {
-    return say(OrderRefusal::kBadPose);
+    return say(BodyRefusal::kBadPose);
   }
   if (!(order.mass_kg >= budget_.least_kg && order.mass_kg <= budget_.most_kg) ||
       !(order.friction >= 0.0 && order.friction <= kMostBodyFriction)) {
-    return say(OrderRefusal::kBadMass);
+    return say(BodyRefusal::kBadMass);
   }
   if (order.owner != BodyOwner::kFixed && movingCount() >= budget_.awake) {
-    return say(OrderRefusal::kBudget);
+    return say(BodyRefusal::kBudget);
   }
   slot = Slot{};
   slot.generation = order.generation;
@@ -146,37 +146,37 @@ void GameBodies::spawn(const SpawnOrder& order) noexcept {
 
 void GameBodies::orderBody(const Command& command) noexcept {
   const int index = command.index;
-  if (index < 0 || index >= count()) return refuse(index, OrderRefusal::kNoSuchSlot);
+  if (index < 0 || index >= count()) return refuse(index, BodyRefusal::kNoSuchSlot);
   Slot& slot = slots_[index];
   if (slot.state == SlotState::kParked || command.value != slot.generation) {
-    return refuse(index, OrderRefusal::kWrongGeneration);
+    return refuse(index, BodyRefusal::kWrongGeneration);
   }
   if (command.type == CommandType::kRemove) return letGo(index, Then::kPark);
   if (slot.state == SlotState::kLettingGo) {
     const bool follows = command.type == CommandType::kBodyTarget && slot.by_target &&
                          slot.then == Then::kTeleport && isBodyPose(poseOf(command));
-    if (!follows) return refuse(index, OrderRefusal::kBusy);
+    if (!follows) return refuse(index, BodyRefusal::kLettingGo);
     slot.there = poseOf(command);
     return;
   }
   if (command.type == CommandType::kSetOwner) {
     const BodyOwner owner = spawnOrderOf(command).owner;
-    if (!isBodyOwner(owner)) return refuse(index, OrderRefusal::kBadPose);
+    if (!isBodyOwner(owner)) return refuse(index, BodyRefusal::kBadPose);
     if (owner == slot.owner) return;
     if (slot.owner == BodyOwner::kFixed && movingCount() >= budget_.awake) {
-      return refuse(index, OrderRefusal::kBudget);
+      return refuse(index, BodyRefusal::kBudget);
     }
     slot.next_owner = owner;
     return letGo(index, Then::kSetOwner);
   }
   const BodyPose pose = poseOf(command);
-  if (!isBodyPose(pose)) return refuse(index, OrderRefusal::kBadPose);
+  if (!isBodyPose(pose)) return refuse(index, BodyRefusal::kBadPose);
   if (command.type == CommandType::kTeleport) {
     slot.there = pose;
     slot.by_target = false;
     return letGo(index, Then::kTeleport);
   }
-  if (slot.owner != BodyOwner::kGame) return refuse(index, OrderRefusal::kNotTheGames);
+  if (slot.owner != BodyOwner::kGame) return refuse(index, BodyRefusal::kNotTheGames);
   if ((pose.position_m.eigen() - slot.target.position_m.eigen()).norm() > kFarTarget_m) {
     slot.there = pose;
     slot.by_target = true;
@@ -307,7 +307,7 @@ void GameBodies::settle(double step_s) noexcept {
     if (!overlaps_[slot]) {
       becomeSolid(slot);
     } else if (slots_[slot].refuse_overlap) {
-      refuse(slot, OrderRefusal::kOverlap);
+      refuse(slot, BodyRefusal::kOverlap);
       park(slot);
     } else {
       slots_[slot].overlapped = true;

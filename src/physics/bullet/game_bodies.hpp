@@ -92,7 +92,7 @@ class GameBodies final : public BodyPool {
   void becomeGhost(int index) noexcept;
   void becomeSolid(int index) noexcept;
   void park(int index) noexcept;
-  void refuse(int slot, OrderRefusal refusal) noexcept;
+  void refuse(int slot, BodyRefusal refusal) noexcept;
   [[nodiscard]] int movingCount() const noexcept;
   [[nodiscard]] BodyPose poseNow(int slot) const noexcept;
   void findOverlaps() noexcept;

@@ -63,17 +63,17 @@ ShapeSets::ShapeSets(const GameBudget& budget)
   }
 }
 
-OrderRefusal ShapeSets::take(const Command& command) noexcept {
+BodyRefusal ShapeSets::take(const Command& command) noexcept {
   const int set = command.index;
-  if (set < 0 || set >= static_cast<int>(sets_.size())) return OrderRefusal::kNoSuchShapes;
-  if (sets_[set].users > 0) return OrderRefusal::kShapesBusy;
-  OrderRefusal refusal = OrderRefusal::kBadShapes;
+  if (set < 0 || set >= static_cast<int>(sets_.size())) return BodyRefusal::kNoSuchShapes;
+  if (sets_[set].users > 0) return BodyRefusal::kShapesBusy;
+  BodyRefusal refusal = BodyRefusal::kBadShapes;
   if (command.type == CommandType::kShapeSet) refusal = begin(set, shapeSetHeadOf(command));
   if (command.type == CommandType::kShapePiece) refusal = addPiece(set, shapePieceOf(command));
   if (command.type == CommandType::kShapeVertices) {
     refusal = addVertices(set, shapeVerticesOf(command));
   }
-  if (refusal != OrderRefusal::kNone) sets_[set] = Set{};
+  if (refusal != BodyRefusal::kNone) sets_[set] = Set{};
   return refusal;
 }
 
@@ -90,28 +90,28 @@ bool ShapeSets::lastPieceIsWhole(int set) const noexcept {
   return s.pieces == 0 || s.vertices == piecesOf(set)[s.pieces - 1].vertex_count;
 }
 
-OrderRefusal ShapeSets::begin(int set, const ShapeSetHead& head) noexcept {
+BodyRefusal ShapeSets::begin(int set, const ShapeSetHead& head) noexcept {
   const Eigen::Vector3d& m = head.moments_per_kg;
   const bool possible = m.minCoeff() > 0.0 && m.maxCoeff() <= most_m_ * most_m_ &&
                         2.0 * m.maxCoeff() <= m.sum() * (1.0 + 1e-9);
   if (head.pieces < 1 || head.pieces > most_pieces_ || !possible || !isUnit(head.from_body)) {
-    return OrderRefusal::kBadShapes;
+    return BodyRefusal::kBadShapes;
   }
   sets_[set] = Set{};
   sets_[set].announced = head.pieces;
   sets_[set].moments_per_kg = toBt(m);
   sets_[set].from_body = head.from_body.normalized();
-  return OrderRefusal::kNone;
+  return BodyRefusal::kNone;
 }
 
-OrderRefusal ShapeSets::addPiece(int set, const ShapePiece& in) noexcept {
+BodyRefusal ShapeSets::addPiece(int set, const ShapePiece& in) noexcept {
   Set& s = sets_[set];
   const bool mesh = in.type == ShapeType::kConvexMesh;
   const bool vertices = mesh ? in.vertices >= 4 && in.vertices <= most_vertices_ : in.vertices == 0;
   if (in.piece != s.pieces || s.pieces >= s.announced || !lastPieceIsWhole(set) || !vertices ||
       !hasDimensions(in, most_m_) || !isUnit(in.orientation) ||
       !(in.position_m.norm() <= 2.0 * most_m_)) {
-    return OrderRefusal::kBadShapes;
+    return BodyRefusal::kBadShapes;
   }
   SlotPiece& out = piece(set, s.pieces++);
   s.vertices = 0;
@@ -124,23 +124,23 @@ OrderRefusal ShapeSets::addPiece(int set, const ShapePiece& in) noexcept {
       btTransform(btQuaternion(turn.x(), turn.y(), turn.z(), turn.w()), toBt(in.position_m));
   out.vertex_count = in.vertices;
   s.radius_m = std::max(s.radius_m, in.position_m.norm() + reachOf(in));
-  return OrderRefusal::kNone;
+  return BodyRefusal::kNone;
 }
 
-OrderRefusal ShapeSets::addVertices(int set, const ShapeVertices& in) noexcept {
+BodyRefusal ShapeSets::addVertices(int set, const ShapeVertices& in) noexcept {
   Set& s = sets_[set];
-  if (s.pieces == 0 || in.piece != s.pieces - 1) return OrderRefusal::kBadShapes;
+  if (s.pieces == 0 || in.piece != s.pieces - 1) return BodyRefusal::kBadShapes;
   SlotPiece& into = piece(set, in.piece);
   if (in.first != s.vertices || in.count < 1 || in.count > kVerticesPerCommand ||
       s.vertices + in.count > into.vertex_count) {
-    return OrderRefusal::kBadShapes;
+    return BodyRefusal::kBadShapes;
   }
   for (int i = 0; i < in.count; ++i) {
-    if (!(in.points_m[i].cwiseAbs().maxCoeff() <= 2.0 * most_m_)) return OrderRefusal::kBadShapes;
+    if (!(in.points_m[i].cwiseAbs().maxCoeff() <= 2.0 * most_m_)) return BodyRefusal::kBadShapes;
     into.vertices[s.vertices++] = toBt(in.points_m[i]);
     s.radius_m = std::max(s.radius_m, toEigen(into.in_rigid * toBt(in.points_m[i])).norm());
   }
-  return OrderRefusal::kNone;
+  return BodyRefusal::kNone;
 }
 
 }  // namespace wholehand::bullet

@@ -28,7 +28,7 @@ class ShapeSets {
   explicit ShapeSets(const GameBudget& budget);
 
   /// Takes a kShapeSet, kShapePiece or kShapeVertices; a command that is refused empties its set.
-  [[nodiscard]] OrderRefusal take(const Command& command) noexcept;
+  [[nodiscard]] BodyRefusal take(const Command& command) noexcept;
   /// The complete set; null when there is none.
   [[nodiscard]] Set* find(int set) noexcept;
   [[nodiscard]] const SlotPiece* piecesOf(int set) const noexcept {
@@ -38,9 +38,9 @@ class ShapeSets {
   void release(int set) noexcept { --sets_[set].users; }
 
  private:
-  [[nodiscard]] OrderRefusal begin(int set, const ShapeSetHead& head) noexcept;
-  [[nodiscard]] OrderRefusal addPiece(int set, const ShapePiece& in) noexcept;
-  [[nodiscard]] OrderRefusal addVertices(int set, const ShapeVertices& in) noexcept;
+  [[nodiscard]] BodyRefusal begin(int set, const ShapeSetHead& head) noexcept;
+  [[nodiscard]] BodyRefusal addPiece(int set, const ShapePiece& in) noexcept;
+  [[nodiscard]] BodyRefusal addVertices(int set, const ShapeVertices& in) noexcept;
   [[nodiscard]] bool lastPieceIsWhole(int set) const noexcept;
   [[nodiscard]] SlotPiece& piece(int set, int index) noexcept {
     return pieces_[set * most_pieces_ + index];

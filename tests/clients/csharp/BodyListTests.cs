@@ -8,7 +8,7 @@ using wholehand.protocol;
 [Tests]
 public static class BodyListTests
 {
-    private struct Told
+    private struct Reported
     {
         public uint Number, Generation;
         public int Slot;
@@ -16,24 +16,24 @@ public static class BodyListTests
         public float X;
     }
 
-    private static Told Stands(uint number, float x, uint generation = 5)
+    private static Reported Stands(uint number, float x, uint generation = 5)
     {
-        return new Told { Number = number, Generation = generation, Slot = -1, Where = Whereabouts.OutOfReach, X = x };
+        return new Reported { Number = number, Generation = generation, Slot = -1, Where = Whereabouts.OutOfReach, X = x };
     }
 
-    private static Told InSlot(uint number, int slot, float x)
+    private static Reported InSlot(uint number, int slot, float x)
     {
-        return new Told { Number = number, Generation = 5, Slot = slot, Where = Whereabouts.InSlot, X = x };
+        return new Reported { Number = number, Generation = 5, Slot = slot, Where = Whereabouts.InSlot, X = x };
     }
 
-    private static Told Gone(uint number)
+    private static Reported Gone(uint number)
     {
-        return new Told { Number = number, Slot = -1, Where = Whereabouts.Gone };
+        return new Reported { Number = number, Slot = -1, Where = Whereabouts.Gone };
     }
 
     /// <summary>Bodies in slots have generation 70 + slot, and all have shapes 3, which come along where
     /// <paramref name="shapes"/>.</summary>
-    private static byte[] Message(uint[] inSlots, Told[] registered, bool shapes = false)
+    private static byte[] Message(uint[] inSlots, Reported[] registered, bool shapes = false)
     {
         var b = new FlatBufferBuilder(4096);
         VectorOffset set = new VectorOffset();
@@ -49,7 +49,7 @@ public static class BodyListTests
         GameBodies.StartRegisteredVector(b, registered.Length);
         for (int i = registered.Length - 1; i >= 0; --i)
         {
-            Told body = registered[i];
+            Reported body = registered[i];
             RegisteredBody.CreateRegisteredBody(b, body.Number, body.Generation, 3, body.Slot, body.Where, body.X, 0, 0, 0, 0, 0, 1);
         }
         VectorOffset numbers = b.EndVector();
@@ -108,7 +108,7 @@ public static class BodyListTests
         }
     }
 
-    private static readonly Told[] NoNews = new Told[0];
+    private static readonly Reported[] NoNews = new Reported[0];
 
     public static void BodyBeyondTheSlots_IsOneBodyInAndOutOfASlot()
     {
@@ -131,7 +131,7 @@ public static class BodyListTests
             game.Hear(State(0, 12, -1, -1, 15));
             Check.Equal("1 71: 12, 1000 5: 30, 1001 5: 15", game.Bodies(), "it moves");
             game.Hear(Message(new uint[] { 1 }, NoNews));
-            Check.Equal("1 71: 12, 1000 5: 30, 1001 5: ?", game.Bodies(), "where it was told to stand is old");
+            Check.Equal("1 71: 12, 1000 5: 30, 1001 5: ?", game.Bodies(), "its last reported pose is out of date");
             game.Hear(Message(new uint[] { 1 }, new[] { Stands(1001, 16) }));
             Check.Equal("1 71: 12, 1000 5: 30, 1001 5: 16", game.Bodies(), "out of the slot");
             game.Hear(Message(new uint[0], new[] { Gone(1000) }));
@@ -192,7 +192,7 @@ public static class BodyListTests
             game.Hear(EventOf(0, 4, 0.25f));
             game.Hear(EventOf(0, 1, 0.5f));
             game.Hear(Message(new uint[] { 1 }, new[] { Gone(1001) }));
-            game.Hear(EventOf(1, 4, 74));          // it is told last
+            game.Hear(EventOf(1, 4, 74));          // it is reported last
             game.Hear(Message(new uint[] { 1, 4 }, NoNews)); // a body that the game has put there
             game.Hear(EventOf(0, 4, 0.125f));
             Check.Equal(4, events.Count, "events");
@@ -208,7 +208,7 @@ public static class BodyListTests
     {
         using (var game = new Game())
         {
-            var all = new Told[1000];
+            var all = new Reported[1000];
             for (uint i = 0; i < 1000; ++i) all[i] = Stands(1000 + i, i);
             game.Hear(Message(new uint[0], all, true));
             long allocated = 0;

@@ -124,7 +124,7 @@ public static class ClientTests
             var shown = new HandState();
             Check.Until(() => client.TryGetState(shown) && shown.Tick == 7 && handled > 0, "the client goes on");
             Check.True(client.Connected, "connected");
-            Check.Equal(1, handled, "nothing but the state was told");
+            Check.Equal(1, handled, "nothing but the state was reported");
         }
     }
 
@@ -295,16 +295,16 @@ public static class ClientTests
         }
     }
 
-    public static void HandlerThatThrows_IsToldAndTheClientGoesOn()
+    public static void HandlerThatThrows_IsReportedAndTheClientGoesOn()
     {
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
-            string told = "";
-            client.HandlerThrew += e => told = e.Message;
+            string reported = "";
+            client.HandlerThrew += e => reported = e.Message;
             client.StateReceived += s => { throw new InvalidOperationException("of the game"); };
             program.Say(DatagramKind.State, 1, MadeUpProgram.StateMessage(1));
-            Check.Until(() => told == "of the game", "told");
+            Check.Until(() => reported == "of the game", "reported");
             program.Say(DatagramKind.State, 2, MadeUpProgram.StateMessage(2));
             Check.Until(() => client.Statistics.Received == 2, "goes on");
             Check.Equal(0L, client.Statistics.Ignored, "the program is not blamed");

@@ -419,7 +419,7 @@ func _is_2000_at_goal():
 	return _off(2000, goal) < 1e-4
 
 
-# All of them move, in every frame: each list tells of 1,000 bodies, 20 times a second.
+# All of them move, in every frame: each list reports 1,000 bodies, 20 times a second.
 func a_thousand_bodies_are_cheap():
 	yield(start_with_controls(), "completed")
 	yield(accepted(world.prepare_shapes(0, [Shapes.ball_piece(RADIUS)]), "shapes"), "completed")
@@ -501,7 +501,7 @@ func a_program_that_is_restarted_is_found_again():
 	yield(until("not connection.connected", "the program is gone"), "completed")
 	check(connection.state == null and not connection.holds_controls, "nothing is left of it")
 	yield(until(HAS_STATE, "found again"), "completed")
-	check(news[0][0] and not news[1][0] and news[-1][0], "told: %s" % [news])
+	check(news[0][0] and not news[1][0] and news[-1][0], "reported: %s" % [news])
 	check("connected to Wholehand" in news[0][1] and "lost" in news[1][1], "in words: %s" % [news])
 
 
@@ -523,7 +523,7 @@ func nobody_there_is_told_once():
 	connection.connect("connection_changed", self, "_on_connection_changed")
 	root.add_child(connection)
 	yield(frames_for(1500), "completed")
-	check(news.size() == 1 and not news[0][0] and "no connection to 127.0.0.1" in news[0][1], "told: %s" % [news])
+	check(news.size() == 1 and not news[0][0] and "no connection to 127.0.0.1" in news[0][1], "reported: %s" % [news])
 
 
 # ---- rubbish ----

@@ -21,12 +21,12 @@ public static class Predict
         float[] joints = null;
         foreach (Dictionary<string, object> frame in frames.Cast<Dictionary<string, object>>())
         {
-            foreach (List<object> told in ((List<object>)frame["states"]).Cast<List<object>>())
+            foreach (List<object> reported in ((List<object>)frame["states"]).Cast<List<object>>())
             {
                 var state = new HandState
                 {
-                    Session = 1, TimeS = (double)told[0], SentMonotonicNs = (long)(double)told[1], ReceivedNs = (long)(double)told[2],
-                    JointAngles = ((List<object>)told[3]).Select(Convert.ToSingle).ToArray()
+                    Session = 1, TimeS = (double)reported[0], SentMonotonicNs = (long)(double)reported[1], ReceivedNs = (long)(double)reported[2],
+                    JointAngles = ((List<object>)reported[3]).Select(Convert.ToSingle).ToArray()
                 };
                 if (joints == null) joints = new float[state.JointAngles.Length];
                 motion.Add(state);

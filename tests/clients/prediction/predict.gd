@@ -23,12 +23,12 @@ func _answer(frames):
 	var motion = MotionPredictor.new()
 	var answers = []
 	for frame in frames:
-		for told in frame.states:
+		for reported in frame.states:
 			var state = State.new()
 			state.session = 1
-			state.time_s = told[0]
-			state.sent_monotonic_ns = int(told[1])
-			state.theta = PoolRealArray(told[3])
-			motion.add(state, int(told[2]))
+			state.time_s = reported[0]
+			state.sent_monotonic_ns = int(reported[1])
+			state.theta = PoolRealArray(reported[3])
+			motion.add(state, int(reported[2]))
 		answers.append(Array(motion.joints(int(frame.at_ns))))
 	return answers

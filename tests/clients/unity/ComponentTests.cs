@@ -302,7 +302,7 @@ public static class ComponentTests
         }
     }
 
-    public static void NoProgram_IsToldAndLooksForOne()
+    public static void NoProgram_IsReportedAndLooksForOne()
     {
         using (var game = new Game(1)) // nobody listens at port 1
         {
@@ -324,15 +324,15 @@ public static class ComponentTests
                 var connection = root.GetComponent<WholehandConnection>();
                 connection.Port = program.Port;
                 int events = 0, scenes = 0;
-                string told = "";
+                string reported = "";
                 connection.EventsReceived += e => events += e.Events_Length;
                 connection.SceneChanged += s => ++scenes;
-                connection.ConnectionChanged += (connected, why) => told = why;
-                connection.ControlsChanged += c => told += c.HeldByYou ? ", held" : ", not held";
+                connection.ConnectionChanged += (connected, why) => reported = why;
+                connection.ControlsChanged += c => reported += c.HeldByYou ? ", held" : ", not held";
                 Until(() => connection.HasState, "a state");
                 Until(() => events > 1 && scenes == 1, "events and a scene");
                 connection.Client.TakeControls();
-                Until(() => told.StartsWith("connected to Wholehand") && told.EndsWith(", held"), "told of line and controls");
+                Until(() => reported.StartsWith("connected to Wholehand") && reported.EndsWith(", held"), "notified of line and controls");
                 var inspector = new WholehandConnectionEditor { target = connection };
                 Until(() =>
                 {

@@ -31,7 +31,7 @@ TEST_F(ForceDimension, ForceButton_DecidesWhetherItIsEnabled) {
   EXPECT_EQ(at.read().status, static_cast<std::uint32_t>(WH_ENABLED | WH_HOMED));
 }
 
-TEST_F(ForceDimension, ForceOff_IsToldWithItsCodeAndItsReason) {
+TEST_F(ForceDimension, ForceOff_IsReportedWithItsCodeAndItsReason) {
   struct Cause {
     int code;
     std::uint32_t bits;
@@ -108,7 +108,7 @@ TEST_F(ForceDimension, TimeGuard_IsNothingNewAndTheLastSampleStays) {
     EXPECT_EQ(again.sequence, first.sequence);
     EXPECT_EQ(again.position[2], 0.01);
     at.fake->force_on = 0;
-    EXPECT_EQ(at.read().status & WH_ENABLED, 0U) << "what stops is told at once";
+    EXPECT_EQ(at.read().status & WH_ENABLED, 0U) << "what stops is reported at once";
     at.fake->force_on = 1;
     *guarded = 0;
   }

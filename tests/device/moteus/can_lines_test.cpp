@@ -70,7 +70,7 @@ TEST(Fdcanusb, FrameBetweenSizes_IsPaddedWithNop) {
   EXPECT_EQ(fdcanusb(frameOf(0x12345678, {})), "can send 12345678 \n");
 }
 
-TEST(Fdcanusb, Lines_AreToldApart) {
+TEST(Fdcanusb, Lines_AreDistinguished) {
   CanFrame frame;
   EXPECT_EQ(readFdcanusb("OK", frame), LineSays::kAccepted);
   EXPECT_EQ(readFdcanusb("ERR unknown command", frame), LineSays::kRefused);
@@ -113,8 +113,8 @@ TEST(LineSplitter, LongLine_IsDroppedWholeAndCounted) {
   EXPECT_EQ(splitter.dropped(), 1U);
 }
 
-// Whatever an adapter says: no decoder reads or writes outside (the sanitizers tell), and what it
-// takes for a frame is one.
+// Whatever an adapter says: no decoder reads or writes outside (the sanitizers check it), and what
+// it takes for a frame is one.
 TEST(Decoders, RandomAndChangedInput_NeverLeaveTheirBounds) {
   auto random = test::seededRandom(1);
   const std::vector<std::string> seeds = {

@@ -36,7 +36,7 @@ class FakeDrive {
   int commands = 0;  ///< frames that commanded something
 
   [[nodiscard]] int id() const { return id_; }
-  /// The torque at the output [N.m]: what was told, and whatever gains were left on.
+  /// The torque at the output [N.m]: what was commanded, and whatever gains were left on.
   [[nodiscard]] double torque_nm() const;
   /// Its watchdog, by its own clock.
   void advance(std::int64_t now_ns);

@@ -1,7 +1,7 @@
 // fake_hand: three moteus drives behind a pseudo terminal, as a program with a clock of its own.
 // Prints the port, then a line whenever a drive changes its mode:
-//   <ms> drive <id> mode <mode> torque <N.m told before> silent <ms since its last command> gap
-//   <ms>
+//   <ms> drive <id> mode <mode> torque <N.m commanded before> silent <ms since its last command>
+//   gap <ms>
 // where gap is the longest time that the machine did not run it. Ends when its input does.
 #include "pty_adapter.hpp"
 

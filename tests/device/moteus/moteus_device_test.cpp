@@ -222,7 +222,7 @@ TEST_F(MoteusDrives, DroppedWatchdog_LetsGoWhileTheLoopWrites) {
   EXPECT_EQ(bus.drives[0].torque_nm(), 0.0);
 }
 
-TEST_F(MoteusDrives, DriveFault_IsToldWithItsCodeAndItsReason) {
+TEST_F(MoteusDrives, DriveFault_IsReportedWithItsCodeAndItsReason) {
   enable();
   (void)statusAfter(3);
   bus.drives[2].mode = 1;

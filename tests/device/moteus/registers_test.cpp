@@ -39,7 +39,7 @@ TEST(FrameWriter, RegisterAbove127_IsTwoBytes) {
   EXPECT_EQ(payloadOf(frame), (RegisterBytes{0x19, 0x82, 0x02}));  // 0x102 = 2 * 128 + 2
 }
 
-TEST(FrameWriter, WhatDoesNotFit_IsToldAndLeftOut) {
+TEST(FrameWriter, WhatDoesNotFit_IsReportedAndLeftOut) {
   CanFrame frame;
   FrameWriter out(frame);
   const std::array<float, 15> many{};

@@ -40,7 +40,7 @@ int main() {
   TickRecord record;
   std::uint64_t records = 0, last = 0;
   while (session.tryPop(record)) {
-    if (any(record.faults & kStopping))
+    if (any(record.faults & kStoppingFaults))
       return fail("a fault in tick " + std::to_string(record.tick));
     if (record.q_m.size() != 6 || !allFinite(record.sent)) return fail("a record is not sound");
     last = record.tick;

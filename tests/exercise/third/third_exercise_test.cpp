@@ -43,7 +43,7 @@ TEST(ThirdExercise, ItsFile_IsFoundByName) {
   EXPECT_EQ(found[0].path, kFile);
 }
 
-TEST(ThirdExercise, FaultsOfItsFile_AreToldAtOnceAndByKey) {
+TEST(ThirdExercise, FaultsOfItsFile_AreReportedAtOnceAndByKey) {
   std::string text = textOf(kFile);
   text.replace(text.find("hold_s = 0.2"), 12, "hold_s = -1.0\nbogus = 1");
   const std::string path = testing::TempDir() + "hold-still.toml";
@@ -51,9 +51,9 @@ TEST(ThirdExercise, FaultsOfItsFile_AreToldAtOnceAndByKey) {
   const Models m = load(shippedFiles());
   const auto loaded = loadExercise(path, 1, m.device, m.hand);
   ASSERT_FALSE(loaded.ok());
-  const std::string told = format(loaded.errors());
-  EXPECT_TRUE(says(told, "hold_s"));
-  EXPECT_TRUE(says(told, "bogus"));
+  const std::string reported = format(loaded.errors());
+  EXPECT_TRUE(says(reported, "hold_s"));
+  EXPECT_TRUE(says(reported, "bogus"));
 }
 
 TEST(ThirdExercise, InTheLoop_SeesEveryTickAndTellsHowItGoes) {
@@ -73,15 +73,15 @@ TEST(ThirdExercise, InTheLoop_SeesEveryTickAndTellsHowItGoes) {
   const auto rig = buildScripted(std::move(m), script);
   ASSERT_TRUE(rig->renderer->arm());
   std::vector<double> held_s;
-  std::vector<std::size_t> told;
+  std::vector<std::size_t> reported;
   runTicks(*rig->renderer, 600, [&](const TickRecord& r) {
-    if (r.exercise.event_count > 0) told.push_back(held_s.size());
+    if (r.exercise.event_count > 0) reported.push_back(held_s.size());
     held_s.push_back(r.exercise.values[0]);
   });
   EXPECT_NEAR(held_s[99], 0.1, 1.5e-3);
   EXPECT_EQ(held_s[190], 0.0);
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_NEAR(static_cast<double>(told[0]), 404.0, 2.0);
+  ASSERT_EQ(reported.size(), 1U);
+  EXPECT_NEAR(static_cast<double>(reported[0]), 404.0, 2.0);
 }
 
 /// What the guide's first command made, built as the guide says, and played by its virtual patient.

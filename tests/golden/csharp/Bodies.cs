@@ -8,10 +8,10 @@ using wholehand.protocol;
 internal static class Bodies
 {
     /// <summary>The argument of an order, as an array of the client's own type.</summary>
-    public static Array Given(Type element, List<object> told)
+    public static Array Given(Type element, List<object> entry)
     {
-        Array given = Array.CreateInstance(element, told.Count);
-        for (int i = 0; i < told.Count; ++i) given.SetValue(Of(element, (Dictionary<string, object>)told[i]), i);
+        Array given = Array.CreateInstance(element, entry.Count);
+        for (int i = 0; i < entry.Count; ++i) given.SetValue(Of(element, (Dictionary<string, object>)entry[i]), i);
         return given;
     }
 
@@ -105,12 +105,12 @@ internal static class Bodies
         var all = (List<object>)read["registered"];
         for (int i = 0; i < all.Count; ++i)
         {
-            var told = (Dictionary<string, object>)all[i];
-            var name = new BodyId(Whole(told, "number"), Whole(told, "generation"));
+            var entry = (Dictionary<string, object>)all[i];
+            var name = new BodyId(Whole(entry, "number"), Whole(entry, "generation"));
             int found = slots.FindInAll(name);
             if (found >= 0 && name.IsNumber) all[i] = Registered(slots.All[found]);
             else if (all.Skip(i + 1).Any(later => Whole((Dictionary<string, object>)later, "number") == name.Slot)) continue;
-            else if (name.IsNumber && Whole(told, "whereabouts") != (uint)Whereabouts.Gone) throw new Exception("no body " + name.Slot);
+            else if (name.IsNumber && Whole(entry, "whereabouts") != (uint)Whereabouts.Gone) throw new Exception("no body " + name.Slot);
         }
     }
 

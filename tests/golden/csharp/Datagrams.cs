@@ -7,9 +7,9 @@ using Wholehand;
 internal static class Datagrams
 {
     /// <summary>What is in a datagram, and whether the client takes it after those that came before.</summary>
-    public static object Judge(Dictionary<string, object> told)
+    public static object Judge(Dictionary<string, object> entry)
     {
-        byte[][] conversation = ((List<object>)told["conversation"]).Select(Golden.BytesOf).ToArray();
+        byte[][] conversation = ((List<object>)entry["conversation"]).Select(Golden.BytesOf).ToArray();
         byte[] last = conversation.Last();
         var answer = new Dictionary<string, object>();
         DatagramFlaw flaw = Datagram.Read(last, last.Length, out DatagramHeader header);
@@ -19,7 +19,7 @@ internal static class Datagrams
             answer["header"] = Described(header);
             answer["written_the_same"] = WrittenAgain(header, last).SequenceEqual(last);
         }
-        answer["taken"] = Taken(Convert.ToUInt64((string)told["key"], 16), conversation);
+        answer["taken"] = Taken(Convert.ToUInt64((string)entry["key"], 16), conversation);
         return answer;
     }
 

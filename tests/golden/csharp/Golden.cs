@@ -21,7 +21,7 @@ public static class Golden
         form = new Form((Dictionary<string, object>)job["layout"]);
         var answer = new Dictionary<string, object>
         {
-            { "read", Each(job, "read", told => TimedRead(BytesOf(told["bytes"]))) },
+            { "read", Each(job, "read", entry => TimedRead(BytesOf(entry["bytes"]))) },
             { "write", Each(job, "write", Write) },
             { "datagrams", Each(job, "datagrams", Datagrams.Judge) },
             { "longest_s", longestS }
@@ -32,7 +32,7 @@ public static class Golden
 
     private static object Each(Dictionary<string, object> job, string what, Func<Dictionary<string, object>, object> answer)
     {
-        return ((List<object>)job[what]).Cast<Dictionary<string, object>>().ToDictionary(told => (string)told["name"], answer);
+        return ((List<object>)job[what]).Cast<Dictionary<string, object>>().ToDictionary(entry => (string)entry["name"], answer);
     }
 
     public static byte[] BytesOf(object base64)
@@ -205,17 +205,17 @@ public static class Golden
 
     // ---- orders ----
 
-    private static object Write(Dictionary<string, object> told)
+    private static object Write(Dictionary<string, object> entry)
     {
-        var order = (string)told["order"];
-        var fields = (Dictionary<string, object>)told["fields"];
+        var order = (string)entry["order"];
+        var fields = (Dictionary<string, object>)entry["fields"];
         object token;
         using (var client = new WholehandClient(new ClientOptions { Token = fields.TryGetValue("token", out token) ? (string)token : "" }))
         {
             MethodInfo method = typeof(WholehandClient).GetMethod(order);
             if (method == null || method.DeclaringType != typeof(WholehandClient)) return null;
             Set(client, "connected", true);
-            Set(client, "command", unchecked((uint)(double)told["id"] - 1));
+            Set(client, "command", unchecked((uint)(double)entry["id"] - 1));
             Dictionary<string, object>[] described = form.FieldsOf(order).ToArray();
             object[] values = method.GetParameters()
                 .Select((parameter, i) => Given(parameter.ParameterType, described[i], fields)).ToArray();

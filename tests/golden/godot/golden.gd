@@ -21,13 +21,13 @@ func _init():
 	file.close()
 	objects = job.layout.objects
 	var answer = {"read": {}, "write": {}, "longest_s": 0.0}
-	for told in job.read:
-		var bytes = Marshalls.base64_to_raw(told.bytes)
+	for entry in job.read:
+		var bytes = Marshalls.base64_to_raw(entry.bytes)
 		var began_us = OS.get_ticks_usec()
-		answer.read[told.name] = read(bytes) # null where a script failed
+		answer.read[entry.name] = read(bytes) # null where a script failed
 		answer.longest_s = max(answer.longest_s, 1e-6 * (OS.get_ticks_usec() - began_us))
-	for told in job.write:
-		answer.write[told.name] = write(told)
+	for entry in job.write:
+		answer.write[entry.name] = write(entry)
 	file.open(OS.get_environment("WHOLEHAND_ANSWER"), File.WRITE)
 	# Godot writes a vertical tab, which damaged texts have, as no reader of JSON takes it.
 	file.store_string(to_json(answer).replace("\\v", "\\u000b"))
@@ -176,18 +176,18 @@ func bits(kind, value):
 # ---- orders ----
 
 # Null where the addon has no such order.
-func write(told):
-	var method = METHODS.get(told.order, told.order.capitalize().to_lower().replace(" ", "_"))
+func write(entry):
+	var method = METHODS.get(entry.order, entry.order.capitalize().to_lower().replace(" ", "_"))
 	var connection = Recorder.new()
 	var bytes = null
 	if connection.has_method(method):
 		connection.connected = true
-		connection._command = int(told.id) - 1
-		connection.token = told.fields.get("token", "")
+		connection._command = int(entry.id) - 1
+		connection.token = entry.fields.get("token", "")
 		var arguments = []
-		for field in objects[told.order].fields:
+		for field in objects[entry.order].fields:
 			if field.name != "token":
-				arguments.append(given(field, told.fields))
+				arguments.append(given(field, entry.fields))
 		connection.callv(method, arguments)
 		bytes = Marshalls.raw_to_base64(connection.kept)
 	connection.free()

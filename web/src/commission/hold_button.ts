@@ -6,7 +6,7 @@ const SILENT_MS = 120;
 
 /** The part of an element that is used. */
 export type Holdable = Pick<HTMLElement, 'addEventListener' | 'removeEventListener' | 'setPointerCapture'>;
-/** Where the page tells that the person cannot see it or has turned away from it. */
+/** Where the page reports that the person cannot see it or has turned away from it. */
 export interface Surroundings { readonly window: EventTarget; readonly document: EventTarget & { readonly hidden: boolean } }
 
 export interface HoldOptions {

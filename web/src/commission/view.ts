@@ -5,7 +5,7 @@ import { Asked, MotionState, Role, StepState, type CommissioningT, type FindingT
 
 /** What the person can do now. */
 export type Task =
-  | 'connecting'   // nothing was heard yet
+  | 'connecting'   // no message came yet
   | 'lost'
   | 'elsewhere'    // the program commissions nothing
   | 'watch'        // another console leads, or this role may not

@@ -4,7 +4,7 @@ import { fixed } from '../shared/format';
 import type { ConsoleTexts } from './i18n/en';
 
 /** What of a real device is shown. */
-export type ToldDevice = Pick<DeviceStateT, 'enabled' | 'homed' | 'silenced' | 'temperatureKnown' | 'temperatureC' | 'sampleAgeS' | 'hosted' | 'hostAgeS' | 'letGo'>;
+export type ReportedDevice = Pick<DeviceStateT, 'enabled' | 'homed' | 'silenced' | 'temperatureKnown' | 'temperatureC' | 'sampleAgeS' | 'hosted' | 'hostAgeS' | 'letGo'>;
 
 /** A real device in three lines for a person. */
 export interface DeviceLines {
@@ -34,7 +34,7 @@ function age(age_s: number, t: ConsoleTexts['device']): string {
 }
 
 /** The lines, or undefined where the device is simulated. */
-export function deviceLines(device: ToldDevice | null | undefined, texts: ConsoleTexts): DeviceLines | undefined {
+export function deviceLines(device: ReportedDevice | null | undefined, texts: ConsoleTexts): DeviceLines | undefined {
   if (!device) return undefined;
   const t = texts.device;
   const words = [device.enabled ? t.enabled : t.notEnabled, device.homed ? t.homed : t.notHomed];

@@ -15,13 +15,13 @@ export interface Notice {
 }
 
 /**
- * Faults that do not stop, but are told. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
+ * Faults that do not stop, but are reported. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
  * 20: owner silent, 22: the energy tank damped, 26: drive hot, 31: contacts unsettled.
  */
 const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22) | (1 << 26) | (1 << 31);
-/** Nothing is started for this long after rendering has ended [ms]: whoever reaches for Pause must not press Start. */
+/** Nothing is started for this long after rendering has ended [ms]: a person who reaches for Pause must not press Start. */
 const DEAD_MS = 1000;
-/** The header tells a limit that held within this time [s]. */
+/** The header shows a limit that held within this time [s]. */
 const LIMITED_FOR_S = 1;
 
 /** States come 60 times a second; after a longer pause than this the page, or the line, stood still [ms]. */
@@ -32,7 +32,7 @@ export class ConsoleModel {
   scene: SceneT | null = null;
   state: WorldStateT | null = null;
   /** Time for which states have come [ms]. It stands still while none comes, or the page is too busy to read one. */
-  told_ms = 0;
+  stated_ms = 0;
   private state_ms = 0;
   history = new History([]);
   readonly marks = new Marks();
@@ -91,7 +91,7 @@ export class ConsoleModel {
 
   /**
    * Sends an order. A therapist needs the controls only for an order that `steers`, which sets who moves the hand. A
-   * refusal is told to the therapist, unless `quietly`, and returned.
+   * refusal is shown to the therapist, unless `quietly`, and returned.
    */
   async command(what: string, send: () => Promise<Answer>, { quietly = false, steers = false } = {}): Promise<Answer> {
     let answer: Answer = { accepted: true, reason: '' };
@@ -120,7 +120,7 @@ export class ConsoleModel {
     if (before && (ended || before.endings !== state.endings)) this.ended_ms = performance.now();
     this.state = state;
     const now_ms = performance.now();
-    this.told_ms += Math.min(now_ms - this.state_ms, LONGEST_PAUSE_MS);
+    this.stated_ms += Math.min(now_ms - this.state_ms, LONGEST_PAUSE_MS);
     this.state_ms = now_ms;
     if (state.runState === RunState.Rendering) this.saved = undefined;
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
@@ -131,7 +131,7 @@ export class ConsoleModel {
     this.marks.forgetBefore(this.history.now_s - WINDOW_S);
   }
 
-  /** Takes the faults. One tick in 17 is sent; the counts tell what happened in the others. */
+  /** Takes the faults. One tick in 17 is sent; the counts show what happened in the others. */
   private takeFaults({ session, faults, faultTicks }: WorldStateT): void {
     const before = this.faultTicks.session === session ? this.faultTicks.counts : [];
     let bits = faults & INFORMATION;

@@ -57,7 +57,7 @@ export function parsed(text: string, view: ParameterView): number | undefined {
   return value / view.factor;
 }
 
-/** For so long a value may stand still, or what was asked for be unanswered, before it is not believed any more: time that the program's states tell (ConsoleModel.told_ms). */
+/** For so long a value may stand still, or what was asked for be unanswered, before it is not believed any more: time that the program's states give (ConsoleModel.stated_ms). */
 const STANDS_MS = 1500;
 /** An earlier ramp may run on until the program has the newer value [ms]. */
 const ANSWER_MS = 300;
@@ -90,7 +90,7 @@ export class ParameterTarget {
     return this.asked ?? this.present;
   }
 
-  /** @param now_ms time that states tell: a page that stood still forgets nothing that was asked for */
+  /** @param now_ms time that states give: a page that stood still forgets nothing that was asked for */
   ask(value: number, now_ms: number): void {
     this.asked = value;
     this.moved_ms = now_ms;

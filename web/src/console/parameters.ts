@@ -65,7 +65,7 @@ class ParameterRow {
   }
 
   refresh(always = false): void {
-    this.target.see(this.model.state?.parameters[this.index] ?? this.target.now, this.model.told_ms);
+    this.target.see(this.model.state?.parameters[this.index] ?? this.target.now, this.model.stated_ms);
     const { target } = this.target;
     const ramping = target !== undefined;
     if (this.ramp.hidden === ramping) this.ramp.hidden = !ramping;
@@ -107,7 +107,7 @@ class ParameterRow {
   private async ask(value: number): Promise<void> {
     this.clearRefusal();
     this.typing = false;
-    this.target.ask(value, this.model.told_ms);
+    this.target.ask(value, this.model.stated_ms);
     const { view, model } = this;
     const answer = await model.command(view.label, () => model.connection.setParameter(view.name, value), { quietly: true });
     if (answer.accepted) this.refresh();

@@ -40,10 +40,10 @@ const OF_SPEED: readonly string[] = ['speed limit exceeded', 'encoder jumped'];
 const OF_TIME = 'gap too long';
 
 /** The part of the state that says why it stopped. */
-export type Told = Pick<WorldStateT, 'runState' | 'latchedFaults'>
+export type Reported = Pick<WorldStateT, 'runState' | 'latchedFaults'>
   & Partial<Pick<WorldStateT, 'faults' | 'safetyState' | 'faultAxis' | 'faultValue' | 'faultLimit' | 'rehearsedTicks'>>;
 
-/** A device's axis, as far as a limit of it is told. */
+/** A device's axis, as far as its limit is reported. */
 export interface NamedAxis {
   name: string | Uint8Array | null;
   unit: string | Uint8Array | null;
@@ -55,7 +55,7 @@ function stoppingNames(bits: number, names: readonly string[]): string[] {
 }
 
 /** The axis, its value and its limit: "x, away: 1.62 m/s, limit 1.5". Empty where nothing is known. */
-function excessWords(state: Told, faults: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): string {
+function excessWords(state: Reported, faults: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): string {
   const axis = axes[state.faultAxis ?? -1];
   const limit = state.faultLimit ?? 0;
   const name = axis ? texts.axesLong[String(axis.name)] ?? String(axis.name) : '';
@@ -69,7 +69,7 @@ function excessWords(state: Told, faults: readonly string[], axes: readonly Name
   return name === '' ? much : `${name}: ${much}`;
 }
 
-function faultedStatus(state: Told, faultNames: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): Pick<Status, 'cause' | 'excess' | 'did' | 'todo'> {
+function faultedStatus(state: Reported, faultNames: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): Pick<Status, 'cause' | 'excess' | 'did' | 'todo'> {
   const t = texts.safety;
   const faults = stoppingNames(state.latchedFaults, faultNames);
   const words = faults.map(faultWord).join(', ') || '?';
@@ -79,7 +79,7 @@ function faultedStatus(state: Told, faultNames: readonly string[], axes: readonl
 
 /** What the state of the program means to a therapist. */
 export function statusOf(
-  connection: ConnectionStatus, state: Told | null,
+  connection: ConnectionStatus, state: Reported | null,
   paused: boolean, faultNames: readonly string[], texts: ConsoleTexts, axes: readonly NamedAxis[] = [],
 ): Status {
   const t = texts.safety;

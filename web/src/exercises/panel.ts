@@ -35,7 +35,7 @@ export class ExercisePanel {
     this.figures = new ExerciseValues(scene.valueNames);
   }
 
-  /** Null where the exercise tells of none. */
+  /** Null where the exercise reports none. */
   static of(scene: SceneT | null): ExercisePanel | null {
     return scene?.panel ? new ExercisePanel(scene) : null;
   }
@@ -53,19 +53,19 @@ export class ExercisePanel {
 
   values(state: WorldStateT): PanelValueView[] {
     const done = this.done(state);
-    return (this.scene.panel?.values ?? []).map((told) => {
-      const value = this.figures.get(state, String(told.name));
-      const share = (of: number): number => Math.min(1, Math.max(0, (of - told.lower) / (told.upper - told.lower)));
-      const low = this.figures.get(state, String(told.goalLower ?? ''), NaN);
-      const high = this.figures.get(state, String(told.goalUpper ?? ''), NaN);
+    return (this.scene.panel?.values ?? []).map((reported) => {
+      const value = this.figures.get(state, String(reported.name));
+      const share = (of: number): number => Math.min(1, Math.max(0, (of - reported.lower) / (reported.upper - reported.lower)));
+      const low = this.figures.get(state, String(reported.goalLower ?? ''), NaN);
+      const high = this.figures.get(state, String(reported.goalUpper ?? ''), NaN);
       const banded = !done && Number.isFinite(low) && Number.isFinite(high);
-      const number = (value * told.factor).toFixed(told.decimals);
-      const unit = told.unit === '1' ? '' : String(told.unit ?? ''); // "1": a count or a ratio
+      const number = (value * reported.factor).toFixed(reported.decimals);
+      const unit = reported.unit === '1' ? '' : String(reported.unit ?? ''); // "1": a count or a ratio
       return {
-        name: String(told.name), label: inLanguage(told.label), number, unit, shown: unit ? `${number} ${unit}` : number,
+        name: String(reported.name), label: inLanguage(reported.label), number, unit, shown: unit ? `${number} ${unit}` : number,
         share: share(value), goal: banded ? { low: share(low), high: share(high) } : null,
         zone: !banded ? '' : value < low ? 'low' : value > high ? 'high' : 'right',
-        result: told.result,
+        result: reported.result,
       };
     });
   }

@@ -24,7 +24,7 @@ export function cueTowards(palm_y_m: number, target_y_m: number, right: boolean,
   return { at: { x_px: target.x_px + (handIsRight ? beside_px : -beside_px), y_px: target.y_px }, left: handIsRight };
 }
 
-/** Places of the target that is asked for and of the palm's link; null where the program does not tell one of them. */
+/** Places of the target that is asked for and of the palm's link; null where the program does not report one of them. */
 export function targetAndPalm({ grips, wanted }: GraspTargets, state: WorldStateT, palmLink: number): { target: Position; palm: Position } | null {
   const target = state.bodies[grips[wanted(state)]?.body ?? -1]?.positionM;
   const palm = state.links[palmLink]?.positionM;

@@ -43,7 +43,7 @@ export class Game {
     this.controls.pointing = picture ? (x_px, y_px) => picture.rowPoint(x_px, y_px) : undefined;
   }
 
-  /** The browser lost the picture, or has it again: whoever plays by it waits until they go on. */
+  /** The browser lost the picture, or has it again: a player who plays by it waits until they go on. */
   pictureLost(lost: boolean): void {
     this.memory.unseen = lost ? 'lost' : 'back';
     this.frame();

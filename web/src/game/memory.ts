@@ -1,4 +1,4 @@
-// What the page remembers: what the person chose and is about, and what the program told before.
+// What the page remembers: what the person chose and is about, and what the program reported before.
 import { playOf } from '../exercises';
 import type { Play } from '../exercises/exercise';
 import type { Connection } from '../net/connection';
@@ -46,7 +46,7 @@ export class Memory {
   framing = false;             // a hand is to be kept in the camera's frame, before it steers
   notice = '';                 // why something was refused
 
-  // Told by the program.
+  // Reported by the program.
   play: Play | null = null;
   levels = 1;
   palmLink = 0;

@@ -32,7 +32,7 @@ export interface Situation {
   readonly held: Pick<Hands, 'heldByYou' | 'held'>;
 }
 
-/** Whether the device is a real one. Only a simulated one tells what its virtual patient intends. */
+/** Whether the device is a real one. Only a simulated one reports what its virtual patient intends. */
 export function hasHardware(state: WorldStateT | null): boolean {
   return state !== null && state.qM.length > 0 && !state.intention.some(Number.isFinite);
 }

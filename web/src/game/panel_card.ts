@@ -22,7 +22,7 @@ export class PanelCard {
   private readonly list = h('ul');
   private readonly event = h('p', { class: 't-s', role: 'status', 'data-testid': 'panel-event' });
   private readonly rows = new Map<string, Row>();
-  private told_ms = -Infinity;
+  private shown_ms = -Infinity;
 
   constructor() { this.element.append(this.title, this.list, this.event); }
 
@@ -33,12 +33,12 @@ export class PanelCard {
     const values = panel.values(state);
     if (values.map(({ name }) => name).join() !== [...this.rows.keys()].join()) this.build(values);
     for (const value of values) this.update(this.rows.get(value.name)!, value);
-    if (now_ms - this.told_ms > EVENT_MS) setText(this.event, '');
+    if (now_ms - this.shown_ms > EVENT_MS) setText(this.event, '');
   }
 
   /** Something happened. */
   tell(words: string, now_ms: number): void {
-    this.told_ms = now_ms;
+    this.shown_ms = now_ms;
     setText(this.event, words);
   }
 

@@ -30,7 +30,7 @@ export class Screen {
   private readonly cards: Cards;
   private readonly hints = new Hints();
   private hint: HintLevel = 0;
-  private told_ms = 0;
+  private shown_ms = 0;
   private shown = '';          // state and all that its dialog depends on
   private givingBack = false;
   private targets: GraspTargets | null = null;
@@ -90,7 +90,7 @@ export class Screen {
       now === 'rest' && this.cards.restState,
     ].join();
     this.cards.showAttempts(attempts);
-    // After a stop the controls are given back, so that whoever starts again may command.
+    // After a stop the controls are given back, so that the next to start may command.
     if (now === 'stopped' && connection.controls.heldByYou && !this.givingBack) void this.giveBack();
     if (key === this.shown) return;
     this.shown = key;
@@ -143,11 +143,11 @@ export class Screen {
 
   /** Speaks the words that are on the screen. */
   private speak(now: PageState, [title, more]: [string, string]): void {
-    const told: Partial<Record<PageState, [string, string]>> = {
+    const spoken: Partial<Record<PageState, [string, string]>> = {
       stopped: [text('stopped.title'), text('stopped.what')], lost: [text('lost.title'), text('lost.what')], rest: [text('rest.title'), ''],
       welcome: ['', ''], success: [text('success.title'), now === 'success' ? [title, this.effort()].filter(Boolean).join(' ') : ''],
     };
-    this.cards.speech.tell(...(told[now] ?? [title, more]), performance.now());
+    this.cards.speech.tell(...(spoken[now] ?? [title, more]), performance.now());
   }
 
   private effort(): string {
@@ -158,8 +158,8 @@ export class Screen {
   /** The hint that is due; with the last one the hand shows what to do. */
   private hintNow(now: PageState, state: WorldStateT): HintLevel {
     const { controls, memory } = this.behind;
-    const now_ms = performance.now(), dt_s = Math.min(0.25, (now_ms - this.told_ms) / 1000);
-    this.told_ms = now_ms;
+    const now_ms = performance.now(), dt_s = Math.min(0.25, (now_ms - this.shown_ms) / 1000);
+    this.shown_ms = now_ms;
     const busy = memory.helpOpen || controls.onItsWay || controls.moving;
     const level = this.hints.look(memory.play && !busy && now === memory.play.phase(state) ? memory.play.todo(state) : '', dt_s);
     if (level === 3 && this.hint < 3) controls.show();

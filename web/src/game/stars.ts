@@ -1,4 +1,4 @@
-// The stars that a person has won: kept by this browser, for each patient's profile; where none is loaded, for whoever plays.
+// The stars that a person has won: kept by this browser, for each patient's profile; where none is loaded, for all players together.
 import { store, stored } from '../shared/i18n';
 
 const STORED = 'wholehand.stars';

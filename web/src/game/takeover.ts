@@ -86,7 +86,7 @@ export async function openCamera(controls: Controls, way: string): Promise<Answe
   return { accepted: ok, reason };
 }
 
-/** Whether what the program does last is a rest, which whoever rested may end. */
+/** Whether what the program does last is a rest, which the client that rested may end. */
 const restsNow = ({ latestState: state }: Connection): boolean => state?.runState === RunState.Stopped && state.rested;
 
 /** A therapist who is there starts it, and chooses what is played. */
@@ -94,14 +94,14 @@ function waitsForTherapist(connection: Connection): boolean {
   return connection.controls.led && connection.latestState?.runState !== RunState.Rendering && !restsNow(connection);
 }
 
-/** From watching to playing. After a stop the controls are given back: whoever starts it again may command. */
+/** From watching to playing. After a stop the controls are given back: the next to start may command. */
 export async function takeOver(connection: Connection, known: () => Known, press: Press, wishes: Wishes): Promise<Outcome> {
   if (waitsForTherapist(connection)) return { is: 'refused', reason: text('welcome.led') };
   const taken = await connection.takeControls();
   if (!taken.accepted) return connection.controls.held ? { is: 'another plays' } : { is: 'refused', reason: taken.reason };
   const outcome = await takeHand(connection, known, press, wishes);
   if (press.holds && outcome.is === 'playing') return outcome;
-  // Whoever does not play keeps nobody else from it.
+  // A page that does not play keeps no other page from it.
   await connection.releaseControls();
   return press.holds ? outcome : { is: 'stopped' };
 }

@@ -72,7 +72,7 @@ export function playWords(play: Play, state: WorldStateT, asked: Asked): Prompt 
   if (said.urgent) return said;
   if (hint === 3) return hinted('hint.shows');
   if (now === 'reach' && help === 'none' && beside) return hinted(wayTo(beside));
-  // A person who is told to close the hand would press again, and so end what the first press began.
+  // A person who is asked to close the hand would press again, and so end what the first press began.
   if (now === 'squeeze' && help === 'full' && closing) return hinted('game.closing');
   if (hint > 0) return hinted(hintOf(now, help));
   return now === 'reach' && help === 'full' && oneButton ? hinted('hint.press') : said;

@@ -82,7 +82,7 @@ function taperTips(capsules: HandCapsule[]): void {
 }
 
 /**
- * The hand of a scene. `poses` is any posture of it: it tells which capsules share a joint.
+ * The hand of a scene. `poses` is any posture of it: it shows which capsules share a joint.
  */
 export function handShape(scene: Pick<SceneT, 'capsules' | 'rightHand'>, poses: ArrayLike<number>): HandShape {
   const capsules: HandCapsule[] = scene.capsules.map((c) => ({

@@ -59,7 +59,7 @@ function nearest(shape: HandShape, poses: ArrayLike<number>, from: readonly numb
 }
 
 /**
- * @param poses any posture of the hand, preferably half closed: tells who is whose neighbour
+ * @param poses any posture of the hand, preferably half closed: shows which parts are neighbours
  * @param step grid spacing [m]: 1.5e-3 looks smooth, 3.0e-3 is quick to draw
  */
 export function skinMesh(shape: HandShape, poses: ArrayLike<number>, step: number): SkinMesh {

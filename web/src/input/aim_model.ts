@@ -110,7 +110,7 @@ export class AimModel {
 
   /**
    * Where the help took the hand in the last step instead of to the place that was asked for, as parts
-   * of the ranges: whoever steers by differences goes on from there.
+   * of the ranges: input by differences goes on from there.
    */
   get overruled(): Readonly<Partial<Triple>> {
     return this.overruledParts;

@@ -34,7 +34,7 @@ const MOVING_S = 0.5;
 const GIVEN: Readonly<Record<Help, HelpGiven>> = { full: HelpGiven.Full, some: HelpGiven.Some, none: HelpGiven.None };
 
 export interface ControlsOptions {
-  /** Language of what is said; the page's unless told otherwise. */
+  /** Language of what is said; the page's by default. */
   language?: () => Language;
   aim?: Partial<AimConfig>;
 }
@@ -126,7 +126,7 @@ export class Controls {
     return now_s() - this.moved_s < MOVING_S;
   }
 
-  /** The hand shows what to do next, once; whoever moves or presses takes over. */
+  /** The hand shows what to do next, once; a person who moves or presses takes over. */
   show(): void {
     this.model?.show();
   }
@@ -147,7 +147,7 @@ export class Controls {
     return this.helped === 'full' && (this.perceiver?.hasTargets ?? false);
   }
 
-  /** Tells which way is in use whenever it changes; undefined: none any more. */
+  /** Reports which way is in use whenever it changes; undefined: none any more. */
   onMode(callback: (way: Way | undefined) => void): () => void {
     this.modeListeners.add(callback);
     return () => { this.modeListeners.delete(callback); };

@@ -101,7 +101,7 @@ export class GamepadWay implements InputWay {
   // A button that stays held on a pad has to be let go of before it counts again.
   yield(): void { this.letGo(); }
 
-  /** Reads the pads: browsers do not tell when a stick moves. */
+  /** Reads the pads: browsers do not report when a stick moves. */
   poll(): void {
     if (!this.enabled) return;
     const { wish, claims } = this.watch.look((navigator.getGamepads?.() ?? []).map((pad) => (pad?.connected ? pad : null)));

@@ -91,7 +91,7 @@ export function guide({ aim, hand, back_m, grip, beside }: Reaching, asked: Aske
   const touching = there && Math.abs(aim.y - grip.y) <= AT_Y_M;
   const channel = inside ? [Math.min(lane_y, grip.y), Math.max(lane_y, grip.y)] as const : undefined;
   const free: Guide = { pace: 1, stretch, mayClose: touching || depth < INSIDE, channel };
-  // A closed hand stays at its target; whoever draws back meanwhile feels it.
+  // A closed hand stays at its target; a person who draws back meanwhile feels it.
   // A fist goes no farther in, where it would jam between two targets.
   if (closing) return { ...free, x: there ? grip.x : undefined, y: there ? grip.y : undefined, z: grip.z, pace: asked.x > 0 && !there ? 0 : 1 };
   if (asked.y !== 0) return free;

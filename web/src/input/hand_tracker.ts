@@ -1,6 +1,6 @@
 import type { Landmark } from './landmarks';
 
-/** What the page tells tracker_worker.ts, and what it tells the page. */
+/** What the page sends to tracker_worker.ts, and what that sends to the page. */
 export type ToTracker = { readonly is: 'load'; readonly folder: string } | { readonly is: 'look'; readonly picture: ImageBitmap };
 export type FromTracker =
   | { readonly is: 'ready' }

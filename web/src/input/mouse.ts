@@ -97,7 +97,7 @@ export class Mouse implements InputWay {
 
   private readonly move = (event: PointerEvent): void => {
     if (event.pointerType !== 'mouse') return;
-    // A button that came up where nobody told: over a menu, in another window.
+    // A button that was released without an event: over a menu, in another window.
     if ((event.buttons & 1) === 0) this.squeeze = false;
     const { last } = this;
     this.last = { x_px: event.clientX, y_px: event.clientY };

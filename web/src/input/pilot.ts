@@ -80,7 +80,7 @@ export class Pilot {
     this.leaving = true;
   }
 
-  /** Shows what to do next, once: goes to the target, or leaves. Whoever moves or presses takes over. */
+  /** Shows what to do next, once: goes to the target, or leaves. A person who moves or presses takes over. */
   show(): void {
     this.showing = true;
   }
@@ -149,7 +149,7 @@ export class Pilot {
     if (pointed !== this.stale) this.stale = undefined;
   }
 
-  /** Which target is meant now. Whoever moves the hand with keys decides it by hand. */
+  /** Which target is meant now. A person who moves the hand with keys decides it by hand. */
   private choose(wish: Wish, sight: Sight, own: number, help: Help): void {
     const { x, y, z } = wish.velocity;
     const squeezes = asksToSqueeze(wish.squeeze);

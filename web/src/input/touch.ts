@@ -135,7 +135,7 @@ export class Touch implements InputWay {
     this.claimed_s = now_s();
     if (this.needsButtons()) this.showButtons();
     else this.removeButtons();
-    // The first of its kind: what was not told to have ended before it has.
+    // The first of its kind: whatever went on before it has ended without an event.
     if (event.isPrimary && event.pointerType === this.kind) this.letGo();
     if (this.dragging) {
       // A hand that rests beside a pen does not squeeze, nor does a pen beside a finger.

@@ -25,7 +25,7 @@ function standInForAPage(): void {
   Object.assign(self, { window: self, document: { createElement, body, addEventListener: () => {} } });
 }
 
-// The tracker tells its notes as warnings and errors.
+// The tracker prints its notes as warnings and errors.
 for (const kind of ['warn', 'error'] as const) {
   const say = console[kind];
   console[kind] = (...said: unknown[]): void => { if (!/^[IW]\d{4} /.test(String(said[0]))) say(...said); };

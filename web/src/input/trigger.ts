@@ -1,6 +1,6 @@
 /** A press shorter than this stays on until the next one [s]. */
 const TAP_S = 0.6;
-/** Of a squeeze that is told as a part: from here on it counts as pressed. */
+/** Of a squeeze that is reported as a part: from here on it counts as pressed. */
 const PRESSED = 0.3;
 
 /**

@@ -21,7 +21,7 @@ export interface WebcamView {
   left_s: number;
 }
 
-/** After this long without a hand the person is told, and the hand opens [s]; a slow tracker gets so many pictures' time. */
+/** After this long without a hand the person is informed, and the hand opens [s]; a slow tracker gets so many pictures' time. */
 const LOST_S = 0.7;
 const LOST_LOOKS = 3;
 const SLOWEST_LOOK_S = 0.7;

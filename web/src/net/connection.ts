@@ -38,9 +38,9 @@ export interface ConnectionOptions {
   readonly url: string;
   /** Shown to the program by TakeControls; empty on this machine. */
   readonly token?: string;
-  /** Asks the program by HTTP why it refused the connection: a browser tells a page only that it failed. */
+  /** Asks the program by HTTP why it refused the connection: a browser reports to a page only that it failed. */
   readonly why?: () => Promise<number>;
-  /** Makes the line; a WebSocket unless told otherwise. */
+  /** Makes the line; a WebSocket by default. */
   readonly open?: (url: string) => Line;
 }
 
@@ -73,7 +73,7 @@ export class Connection extends Orders {
   attempts = 0;
   /** Messages that could not be read. */
   unreadable = 0;
-  /** The newest ending that the program has told of (WorldState.endings); 0 before its first state. */
+  /** The newest ending that the program has reported (WorldState.endings); 0 before its first state. */
   endings = 0;
   /** performance.now() when latestState came [ms]. */
   latestStateAt_ms = 0;
@@ -91,7 +91,7 @@ export class Connection extends Orders {
   private readonly beatTimer: ReturnType<typeof setInterval>;
   private heard_ms = 0;
   private beat_ms = 0;
-  private excused = false;  // a late turn, since the program was heard last
+  private excused = false;  // a late turn, since the program's last message
   private closed = false;
   private readonly holding = new Holding((beats) => this.line?.hold?.(beats ? BEAT : null));
   private readonly stopAsked = new PendingStop((id) => this.sendAs(id, new EmergencyStopT()), () => this.tell('status', this.status));
@@ -107,7 +107,7 @@ export class Connection extends Orders {
   /** Why this page lost them, until they are taken anew. */
   get loss(): Loss { return this.holding.loss; }
 
-  /** The program hears this page and has told its state. */
+  /** The program receives this page's messages and has reported its state. */
   get connected(): boolean { return this.status === 'open' && this.latestState !== null; }
 
   /** Of a game, in the world. */
@@ -277,7 +277,7 @@ export class Connection extends Orders {
         return this.tell('scene', message.value);
       case 'events': return this.tell('events', message.value);
       case 'welcome': return this.takeWelcome(message.value);
-      case 'controls': return this.takeControlsTold(message.value);
+      case 'controls': return this.receiveControls(message.value);
       case 'commissioning':
         this.commissioning = message.value;
         return this.tell('commissioning', message.value);
@@ -314,8 +314,8 @@ export class Connection extends Orders {
     this.tell('welcome', welcome);
   }
 
-  private takeControlsTold(controls: ControlsT): void {
-    this.holding.told({ heldByYou: controls.heldByYou, held: controls.held, role: controls.yourRole, holder: controls.holderRole, led: controls.led }, this.rendering);
+  private receiveControls(controls: ControlsT): void {
+    this.holding.update({ heldByYou: controls.heldByYou, held: controls.held, role: controls.yourRole, holder: controls.holderRole, led: controls.led }, this.rendering);
     this.tell('controls', controls);
   }
 

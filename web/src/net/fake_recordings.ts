@@ -26,7 +26,7 @@ export class FakeRecordings {
   /** Answers that were given, by their address. */
   readonly asked: string[] = [];
   /** Bodies of a game: from which row on they are there. */
-  bodies: readonly { readonly row: number; readonly told: GameBodiesT }[] = [];
+  bodies: readonly { readonly row: number; readonly reported: GameBodiesT }[] = [];
   private readonly made: WorldStateT[] = [];
   private ticks: number;
   private readonly began_ms = performance.now();
@@ -67,8 +67,8 @@ export class FakeRecordings {
   }
 
   private gameBodies(): Uint8Array<ArrayBuffer> {
-    return joined(this.bodies.map(({ row, told }) => {
-      const message = this.message(Payload.GameBodies, told);
+    return joined(this.bodies.map(({ row, reported }) => {
+      const message = this.message(Payload.GameBodies, reported);
       return { head: [row, message.length], message };
     }));
   }

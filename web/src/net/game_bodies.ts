@@ -41,7 +41,7 @@ export class GameBodyList {
     this.bodies = [...inSlots, ...outside.filter(({ inSlot }) => !inSlot).map(({ body }) => body)];
   }
 
-  /** Another connection: the program tells of all of them anew. */
+  /** Another connection: the program reports all of them anew. */
   clear(): void {
     this.bodies = [];
     this.shapes.clear();

@@ -26,7 +26,7 @@ export class Holding {
   private taking = 0;        // orders without an answer yet
   private giving = false;    // the controls are being given back, at the person's wish
   private wanted = false;    // the last order asked for the controls, and did not give them back
-  private beating = false;   // what the line was told
+  private beating = false;   // as last set on the line
 
   /** @param keep begins the beats that say that the page is there, or ends them */
   constructor(private readonly keep: (beats: boolean) => void) {}
@@ -59,13 +59,13 @@ export class Holding {
 
   leave(rendering: boolean): void {
     this.away = true;
-    this.told({ ...this.hands, heldByYou: false }, rendering);
+    this.update({ ...this.hands, heldByYou: false }, rendering);
   }
 
   /** The program says who has the controls. */
-  told(hands: Hands, rendering: boolean): void {
+  update(hands: Hands, rendering: boolean): void {
     const lost = this.hands.heldByYou && !hands.heldByYou && !this.giving;
-    // A stop takes the controls from a player; that is not told as a loss.
+    // A stop takes the controls from a player; that is not reported as a loss.
     if (lost && this.away) this.loss = 'left';
     else if (lost && hands.held) this.loss = 'taken';
     else if (lost && (rendering || hands.role !== Role.Player)) this.loss = 'unheard';

@@ -54,6 +54,6 @@ export abstract class Orders {
   act(act: Act): Promise<Answer> { return this.order(new ActionT(act)); }
   /** Answers a question of a commissioning, by its number. */
   answer(question: number, words: string): Promise<Answer> { return this.order(new AnswerT(question, words)); }
-  /** Tells whether the button is held without which a commissioning moves nothing. */
+  /** Reports whether the button is held without which a commissioning moves nothing. */
   holdToMove(press: number, held: boolean): Promise<Answer> { return this.order(new HoldToMoveT(press, held)); }
 }

@@ -6,7 +6,7 @@ const CONFIRMED_WITHIN_MS = 300;
 
 /** Sends a stop again and again until the program says that it has it, over a new line, too. */
 export class PendingStop {
-  /** Whether a person has to be told that the program may not have heard. */
+  /** Whether a person has to be warned that the program may not have got the stop. */
   unconfirmed = false;
   private id = 0;
   private sent_ms = 0;

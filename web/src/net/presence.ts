@@ -1,4 +1,4 @@
-// Follows whether a person can see this page: whoever has left it cannot see what the robot does.
+// Follows whether a person can see this page: who has left it cannot see what the robot does.
 import type { Connection } from './connection';
 
 export function followPresence(connection: Connection): void {

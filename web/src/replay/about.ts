@@ -3,8 +3,8 @@ import { Problem } from './problem';
 
 export interface Result { /** Of the exercise's value; empty in older answers. */ readonly name: string; readonly label: string; readonly value: string; readonly unit: string }
 
-/** An axis of the device, as far as the file tells without a scene. */
-export interface ToldAxis { readonly name: string; readonly unit: string; readonly effort_limit: number; readonly lever_arm_m: number }
+/** An axis of the device, as far as the file states it without a scene. */
+export interface AxisInfo { readonly name: string; readonly unit: string; readonly effort_limit: number; readonly lever_arm_m: number }
 
 /** What the program says of a recording before anything of it is shown. */
 export interface About {
@@ -36,7 +36,7 @@ export interface About {
   /** The scene can be built from the file. */
   readonly picture: boolean;
   readonly no_picture_because: string;
-  readonly axes: readonly ToldAxis[];
+  readonly axes: readonly AxisInfo[];
   readonly value_names: readonly string[];
   readonly event_names: readonly string[];
   readonly result: readonly Result[];

@@ -15,7 +15,7 @@ export function dateWords(created_utc: string, locale: string): string {
 }
 
 /** What a file says of itself is of any language and direction. */
-const told = (text: string): HTMLElement => h('bdi', { title: text }, text);
+const isolated = (text: string): HTMLElement => h('bdi', { title: text }, text);
 
 /** What was recorded, and what came of it. */
 export function factsPanel(about: About, missing: number, scene: SceneT | null): HTMLElement {
@@ -28,7 +28,7 @@ export function factsPanel(about: About, missing: number, scene: SceneT | null):
     [t.length, `${duration(about.to_s - about.from_s)}, ${fill(t.ticks, { n: grouped(about.ticks) })}`],
     [t.missing, missing > 0 ? fill(t.ticks, { n: grouped(missing) }) : ''], [t.program, about.program_version],
   ];
-  const line = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, told(name)), h('dd', {}, told(value)));
+  const line = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, isolated(name)), h('dd', {}, isolated(value)));
   const result = about.result.map(({ name, label, value, unit }) => line(labelOf(scene, name) || label, `${value} ${unit}`.trim()));
   return h('section', { class: 'panel replay-facts', 'aria-label': t.title },
     h('div', { class: 'hd' }, h('h2', {}, t.title)),

@@ -13,7 +13,7 @@ const MOST = 50_000;
 
 export type MomentKind = MarkKind | 'event' | 'gap';
 
-/** Something that happened in a recording, as the file tells it. */
+/** Something that happened in a recording, as the file states it. */
 export interface Moment { readonly time_s: number; readonly kind: MomentKind; readonly event?: ReplayEvent; readonly mark?: ReplayMark; readonly gap?: Gap }
 
 const BAD: readonly MomentKind[] = ['stop', 'emergency_stop', 'fault', 'controls_lost', 'gap'];

@@ -13,7 +13,7 @@ export class ReportOpening {
   private readonly begun_ms = performance.now();
   private built: (() => void) | undefined;
 
-  /** @param source of the recording @param get fetches a page, and tells whether it came */
+  /** @param source of the recording @param get fetches a page, and reports whether it came */
   constructor(private readonly root: HTMLElement, private readonly source: RecordingSource, private readonly get: (address: string) => Promise<boolean>) {}
 
   /** Shows what is known at once, and the report once it is there. False: the program does not answer. */

@@ -19,7 +19,7 @@ export interface SeriesPiece extends Span {
   /** Row of the first tick at or after its begin. */
   readonly first_tick: number;
   readonly marks: readonly ReplayMark[];
-  /** There was more than the program tells at once. */
+  /** There was more than the program sends at once. */
   readonly truncated: boolean;
   readonly bytes: number;
 }

@@ -30,7 +30,7 @@ const CORRECTIONS = 5;
 /** One recording that is shown: what is known of it, and the moment that is looked at. */
 export class ReplaySide implements PlotsModel {
   about: About;
-  /** Of the file; where it has none, names as far as the file tells them. */
+  /** Of the file; where it has none, names as far as the file states them. */
   scene: SceneT;
   readonly hasScene: boolean;
   state: WorldStateT | null = null;
@@ -219,7 +219,7 @@ export class ReplaySide implements PlotsModel {
   }
 }
 
-/** What plots need of a scene, from what is told of the file. */
+/** What plots need of a scene, from what is known of the file. */
 export function sceneOf({ axes, value_names, event_names, period_s }: About): SceneT {
   const scene = new SceneT();
   scene.axes = axes.map(({ name, unit, effort_limit, lever_arm_m }) => new AxisT(name, unit, 0, 0, effort_limit, lever_arm_m, 0));

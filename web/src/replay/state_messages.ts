@@ -8,7 +8,7 @@ export abstract class StateMessages {
   /** Of a known row. */
   protected abstract messageOf(row: number): Uint8Array | undefined;
 
-  /** Time of a row, as its state tells it; undefined where that is not known. */
+  /** Time of a row, as its state gives it; undefined where that is not known. */
   time_s(row: number): number | undefined {
     const message = this.messageOf(row);
     return message && timeOfState(message);

@@ -189,7 +189,7 @@ export class TimeLine {
   }
 }
 
-/** Slanted lines: told apart by more than colour. */
+/** Slanted lines: distinguished by more than colour. */
 function hatch(context: CanvasRenderingContext2D, color: string, from: number, to: number, top: number, height: number): void {
   if (!(to > from)) return;
   context.save();

@@ -10,7 +10,7 @@ const CLOSE = 1e-3;
 /**
  * Which row of the file lies at which time: evenly from the nearest place that is known, but for the ticks that are
  * missing. Ticks of a loop that was late are passed over without being missing: there it is right at every place
- * that the series told of, and near in between; the states say the rest.
+ * that the series reported, and near in between; the states say the rest.
  */
 export class TimeMap {
   private gaps: readonly Gap[] = [];

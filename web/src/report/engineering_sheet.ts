@@ -9,7 +9,7 @@ import { h } from '../shared/dom';
 import { chart, type ChartLine } from '../charts/chart';
 import { texts } from './i18n';
 import type { Percentiles } from './report_data';
-import { footer, header, table, timeName, timesOfSheet, told, type SheetContext } from './sheet';
+import { footer, header, table, timeName, timesOfSheet, isolated, type SheetContext } from './sheet';
 
 const MOST_FAULTS = 4;
 
@@ -97,5 +97,5 @@ function settings({ data: { about, engineering: e }, scene }: SheetContext): HTM
     [t.deadlines, `${grouped(e.missed_deadlines)} / ${grouped(e.records + e.missed_deadlines)}`], [t.damped, fill(t.share, { n: fixed(100 * e.damped_share, 0) })],
     [t.coupling, `${fixed(1e6 * e.coupling_error_rad, 2)} µrad`], [t.passport, e.settings.passport], [t.seed, e.settings.seed], [t.limits, limits],
   ];
-  return h('section', {}, h('h2', {}, t.title), h('dl', { class: 'settings' }, ...rows.filter(([, value]) => value !== '').map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, told(value))))));
+  return h('section', {}, h('h2', {}, t.title), h('dl', { class: 'settings' }, ...rows.filter(([, value]) => value !== '').map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, isolated(value))))));
 }

@@ -34,8 +34,8 @@ export function figuresOf(data: Pick<ReportData, 'therapy' | 'scene'>): Figure[]
   const out: Figure[] = [];
   const count = (key: string, value: number, words: string): void => { out.push({ key, value, shown: grouped(value), unit: '', words, better: 'more', of: 'exercise' }); };
   for (const { parts } of REPORTS) {
-    const told = parts(recorded);
-    if (told) count(told.key, told.done, told.words);
+    const figure = parts(recorded);
+    if (figure) count(figure.key, figure.done, figure.words);
   }
   if (sums.level_done) count('levels', sums.level_done.count, t.levels);
   for (const { name, label, value: shown, unit } of results) {
@@ -51,8 +51,8 @@ export function figuresOf(data: Pick<ReportData, 'therapy' | 'scene'>): Figure[]
       { key: 'steadiness', value: 100 * grips.variation, shown: fixed(100 * grips.variation, 0), unit: '%', words: t.steadiness, better: 'less', of: 'grip' });
   }
   for (const { stars } of REPORTS) {
-    const told = stars(recorded);
-    if (told) out.push({ key: 'stars', value: told.value / told.most, shown: `★ ${grouped(told.value)}`, unit: fill(t.of, { n: grouped(told.most) }), words: told.words, better: 'more', of: 'exercise' });
+    const figure = stars(recorded);
+    if (figure) out.push({ key: 'stars', value: figure.value / figure.most, shown: `★ ${grouped(figure.value)}`, unit: fill(t.of, { n: grouped(figure.most) }), words: figure.words, better: 'more', of: 'exercise' });
   }
   return out;
 }

@@ -20,11 +20,11 @@ import type { ReportData } from './report_data';
 const MOST_TIMES_NAMED = 8;
 
 /** A text of the file, which may be of any language and direction. */
-export const told = (text: string): HTMLElement => h('bdi', { title: text }, text);
+export const isolated = (text: string): HTMLElement => h('bdi', { title: text }, text);
 
 export interface SheetContext {
   readonly data: ReportData;
-  /** Of the file; where it has none, names as far as the file tells them. */
+  /** Of the file; where it has none, names as far as the file states them. */
   readonly scene: SceneT;
   readonly samples: WindowSamples;
   readonly marks: readonly ChartMark[];
@@ -70,17 +70,17 @@ export const timesOfSheet = ({ series }: Pick<ReportData, 'series'>): number[] =
 /** What the signs among these marks mean; empty where there is none. */
 export function signWords(marks: readonly Pick<ChartMark, 'label'>[]): string {
   const { m1, m2 } = consoleTexts().legend;
-  const told = [m1, m2, ...Object.values(OWN_SIGNS).map((sign) => sign.legend())].filter((words) => marks.some(({ label }) => label !== '' && words.startsWith(label)));
-  return told.length === 0 ? '' : `${told.join('; ')}.`;
+  const legends = [m1, m2, ...Object.values(OWN_SIGNS).map((sign) => sign.legend())].filter((words) => marks.some(({ label }) => label !== '' && words.startsWith(label)));
+  return legends.length === 0 ? '' : `${legends.join('; ')}.`;
 }
 
 export function header(data: ReportData, page: string): HTMLElement {
   const t = texts();
   const c = consoleTexts();
   const { about } = data;
-  const item = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, name), h('dd', {}, told(value === '' ? t.facts.unknown : value)));
+  const item = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, name), h('dd', {}, isolated(value === '' ? t.facts.unknown : value)));
   return h('header', {},
-    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, told(sessionWords(about)))),
+    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, isolated(sessionWords(about)))),
     h('dl', {},
       item(t.facts.patient, personWords(about.profile, about.patient, about.simulated_device)), item(t.facts.hand, c.hands[about.hand] ?? about.hand),
       item(t.facts.device, [about.device, about.simulated_device ? t.facts.simulated : ''].filter(Boolean).join(', ')), item(t.facts.exercise, about.exercise === '' ? t.facts.noExercise : exerciseWords(about.exercise, about.level)),
@@ -89,7 +89,7 @@ export function header(data: ReportData, page: string): HTMLElement {
 
 export function footer(data: ReportData, page: number): HTMLElement {
   const t = texts();
-  return h('footer', {}, h('span', {}, fill(t.program, { version: data.about.program_version })), h('span', {}, told(data.about.name)),
+  return h('footer', {}, h('span', {}, fill(t.program, { version: data.about.program_version })), h('span', {}, isolated(data.about.name)),
     h('span', {}, t.notDiagnosis), h('span', {}, fill(t.pageOf, { n: page, m: 2 })));
 }
 

@@ -13,7 +13,7 @@ import { compareWithBefore, type Compared, type Comparison } from './figures';
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
-import { bodyWords, footer, header, shortTime, signWords, table, timeName, timesOfSheet, told, type SheetContext } from './sheet';
+import { bodyWords, footer, header, shortTime, signWords, table, timeName, timesOfSheet, isolated, type SheetContext } from './sheet';
 import { GivenHelp, Mover } from './report_data';
 import { recordedOf, sharePercent, whatHappened, whoseWords } from './therapy';
 
@@ -33,7 +33,7 @@ export function therapySheet(context: SheetContext): HTMLElement {
     footer(data, 1));
 }
 
-const tile = (figure: string, unit: string, words: string, before?: HTMLElement): HTMLElement => h('div', {}, h('b', {}, figure, unit === '' ? '' : h('small', {}, ` ${unit}`)), h('span', {}, told(words)), before ?? null);
+const tile = (figure: string, unit: string, words: string, before?: HTMLElement): HTMLElement => h('div', {}, h('b', {}, figure, unit === '' ? '' : h('small', {}, ` ${unit}`)), h('span', {}, isolated(words)), before ?? null);
 
 /** What it was in the session before, and whether this is better. */
 function beforeLine({ before: { shown, unit }, became }: Compared): HTMLElement {
@@ -63,12 +63,12 @@ function whoMoved({ data: { therapy: { moved, sums, reaches, grips, touches_not_
   const movers = [Mover.Person, Mover.VirtualPatient, Mover.Motion, Mover.Nobody].filter((by) => (moved.by[by] ?? 0) > 0 || by === Mover.Person)
     .map((by) => fill(t.moved, { who: t.who[by], n: share(moved.by[by] ?? 0), time: time(moved.by[by] ?? 0) }));
   const helped = [GivenHelp.Full, GivenHelp.Some, GivenHelp.None].filter((help) => (moved.helped[help] ?? 0) > 0).map((help) => `${t.helps[help]} ${time(moved.helped[help]!)}`);
-  const told = movers.join(', ');
+  const sentence = movers.join(', ');
   const apart = [...Object.entries(sums), ['reach', reaches] as const, ['grip', grips] as const]
     .filter(([, { shared, others }]) => shared + others > 0).map(([what, { shared, others }]) => fill(t.apart, { what: REPORTS.map((report) => report.thing(what)).find((words) => words !== undefined) ?? t.things[what] ?? what, n: [shared > 0 ? fill(t.sharedCount, { n: grouped(shared) }) : '', others > 0 ? fill(t.othersCount, { n: grouped(others) }) : ''].filter(Boolean).join(', ') }));
   if (touches_not_persons > 0) apart.push(fill(t.touches, { n: grouped(touches_not_persons) }));
   return h('p', { class: 'moved', 'data-testid': 'moved', 'data-share': String(moved.share) },
-    h('b', {}, `${told.charAt(0).toUpperCase()}${told.slice(1)}. `), helped.length > 0 ? `${fill(t.helped, { helps: helped.join(', ') })} ` : '',
+    h('b', {}, `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}. `), helped.length > 0 ? `${fill(t.helped, { helps: helped.join(', ') })} ` : '',
     apart.length > 0 ? `${fill(t.notCounted, { what: apart.join('; ') })} ` : '', t.rule);
 }
 
@@ -80,7 +80,7 @@ function sessionBefore({ data: { before } }: SheetContext, { differences, figure
   const alone = figures.filter(({ compared }) => !compared).map((figure) => figure.words);
   const other = differences.length === 0 ? '' : fill(t.before.other, { what: differences.map((what) => t.facts[what]).join(', ') });
   const not = alone.length === figures.length ? t.before.nothing : alone.length > 0 ? fill(t.before.not, { what: alone.join(', ') }) : '';
-  return h('p', { class: 'before', 'data-testid': 'before' }, told(words), other === '' ? '' : h('b', {}, ` ${other}`), not === '' ? '' : ` ${not}`);
+  return h('p', { class: 'before', 'data-testid': 'before' }, isolated(words), other === '' ? '' : h('b', {}, ` ${other}`), not === '' ? '' : ` ${not}`);
 }
 
 function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly number[]): HTMLElement | undefined {
@@ -93,13 +93,13 @@ function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly nu
   return tile(fixed(most.effort, 1), `N ${fill(texts().tiles.of, { n: Number(most.limit.toFixed(1)) })}`, fill(texts().tiles.effort, { axis: consoleTexts().axesLong[name] ?? name }));
 }
 
-/** Every kind is told, also where nothing of it happened. */
+/** Every kind is listed, also where nothing of it happened. */
 function happened({ data }: SheetContext): HTMLElement {
   const t = texts();
   const { about, series, engineering } = data;
   // A plain stop is how a session ends; nobody need be alarmed.
   const row = (kind: string, count: number, what: string): HTMLElement => h('tr', { class: count > 0 && kind !== 'stop' ? 'bad' : undefined, 'data-kind': kind },
-    h('td', {}, t.happened[kind as keyof typeof t.happened]), h('td', {}, count > 0 ? told(what) : t.none));
+    h('td', {}, t.happened[kind as keyof typeof t.happened]), h('td', {}, count > 0 ? isolated(what) : t.none));
   const rows = whatHappened(series).map(({ kind, marks }) => row(kind, marks.length, timesOf(marks.map(({ time_s, text, axis }) => {
     const why = [text.split(', ').filter(Boolean).map(faultWord).join(', '), consoleTexts().axesLong[axis] ?? axis].filter(Boolean).join(', ');
     return kind === 'fault' && why !== '' ? `${shortTime(time_s)} (${why})` : shortTime(time_s);
@@ -126,7 +126,7 @@ function timesOf(times: readonly string[]): string {
 /** What was done, part by part, where the exercise has parts. */
 function partTables({ data }: SheetContext): HTMLElement[] {
   return REPORTS.flatMap((report) => report.table(recordedOf(data), shortTime, whoseWords) ?? []).map(({ title, none, head, rows }) => {
-    const shown = rows.slice(0, MOST_ROWS).map(([name, ...figures]) => [told(name), ...figures]);
+    const shown = rows.slice(0, MOST_ROWS).map(([name, ...figures]) => [isolated(name), ...figures]);
     return h('section', {}, h('h2', {}, title), shown.length === 0 ? h('p', { class: 'none' }, none) : table(head, shown),
       rows.length > MOST_ROWS ? h('p', { class: 'none' }, fill(texts().bodies.more, { n: rows.length - MOST_ROWS })) : null);
   });
@@ -182,6 +182,6 @@ function bodies({ data: { therapy, scene } }: SheetContext): HTMLElement {
   const sorted = [...therapy.bodies].sort((a, b) => b.held_s + b.longest_s - a.held_s - a.longest_s);
   return h('section', {}, h('h2', {}, t.title),
     table([t.body, t.first, t.touches, t.longest, t.held, t.force, t.way], sorted.slice(0, MOST_ROWS).map((b) => [
-      told(bodyWords(b.name, scene)), shortTime(b.first_s), grouped(b.touches), fixed(b.longest_s, 1), fixed(b.held_s, 1), fixed(b.largest_force_n, 1), fixed(100 * b.travelled_m, 1)])),
+      isolated(bodyWords(b.name, scene)), shortTime(b.first_s), grouped(b.touches), fixed(b.longest_s, 1), fixed(b.held_s, 1), fixed(b.largest_force_n, 1), fixed(100 * b.travelled_m, 1)])),
     h('p', { class: 'note' }, sorted.length > MOST_ROWS ? `${fill(t.more, { n: sorted.length - MOST_ROWS })}. ` : '', t.note));
 }

@@ -7,7 +7,7 @@ const EVERY_MS = 10;
 
 const later = (wait_ms: number): Promise<void> => new Promise((go) => { setTimeout(go, wait_ms); });
 
-/** Resolves when all that the card was told so far is done. */
+/** Resolves when the card has done all its orders so far. */
 async function cardIsDone(gl: WebGL2RenderingContext): Promise<void> {
   const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   if (!fence) return;

@@ -58,7 +58,7 @@ export class SceneView {
   private readonly forces: ForceArrows | undefined;
   private quality: Quality;
   private look: Look;
-  private told: SceneT | undefined;
+  private reported: SceneT | undefined;
   private state: WorldStateT | undefined;
   private exercise: ExerciseView | undefined;
   private place: CameraPlace = DEFAULT_PLACE;
@@ -94,8 +94,8 @@ export class SceneView {
 
   /** Takes a scene: hand, exercise, level. The hand is made when its first state comes. */
   setScene(scene: SceneT): void {
-    const same = this.told !== undefined && drawn(scene) === drawn(this.told);
-    this.told = scene;
+    const same = this.reported !== undefined && drawn(scene) === drawn(this.reported);
+    this.reported = scene;
     if (same) return;
     this.state = undefined;
     this.build();
@@ -103,7 +103,7 @@ export class SceneView {
 
   setState(state: WorldStateT): void {
     const start = performance.now();
-    // A program that is not armed yet tells no links.
+    // A program that is not armed yet reports no links.
     const first = this.state === undefined || (this.poses.length === 0 && state.links.length > 0);
     this.state = state;
     this.fresh = true;
@@ -214,14 +214,14 @@ export class SceneView {
   private build(): void {
     this.clear();
     this.renderer.toneMapping = this.quality === 'high' ? NeutralToneMapping : NoToneMapping;
-    this.exercise = this.told && viewOf(this.told, this.quality);
+    this.exercise = this.reported && viewOf(this.reported, this.quality);
     // Where no exercise draws the scene, nothing stands there but what can be touched.
-    const counter = !this.told || this.exercise !== undefined;
+    const counter = !this.reported || this.exercise !== undefined;
     this.canvas.classList.toggle('whole', !counter);   // its edges are not cut off (console.css)
-    this.stage = makeStage(this.renderer, this.scene, this.quality, { counter, rail_m: this.told ? this.exercise?.rail_m : EMPTY_RAIL_M });
+    this.stage = makeStage(this.renderer, this.scene, this.quality, { counter, rail_m: this.reported ? this.exercise?.rail_m : EMPTY_RAIL_M });
     if (this.quality === 'low') this.scene.add((this.backdrop = new Backdrop()).mesh);
     if (this.exercise) this.scene.add(this.exercise.root);
-    this.bodies = this.told?.bodies.map((body) => {
+    this.bodies = this.reported?.bodies.map((body) => {
       if (this.exercise?.owns(String(body.name))) return undefined;
       const group = makeBody(body, this.quality);
       this.plain.add(group);
@@ -241,8 +241,8 @@ export class SceneView {
   /** Places room and camera where the row stands. */
   private placeRow(): void {
     const placed = this.exercise?.placement(this.state);
-    this.place = placed?.place ?? { ...DEFAULT_PLACE, right: this.told?.rightHand ?? true };
-    this.outline = placed?.outline ?? (this.told ? outlineOfScene(this.told, this.state) : []);
+    this.place = placed?.place ?? { ...DEFAULT_PLACE, right: this.reported?.rightHand ?? true };
+    this.outline = placed?.outline ?? (this.reported ? outlineOfScene(this.reported, this.state) : []);
     this.stage?.place(this.place.counter_y, this.place.row_z, turnOf(this.place.right));
     this.resize();
   }
@@ -260,10 +260,10 @@ export class SceneView {
   }
 
   private async makeHand(): Promise<void> {
-    const { told, poses, quality, builds } = this;
-    if (this.handBegun || !told || told.capsules.length === 0) return;
+    const { reported, poses, quality, builds } = this;
+    if (this.handBegun || !reported || reported.capsules.length === 0) return;
     this.handBegun = true;
-    const shape = handShape(told, poses);
+    const shape = handShape(reported, poses);
     const mesh = await madeSkin(shape, poses, SKIN_STEP_M[quality]);
     if (builds !== this.builds) return;
     const hand = new HandView(shape, mesh, quality);

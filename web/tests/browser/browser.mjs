@@ -14,7 +14,7 @@ const SOFTWARE_3D = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '
 
 // What is asked of the program by a page that has lost it: only where `cutOff` says so may these fail.
 const CUT_OFF = ['/ws', '/api/recordings'];
-// Notices about drawing in software, no faults. Chromium tells WebGL's errors as warnings too.
+// Notices about drawing in software, no faults. Chromium prints WebGL's errors as warnings too.
 const SOFTWARE_NOTICES = [/GPU stall due to ReadPixels/, /Automatic fallback to software WebGL/];
 // Our own words, in a browser that was opened without 3D.
 const WITHOUT_3D = /cannot be drawn here: Error: WebGL 2 is not there/;

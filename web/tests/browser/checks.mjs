@@ -54,7 +54,7 @@ export async function mouseMovesTheHand(t) {
   await to(0.5);
   await watcher.steered();
   // The wheel counts from where the hand is. Taken over, the hand may stand at a bottle, which it leaves towards the
-  // person only; and a page that lost the controls begins anew: whoever plays moves and turns again.
+  // person only; and a page that lost the controls begins anew: the player moves and turns again.
   const turnUntil = (what, part, by_px, reached) => {
     let due_tick = 0;
     return watcher.until(what, async (now) => {
@@ -90,7 +90,7 @@ export async function keysFillAGlass(t) {
   return `a glass of ${(1000 * drink).toFixed(1)} ml (asked ${(1000 * asked).toFixed(0)} ± ${(1000 * tolerance).toFixed(0)}) in ${took_s.toFixed(1)} s, score ${score.toFixed(0)}`;
 }
 
-/** With help "none" nothing brings the hand to the bottle: whoever plays goes in beside it. */
+/** With help "none" nothing brings the hand to the bottle: the player goes in beside it. */
 export async function keysFillAGlassAlone(t) {
   const watcher = await t.watcher();
   const game = await openGame(t.drawing, watcher.url, { help: 'none', level: '1' }, { smooth: true, init: GOES_ON });

@@ -10,7 +10,7 @@ const SCRIPT_MS = 8;
 const DRAWING_MS = 140;
 // A game that draws 28 frames a second alone draws 12 of them beside a console with its picture.
 const BESIDE_RATIO = 0.47;
-/** A machine that others use draws fewer than this a second, while the program tells as much as ever. */
+/** A machine that others use draws fewer than this a second, while the program sends as much as ever. */
 const FRAMES_HZ = 15;
 const SECONDS = 12;
 const wait_s = (seconds) => new Promise((resolve) => setTimeout(resolve, 1000 * seconds));

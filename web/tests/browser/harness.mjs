@@ -48,7 +48,7 @@ export class Harness {
     return watcher;
   }
 
-  /** Keeps what a page looks like, for whoever wants to see it: with WHOLEHAND_FULL only. */
+  /** Keeps what a page looks like, for a look later: with WHOLEHAND_FULL only. */
   async picture(page, name) {
     if (FULL) await page.screenshot({ path: join(this.output, `${name}.png`) });
   }

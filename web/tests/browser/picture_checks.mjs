@@ -23,7 +23,7 @@ export async function lostPictureIsSaid(t) {
   await t.picture(page, 'picture-lost');
   await page.evaluate(() => window.lose.restoreContext());
   await page.waitForSelector('[data-testid=unseen] >> text=/The picture is back/');
-  // A page that was not heard for 200 ms meanwhile says that instead, and GOES_ON presses there.
+  // A page whose heartbeats did not come for 200 ms meanwhile says that instead, and GOES_ON presses there.
   await page.evaluate(() => document.querySelector('[data-testid=see-again]')?.click());
   await page.waitForSelector(PLAYS);
   await pictures(2);

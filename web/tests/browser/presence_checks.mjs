@@ -35,7 +35,7 @@ async function countSwitches(watcher) {
 }
 
 /**
- * As if the page were hidden. Headless Chromium hides none: the page is told so by the event that browsers send, and
+ * As if the page were hidden. Headless Chromium hides none: the page learns it by the event that browsers send, and
  * its timers run once a second, as browsers let those of a hidden page. Nothing of a worker is touched, as in browsers.
  */
 const EMULATED = () => {
@@ -125,10 +125,10 @@ export async function hiddenPageLetsGoOnce(t, hidden_s) {
   expectSwitches(seen, 1);
   const [free_ms, out_ms] = [(await switches.free_ms()) - left_ms, seen[0].at_ms - left_ms];
   // 200 ms and a frame on an idle machine; ControlDeskTest.SilentHolder_IsSuspendedAfter200msAndGoesOnWithinASecond gates it in time that it
-  // makes. Here it is only told from the 5 s after which nobody holds them in any case.
+  // makes. Here it is only distinguished from the 5 s after which nobody holds them in any case.
   expect(free_ms <= 4000 && out_ms <= 4000, `controls free after ${free_ms} ms, effort out after ${out_ms} ms`);
-  const told = `controls free after ${free_ms} ms, effort out after ${out_ms} ms and not back in ${hidden_s} s; "${words}"`;
-  if (stopped) return told;
+  const reported = `controls free after ${free_ms} ms, effort out after ${out_ms} ms and not back in ${hidden_s} s; "${words}"`;
+  if (stopped) return reported;
   // It goes on by a press, and by nothing else.
   await page.click('[data-testid=take-again]');
   await watcher.steered();
@@ -138,7 +138,7 @@ export async function hiddenPageLetsGoOnce(t, hidden_s) {
   expect(/not heard/.test(hung), `the card says "${hung}"`);
   await watcher.pass(3000);
   expectSwitches(await switches(), 3);
-  return `${told}; a page that hung: "${hung}"`;
+  return `${reported}; a page that hung: "${hung}"`;
 }
 
 /** After a page that played has vanished nothing pushes, until somebody presses something: to watch is enough. */

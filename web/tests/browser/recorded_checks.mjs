@@ -22,7 +22,7 @@ const recordings = (folder) => {
   return existsSync(kept) ? readdirSync(kept).filter((name) => name.endsWith('.h5')) : [];
 };
 
-/** Whoever begins to play in the first session, which nobody asked to record, has it recorded, and sees so. */
+/** A player who begins in the first session, which nobody asked to record, has it recorded, and sees so. */
 export async function firstSessionIsRecorded(t) {
   const { folder, program, page, game, said } = await begun(t);
   expect((await said()) === '● Recording', `the game says: ${await said()}`);

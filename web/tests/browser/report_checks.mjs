@@ -90,7 +90,7 @@ export async function badReportsAreSaid(t) {
     ['template', `${whole.slice(0, at)}id="page-data">"none"${whole.slice(end)}`, 'carries no recording'],
     ['cut', whole.slice(0, at + (end - at) / 2), 'is cut, or damaged'],
     ['newer', whole.replace(/"version":1(?=[,}])/, '"version":9'), 'data of version 9'],
-    ['spoiled', whole.replace(/("series":")[\w+/]{400}/, `$1${'A'.repeat(400)}`), 'damaged'],
+    ['corrupted', whole.replace(/("series":")[\w+/]{400}/, `$1${'A'.repeat(400)}`), 'damaged'],
   ];
   for (const [name, text, says] of cases) {
     const path = join(t.folder, `report-${name}.html`);

@@ -95,7 +95,7 @@ export async function playerRestsAndGoesOn(t) {
   return 'seen with the key; neutral; started by the same player\'s press';
 }
 
-/** After Stop, whoever stays on the page keeps nobody from starting again. */
+/** After Stop, a person who stays on the page keeps nobody from starting again. */
 export async function stoppedGameGivesTheControlsBack(t) {
   const { therapist, game } = await bothPages(t);
   await game.click('[data-testid=stop]');
@@ -131,7 +131,7 @@ export async function halfTypedNumberStays(t) {
   await page.waitForSelector('[data-testid=arm]:enabled');  // a click on a disabled button is lost
   await page.locator(FINGERS).fill('4.');
   await page.evaluate(() => document.querySelector('[data-testid=arm]').click());
-  await therapist.rendering();  // a new session, and a recording: the scene is told anew
+  await therapist.rendering();  // a new session, and a recording: the scene is sent anew
   expect((await page.inputValue(FINGERS)) === '4.', `"${await page.inputValue(FINGERS)}" was left of "4."`);
   await page.locator(FINGERS).press('Enter');
   await limitIs(therapist, 4);
@@ -156,7 +156,7 @@ export async function tokensOpenTheirRoles(t) {
   await console_.waitForSelector('[data-testid=arm]:enabled');
   const wrong = await open('/console', TOKENS.player);
   await wrong.waitForSelector('[data-testid=watching]:not([hidden])');
-  return 'the token was gone from the address and outlived a reload; a player\'s token on the console watches, and is told so';
+  return 'the token was gone from the address and outlived a reload; a player\'s token on the console watches, and the page says so';
 }
 
 /**

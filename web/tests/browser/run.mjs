@@ -28,7 +28,7 @@ import * as reports from './report_checks.mjs';
 import * as roles from './role_checks.mjs';
 import * as stops from './stop_checks.mjs';
 
-// What must see real time, as whoever plays or holds a button is let go of after 200 ms of silence: where it fails it is
+// What must see real time, as a page that plays or holds a button is let go of after 200 ms of silence: where it fails it is
 // judged only if the machine let a sleeper beside it run.
 const PACED = { paced: true };
 const TESTS = [

@@ -36,7 +36,7 @@ export async function openWatcher(browser, programUrl, query = {}) {
         };
       });
     },
-    /** Waits until a state looks so; where none does, the error tells the last one. */
+    /** Waits until a state looks so; where none does, the error shows the last one. */
     async until(what, look, options) {
       let last = null;
       try {

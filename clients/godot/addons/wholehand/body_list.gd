@@ -17,15 +17,15 @@ var _names = {}       # [number, generation] of registered ones
 var _generations = {} # in the loop
 
 
-func take(told) -> void:
-	newest = told
-	for body in told.registered:
+func take(reported) -> void:
+	newest = reported
+	for body in reported.registered:
 		if body.whereabouts == Protocol.Whereabouts.Gone:
 			registered.erase(body.number)
 		elif body.number >= FIRST_NUMBER and body.number <= LAST_NUMBER:
 			registered[body.number] = body
 	var known = shapes
-	for made in told.new_shapes:
+	for made in reported.new_shapes:
 		known[made.id] = made
 	shapes = {}
 	numbers = {}
@@ -34,7 +34,7 @@ func take(told) -> void:
 		if registered[number].slot >= 0:
 			numbers[registered[number].slot] = number
 			_names[registered[number].slot] = [number, registered[number].generation]
-	for body in told.bodies:
+	for body in reported.bodies:
 		_keep(body.shapes, known)
 		_generations[body.slot] = body.generation
 		if not numbers.has(body.slot):

@@ -122,7 +122,7 @@ func body(body_name: String) -> Spatial:
 	return null if i < 0 else bodies[i]
 
 
-# A program tells where the first 128 bodies of a scene are.
+# A program reports where the first 128 bodies of a scene are.
 func _draw_state(state) -> void:
 	if state.session != _session or state.body_positions.empty():
 		return
@@ -180,12 +180,12 @@ func _make_of(called: String, shapes: Array, color: Color) -> Spatial:
 	return node
 
 
-func _build_game_bodies(told) -> void:
+func _build_game_bodies(reported) -> void:
 	var registered = connection.body_list.registered
 	var listed = registered.duplicate() # by slot, or number
 	_slots = {}
-	if told.session == _session:
-		for body in told.bodies:
+	if reported.session == _session:
+		for body in reported.bodies:
 			var slot = connection.body_list.numbers.get(body.slot, body.slot)
 			_slots[slot] = body.slot
 			if slot == body.slot:
@@ -199,7 +199,7 @@ func _build_game_bodies(told) -> void:
 			game_bodies[slot] = _placed_or_made(slot, listed[slot])
 			if registered.has(slot):
 				_stand(registered[slot])
-	for body in told.registered:
+	for body in reported.registered:
 		if registered.has(body.number):
 			_stand(body)
 

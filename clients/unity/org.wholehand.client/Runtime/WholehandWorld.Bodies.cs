@@ -145,10 +145,10 @@ namespace Wholehand.Unity
         // object before, some of which may be the game's own; null: not yet looked for.
         private WholehandBody Appear(BodyInWorld body, ref WholehandBody[] placed)
         {
-            GameShapes told;
-            if (!connection.Client.TryGetShapes(body.Shapes, out told)) return null;
-            var shapes = new Shape[told.PiecesLength];
-            for (int s = 0; s < shapes.Length; ++s) shapes[s] = told.Pieces(s).Value;
+            GameShapes reported;
+            if (!connection.Client.TryGetShapes(body.Shapes, out reported)) return null;
+            var shapes = new Shape[reported.PiecesLength];
+            for (int s = 0; s < shapes.Length; ++s) shapes[s] = reported.Pieces(s).Value;
             WholehandBody drawn = null;
             if (placed == null) placed = GetComponentsInChildren<WholehandBody>(true);
             foreach (WholehandBody own in placed)

@@ -96,7 +96,7 @@ namespace Wholehand.Unity
             body.Draw(world.BodyPositions[body.Index].ToVector3(), world.BodyOrientations[body.Index].ToQuaternion());
         }
 
-        // A program tells where the first 128 bodies of a scene are. A state may come before its scene.
+        // A program reports where the first 128 bodies of a scene are. A state may come before its scene.
         private bool IsOfThisScene(WorldSnapshot world)
         {
             return connection.HasState && connection.Scene.HasValue && world.BodyCount > 0 &&

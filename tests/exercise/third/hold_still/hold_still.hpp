@@ -2,7 +2,7 @@
 
 #include "exercise/load_exercise.hpp"
 
-/// Holding the hand still for a while: as little of an exercise as tells that it runs.
+/// Holding the hand still for a while: the least exercise that shows that it runs.
 namespace wholehand::hold_still {
 
 [[nodiscard]] Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source);

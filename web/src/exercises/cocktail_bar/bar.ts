@@ -55,21 +55,21 @@ function readDrink(drink: Json): BarDrink {
 
 /** The bar of a scene; undefined when the exercise is another one, or says nothing. */
 export function barOf(scene: Pick<SceneT, 'exerciseJson'> | null | undefined): Bar | undefined {
-  let told: unknown;
+  let parsed: unknown;
   try {
-    told = JSON.parse(String(scene?.exerciseJson ?? ''));
+    parsed = JSON.parse(String(scene?.exerciseJson ?? ''));
   } catch {
     return undefined;
   }
-  if (!isObject(told) || told.kind !== 'cocktail_bar' || !Array.isArray(told.dispensers) || !Array.isArray(told.drinks)) return undefined;
-  const glass = isObject(told.glass) ? told.glass : {};
-  const row = Array.isArray(told.row_y_m) ? told.row_y_m.map(number) : [];
+  if (!isObject(parsed) || parsed.kind !== 'cocktail_bar' || !Array.isArray(parsed.dispensers) || !Array.isArray(parsed.drinks)) return undefined;
+  const glass = isObject(parsed.glass) ? parsed.glass : {};
+  const row = Array.isArray(parsed.row_y_m) ? parsed.row_y_m.map(number) : [];
   return {
-    dispensers: objects(told.dispensers).map(readDispenser),
+    dispensers: objects(parsed.dispensers).map(readDispenser),
     glass: { body: words(glass.body), radius_m: number(glass.radius_m), height_m: number(glass.height_m), m_per_l: number(glass.m_per_l), capacity_l: number(glass.capacity_l) },
-    counter_z_m: number(told.counter_z_m), rail_z_m: number(told.rail_z_m),
+    counter_z_m: number(parsed.counter_z_m), rail_z_m: number(parsed.rail_z_m),
     row_y_m: row.length === 2 ? [row[0], row[1]] : undefined,
-    drinks: objects(told.drinks).map(readDrink),
-    levels: objects(told.levels).map(({ level, name }) => ({ level: number(level), name: words(name) })),
+    drinks: objects(parsed.drinks).map(readDrink),
+    levels: objects(parsed.levels).map(({ level, name }) => ({ level: number(level), name: words(name) })),
   };
 }

@@ -28,7 +28,7 @@ const GLASS_AWAY_M = 0.8;
 
 interface Hung { readonly body: number; readonly root: Group; readonly dent: Dent | undefined; readonly sign: Sign; slot: Vector3 | undefined }
 
-/** Steps of a drink of which the program tells what they poured. */
+/** Steps of a drink whose poured amounts the program reports. */
 const STEPS = [0, 1, 2, 3, 4, 5, 6, 7] as const;
 
 export class BarView implements ExerciseView {

@@ -25,7 +25,7 @@ export function barInfo(bar: Bar, file: string): ExerciseInfo {
       return liquid === undefined || asked_l === undefined ? '' : text('console.poured', { liquid: nameOf('liquid', liquid), a: ml(value('poured_l')), b: ml(asked_l) });
     },
     // Another file of this kind has levels of its own.
-    levelName: (level) => (file === BAR_FILE ? textOf(`level.${level}`) : undefined) ?? bar.levels.find((told) => told.level === level)?.name ?? '',
+    levelName: (level) => (file === BAR_FILE ? textOf(`level.${level}`) : undefined) ?? bar.levels.find((reported) => reported.level === level)?.name ?? '',
     bodyName: (body) => {
       const liquid = bar.dispensers.find((dispenser) => dispenser.body === body)?.liquid;
       return liquid === undefined ? undefined : nameOf('liquid', liquid);

@@ -1,4 +1,4 @@
-/** How a liquid looks, by its name in exercise_json: colour, pattern and symbol each tell it apart. */
+/** How a liquid looks, by its name in exercise_json: colour, pattern and symbol each distinguish it. */
 export type LiquidPattern = 'stripes' | 'dots' | 'waves' | 'rings';
 export type LiquidSymbol = 'triangle' | 'circle' | 'square' | 'diamond';
 
@@ -18,7 +18,7 @@ const LOOKS: Record<string, LiquidLook> = {
 };
 const UNKNOWN: LiquidLook = { color: '#9AA7A0', ink: '#DDE4E0', deep: '#4C5752', pattern: 'rings', symbol: 'circle' };
 
-/** The look of a liquid; one that this page has not heard of is grey with rings. */
+/** The look of a liquid; one that this page does not know is grey with rings. */
 export function liquidLook(name: string): LiquidLook {
   return LOOKS[name] ?? UNKNOWN;
 }

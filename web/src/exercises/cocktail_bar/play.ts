@@ -1,4 +1,4 @@
-// The bar in the game: recipe, meter, line and praise of one moment, as the program's values tell it.
+// The bar in the game: recipe, meter, line and praise of one moment, as the program's values give it.
 import { duration } from '../../shared/format';
 import type { SceneT, WorldStateT } from '../../protocol';
 import type { Chime, GoalWords, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep, Zone } from '../exercise';

@@ -3,7 +3,7 @@ export const en = {
   title: 'Report: {name}', report: 'Report', replay: 'Look at it again', print: 'Print', therapy: 'Therapy', engineering: 'Engineering',
   pageOf: 'Page {n} of {m}', program: 'Program {version}', notDiagnosis: 'Not a diagnosis. Every number comes from the recording.',
   reading: 'The report is being read …', none: 'none', time: 'Time', seconds: 's',
-  facts: { patient: 'Patient', hand: 'Hand', device: 'Device', exercise: 'Exercise', date: 'Date', length: 'Length', file: 'File', simulated: 'simulated', noExercise: 'No exercise', unknown: 'not told' },
+  facts: { patient: 'Patient', hand: 'Hand', device: 'Device', exercise: 'Exercise', date: 'Date', length: 'Length', file: 'File', simulated: 'simulated', noExercise: 'No exercise', unknown: 'not stated' },
   tiles: {
     levels: 'levels finished', of: 'of {n}', reach: 'to reach, on average', grip: 'grip force, on average', steadiness: 'grip varies by',
     touched: 'objects touched', held: 'held in all', force: 'largest contact force', effort: 'largest effort, {axis}',

@@ -1,7 +1,7 @@
 #include "commissioning/passport.hpp"
 #include "commissioning/sealed_file.hpp"
-#include "doors.hpp"
 #include "exercise/load_exercise.hpp"
+#include "fuzz_targets.hpp"
 #include "model/device_model.hpp"
 #include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
@@ -41,20 +41,20 @@ std::string wrongWith(const Diagnostics& faults) {
   return "";
 }
 
-/// A door whose bytes are a file of this name, with the shipped scenes beside its folder.
-Door fileDoor(const std::string& door, const std::vector<std::string>& good,
-              const std::string& file, const Load& load) {
+/// A target whose bytes are a file of this name, with the shipped scenes beside its folder.
+FuzzTarget fileTarget(const std::string& target, const std::vector<std::string>& good,
+                      const std::string& file, const Load& load) {
   const auto folder = std::make_shared<Folder>();
   const std::string path = folder->write(file, "");
   std::filesystem::create_symlink(kSource + "/config/scenes", folder->file("scenes"));
-  return {door, good, [folder, path, load](const std::string& bytes) {
+  return {target, good, [folder, path, load](const std::string& bytes) {
             writeBytes(path, bytes);
             return wrongWith(load(path));
           }};
 }
 
-Door tomlDoor(const std::string& kind, const std::string& file, const Load& load) {
-  return fileDoor("toml-" + kind, {bytesOfFile(kSource + "/config/" + file)}, "a.toml", load);
+FuzzTarget tomlTarget(const std::string& kind, const std::string& file, const Load& load) {
+  return fileTarget("toml-" + kind, {bytesOfFile(kSource + "/config/" + file)}, "a.toml", load);
 }
 
 const DeviceModel& device() {
@@ -72,7 +72,7 @@ const HandModel& hand() {
 }
 
 /// What commissioning wrote and somebody changed who can compute a seal.
-Door passportDoor() {
+FuzzTarget passportTarget() {
   Passport passport;
   passport.identity = {"S-1", "1.0", "7"};
   passport.driver = "test";
@@ -89,30 +89,30 @@ Door passportDoor() {
     passport.axes.push_back(measured);
   }
   const std::string sealed = passportText(passport);
-  return fileDoor("toml-passport", {sealed.substr(0, sealed.find("[seal]"))}, "a.toml",
-                  [](const std::string& path) {
-                    const std::string text = bytesOfFile(path);
-                    writeBytes(path, seal(text));
-                    return faultsOf(readPassport(path));
-                  });
+  return fileTarget("toml-passport", {sealed.substr(0, sealed.find("[seal]"))}, "a.toml",
+                    [](const std::string& path) {
+                      const std::string text = bytesOfFile(path);
+                      writeBytes(path, seal(text));
+                      return faultsOf(readPassport(path));
+                    });
 }
 
-Door profileDoor() {
+FuzzTarget profileTarget() {
   const std::string good =
       "kind = \"profile\"\nversion = 1\nname = \"old\"\ndevice = \"lambda-pride\"\n"
       "side = \"right\"\nhand = \"man-p50-right\"\nexercise = \"cocktail-bar\"\nlevel = 3\n"
       "help = \"some\"\n\n[parameters]\nlead_in_m = 0.004\n";
-  return fileDoor("toml-profile", {good}, "old.toml", [](const std::string& path) {
+  return fileTarget("toml-profile", {good}, "old.toml", [](const std::string& path) {
     return faultsOf(Profiles(std::filesystem::path(path).parent_path()).load("old"));
   });
 }
 
-Door exerciseDoor() {
+FuzzTarget exerciseTarget() {
   std::vector<std::string> good;
   for (const char* name : {"cocktail-bar", "squeeze-to-level", "free-grasping"}) {
     good.push_back(bytesOfFile(kSource + "/config/exercises/" + name + ".toml"));
   }
-  return fileDoor("toml-exercise", good, "exercises/a.toml", [](const std::string& path) {
+  return fileTarget("toml-exercise", good, "exercises/a.toml", [](const std::string& path) {
     return faultsOf(loadExercise(path, 1, device(), hand()));
   });
 }
@@ -123,30 +123,30 @@ std::string firstLines(const std::string& text, std::size_t bytes) {
 
 }  // namespace
 
-std::vector<Door> fileDoors() {
-  std::vector<Door> doors = {
-      tomlDoor("device", "devices/lambda-pride.toml",
-               [](const std::string& p) { return faultsOf(loadDeviceFile(p)); }),
-      tomlDoor("hand", "hands/adult-median-right.toml",
-               [](const std::string& p) { return faultsOf(loadHandFile(p)); }),
-      tomlDoor("rendering", "rendering/lambda-pride.toml",
-               [](const std::string& p) { return faultsOf(loadRenderingFile(p, device())); }),
-      tomlDoor("patient", "patients/spastic-fist.toml",
-               [](const std::string& p) { return faultsOf(loadPatientFile(p, device())); }),
-      tomlDoor("scene", "scenes/cocktail-bar.toml",
-               [](const std::string& p) { return faultsOf(loadSceneFile(p)); }),
-      exerciseDoor(),
-      profileDoor(),
-      passportDoor(),
-      fileDoor("csv",
-               {firstLines(bytesOfFile(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096)},
-               "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
-      fileDoor("urdf", {bytesOfFile(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
-               [](const std::string& p) { return faultsOf(loadUrdf(p)); })};
-  for (Door& door : doors) {
-    if (door.name.starts_with("toml-")) door.full = 20'000;
+std::vector<FuzzTarget> fileTargets() {
+  std::vector<FuzzTarget> targets = {
+      tomlTarget("device", "devices/lambda-pride.toml",
+                 [](const std::string& p) { return faultsOf(loadDeviceFile(p)); }),
+      tomlTarget("hand", "hands/adult-median-right.toml",
+                 [](const std::string& p) { return faultsOf(loadHandFile(p)); }),
+      tomlTarget("rendering", "rendering/lambda-pride.toml",
+                 [](const std::string& p) { return faultsOf(loadRenderingFile(p, device())); }),
+      tomlTarget("patient", "patients/spastic-fist.toml",
+                 [](const std::string& p) { return faultsOf(loadPatientFile(p, device())); }),
+      tomlTarget("scene", "scenes/cocktail-bar.toml",
+                 [](const std::string& p) { return faultsOf(loadSceneFile(p)); }),
+      exerciseTarget(),
+      profileTarget(),
+      passportTarget(),
+      fileTarget("csv",
+                 {firstLines(bytesOfFile(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096)},
+                 "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
+      fileTarget("urdf", {bytesOfFile(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
+                 [](const std::string& p) { return faultsOf(loadUrdf(p)); })};
+  for (FuzzTarget& target : targets) {
+    if (target.name.starts_with("toml-")) target.full = 20'000;
   }
-  return doors;
+  return targets;
 }
 
 }  // namespace wholehand::test

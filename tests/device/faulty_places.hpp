@@ -6,9 +6,9 @@
 
 namespace wholehand::test {
 
-/// Opens a device of x, y and z behind the spoiled driver, which has z, roll, y, x at 1, 2, 3, 4
+/// Opens a device of x, y and z behind the faulty driver, which has z, roll, y, x at 1, 2, 3, 4
 /// mm: its file's order counts.
-inline void expectPlacesOfSpoiled(HapticDevice& device) {
+inline void expectPlacesOfFaultyDriver(HapticDevice& device) {
   ASSERT_TRUE(device.open());
   ASSERT_TRUE(device.ready());
   DeviceReading reading;

@@ -1,4 +1,4 @@
-#include "doors.hpp"
+#include "fuzz_targets.hpp"
 #include "model/mesh/mesh_file.hpp"
 #include "server/client_words.hpp"
 #include "server/http_text.hpp"
@@ -114,12 +114,12 @@ std::vector<std::string> goodMeshes() {
   MeshSurface mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  return {encodeMesh(mesh), encodeMesh(Diagnostic{"", 0, "", "", "is broken", "mend it"})};
+  return {encodeMesh(mesh), encodeMesh(Diagnostic{"", 0, "", "", "is broken", "repair it"})};
 }
 
 }  // namespace
 
-std::vector<Door> messageDoors() {
+std::vector<FuzzTarget> messageTargets() {
   std::vector<std::string> messages;
   for (const wire::Bytes& message : words::oneOfEach()) messages.push_back(text(message));
   constexpr int kFull = 10'000'000, kSampled = 20'000;

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-/// The doors at which bytes of strangers come in: what the test `fuzz` sends damaged inputs
-/// through, and libFuzzer inputs of its own making (`./check --fuzz`).
+/// Readers of untrusted bytes: the test `fuzz` gives them damaged inputs, and libFuzzer inputs of
+/// its own making (`./check --fuzz`).
 namespace wholehand::test {
 
-struct Door {
+struct FuzzTarget {
   std::string name;
   std::vector<std::string> good;  ///< inputs that are taken
   /// Gives it these bytes. Empty: they were taken, or refused in words; otherwise what was wrong.
@@ -20,12 +20,12 @@ struct Door {
   int sampled = 60;   ///< inputs otherwise
 };
 
-[[nodiscard]] std::vector<Door> fileDoors();       ///< TOML of every kind, CSV, URDF
-[[nodiscard]] std::vector<Door> messageDoors();    ///< WebSocket, UDP, HTTP, the reader of meshes
-[[nodiscard]] std::vector<Door> recordingDoors();  ///< black box, recordings
+[[nodiscard]] std::vector<FuzzTarget> fileTargets();       ///< TOML of every kind, CSV, URDF
+[[nodiscard]] std::vector<FuzzTarget> messageTargets();    ///< WebSocket, UDP, HTTP, meshes
+[[nodiscard]] std::vector<FuzzTarget> recordingTargets();  ///< black box, recordings
 
-/// What HDF5 has read of a recording; one of recordingDoors().
-[[nodiscard]] Door recordedTablesDoor();
+/// What HDF5 has read of a recording; one of recordingTargets().
+[[nodiscard]] FuzzTarget recordedTablesTarget();
 /// Reads every tick: empty when what can be read is within the shapes of a record.
 [[nodiscard]] std::string readTicks(RecordingReader& recording);
 
@@ -39,9 +39,9 @@ struct Door {
   return texts;
 }
 
-[[nodiscard]] inline std::vector<Door> allDoors() {
-  std::vector<Door> all = fileDoors();
-  for (const auto& more : {messageDoors(), recordingDoors()}) {
+[[nodiscard]] inline std::vector<FuzzTarget> allTargets() {
+  std::vector<FuzzTarget> all = fileTargets();
+  for (const auto& more : {messageTargets(), recordingTargets()}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   return all;

@@ -1,4 +1,4 @@
-#include "doors.hpp"
+#include "fuzz_targets.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "telemetry/black_box.hpp"
@@ -45,7 +45,7 @@ std::string withRightChecksums(std::string box) {
 }
 
 /// A black box whose checksums somebody has made right again.
-Door blackBoxDoor() {
+FuzzTarget blackBoxTarget() {
   const auto folder = std::make_shared<Folder>();
   BlackBoxPlan plan;
   plan.path = folder->file("a.wbb");
@@ -174,7 +174,7 @@ void edit(const std::string& path, const Contents& contents, const std::string& 
   ::H5Fclose(file);
 }
 
-Door recordingValuesDoor() {
+FuzzTarget recordingValuesTarget() {
   const auto folder = std::make_shared<Folder>();
   const std::string whole = folder->file("whole.h5"), edited = folder->file("edited.h5");
   synthetic::writeRecording(whole, synthetic::noisyTicks(20));
@@ -208,8 +208,8 @@ std::string readTicks(RecordingReader& recording) {
   return "";
 }
 
-std::vector<Door> recordingDoors() {
-  return {blackBoxDoor(), recordingValuesDoor(), recordedTablesDoor()};
+std::vector<FuzzTarget> recordingTargets() {
+  return {blackBoxTarget(), recordingValuesTarget(), recordedTablesTarget()};
 }
 
 }  // namespace wholehand::test

@@ -146,7 +146,7 @@ static int identify(wh_device* device, wh_identity* identity) {
 #define write_command 0
 #endif
 const wh_plugin* SYMBOL(void) {
-  static const wh_plugin plugin = {SIZE, MAJOR, WH_MINOR, FLAGS, "spoiled", open_device, describe,
+  static const wh_plugin plugin = {SIZE, MAJOR, WH_MINOR, FLAGS, "faulty", open_device, describe,
                                    control, read_sample, write_command, close_device, identify, NULL};
   return &plugin;
 }

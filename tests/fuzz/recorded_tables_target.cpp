@@ -1,7 +1,7 @@
 // What HDF5 has read of a recording, from bytes in memory: the description, row counts, numbers and
 // packed blocks of somebody else, without a file (3 ms each), up to what is shown of them.
-#include "doors.hpp"
 #include "fuzz/memory_tables.hpp"
+#include "fuzz_targets.hpp"
 #include "replay/engineering_facts.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
@@ -250,7 +250,7 @@ std::string packedEdit(const MemoryTables& good, std::uint8_t which) {
 
 }  // namespace
 
-Door recordedTablesDoor() {
+FuzzTarget recordedTablesTarget() {
   const auto good = std::make_shared<const MemoryTables>(goodTables());
   if (good->empty()) return {"recorded-tables", {}, {}};
   std::vector<std::string> inputs = randomTexts(24, 1 + 3 * kEdit);

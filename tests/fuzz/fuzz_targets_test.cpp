@@ -1,0 +1,60 @@
+// Damaged inputs to every fuzz target: each ends in a value or in a refusal with a remedy.
+// WHOLEHAND_FULL=1 sends `FuzzTarget::full` of them through each, and there each takes a second of
+// processor at most.
+#include "fuzz_targets.hpp"
+
+#include "support/mutation.hpp"
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+
+namespace wholehand::test {
+namespace {
+
+double processor_s() {
+  timespec t{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+class EveryFuzzTarget : public testing::TestWithParam<FuzzTarget> {};
+
+TEST_P(EveryFuzzTarget, WhatIsGood_IsTakenWithoutFault) {
+  ASSERT_FALSE(GetParam().good.empty());
+  for (const std::string& bytes : GetParam().good) EXPECT_EQ(GetParam().enter(bytes), "");
+}
+
+TEST_P(EveryFuzzTarget, RandomDamage_IsTakenOrRefusedWithinASecond) {
+  const FuzzTarget& target = GetParam();
+  auto random = seededRandom(901);
+  const bool full = fullCounts() && !WHOLEHAND_SANITIZED;
+  const int count = full ? target.full : std::max(10, cases(target.sampled));
+  double longest_s = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const std::string bytes =
+        mutated(target.good[static_cast<std::size_t>(i) % target.good.size()], random);
+    const double before_s = processor_s();
+    ASSERT_EQ(target.enter(bytes), "") << "input " << i;
+    longest_s = std::max(longest_s, processor_s() - before_s);
+  }
+  if (full) {
+    EXPECT_LE(longest_s, 1.0);
+  }
+  std::printf("figure: %s: %d inputs, at most %.3f s\n", target.name.c_str(), count, longest_s);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryFuzzTarget, testing::ValuesIn(allTargets()),
+                         [](const auto& tested) {
+                           std::string name = tested.param.name;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace wholehand::test
