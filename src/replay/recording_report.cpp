@@ -39,9 +39,9 @@ constexpr int kMostShownColumns = 800, kFewestColumns = 100;
 /// Datasets that a report does not need.
 const LeftOut kLeftOut = {{"digest", "patient_effort", "tank"}, {}};
 /// Datasets that it needs only for the states that it shows, one tick in hundreds.
-const LeftOut kLeftOutBetweenStates = {{"digest", "patient_effort", "tank", "theta", "parameters",
-                                        "palm_body", "palm_target_distance_m"},
-                                       {"link", "point_m", "normal", "torque_nm", "distance_m"}};
+const LeftOut kLeftOutBetweenStates = {
+    {"digest", "patient_effort", "tank", "theta", "parameters", "palm_distance_m"},
+    {"link", "point_m", "normal", "torque_nm", "distance_m"}};
 
 /// All data of a page, or only the figures for comparison with another session.
 enum class Detail { kAll, kFigures };

@@ -82,7 +82,7 @@ std::vector<SeriesChannel> seriesChannels(const RecordingMeta& meta) {
     for (int a = 0; a < axes; ++a) channels.push_back({name, a});
   }
   for (const char* name :
-       {"alpha", "palm_distance_m", "contact_force_n", "contact_count", "duration_s"}) {
+       {"alpha", "palm_target_distance_m", "contact_force_n", "contact_count", "duration_s"}) {
     channels.push_back({name, 0});
   }
   const auto values = static_cast<int>(meta.value_names.size());
@@ -104,7 +104,8 @@ void fillSeriesValues(const TickRecord& record, const RecordingMeta& meta,
   per_axis(record.exercise.effort);
   per_axis(record.damping);
   per_axis(record.phi);
-  for (const double value : {record.exercise.alpha, record.palm_distance_m, contactForce_n(record),
+  const double to_target_m = record.palm_body < 0 ? kNothing : record.palm_target_distance_m;
+  for (const double value : {record.exercise.alpha, to_target_m, contactForce_n(record),
                              static_cast<double>(record.contact_count), duration_s(record, meta)}) {
     values[at++] = value;
   }
@@ -116,8 +117,7 @@ void fillSeriesValues(const TickRecord& record, const RecordingMeta& meta,
 
 LeftOut leftOutOfSeries() {
   return {{"stage_cpu_ns", "digest", "moved_by", "help", "patient_effort", "theta",
-           "coupling_error_rad", "bodies", "effort_limit", "tank", "palm_body",
-           "palm_target_distance_m", "parameters"},
+           "coupling_error_rad", "bodies", "effort_limit", "tank", "palm_distance_m", "parameters"},
           {"capsule", "link", "body", "point_m", "normal", "torque_nm", "distance_m"}};
 }
 

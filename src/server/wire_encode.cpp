@@ -231,7 +231,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_latched_faults(static_cast<std::uint32_t>(status.latched));
   out.add_authority(static_cast<float>(r.authority));
   out.add_alpha(static_cast<float>(r.exercise.alpha));
-  out.add_palm_distance_m(static_cast<float>(r.palm_target_distance_m));
+  out.add_palm_target_distance_m(static_cast<float>(r.palm_target_distance_m));
   out.add_fault_value(static_cast<float>(status.fault_value));
   out.add_fault_limit(static_cast<float>(status.fault_limit));
   out.add_endings(status.endings);

@@ -192,7 +192,7 @@ TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgr
     EXPECT_EQ(bytesOfStructs(state.bodies()), bytesOfStructs(live.bodies()));
     EXPECT_EQ(bytesOfStructs(state.contacts()), bytesOfStructs(live.contacts()));
     EXPECT_GT(state.links()->size(), 10U);
-    EXPECT_EQ(state.palm_distance_m(), live.palm_distance_m());
+    EXPECT_EQ(state.palm_target_distance_m(), live.palm_target_distance_m());
     EXPECT_EQ(state.run_state(), fb::RunState::Rendering);
     EXPECT_EQ(state.statistics(), nullptr);
     EXPECT_EQ(state.fault_ticks(), nullptr);
@@ -302,7 +302,8 @@ TEST(ReplayedRecording, WithoutExerciseOrBodies_ShowsTheHandAlone) {
   EXPECT_EQ(stateIn(messages[4]).bodies()->size(), 0U);
   EXPECT_GT(stateIn(messages[4]).links()->size(), 10U);
   const Series series(ask(*recording, "series?from_s=0&to_s=1&columns=4").body);
-  EXPECT_TRUE(std::isnan(series.low(series.channel("palm_distance_m"), 0))) << "there is no body";
+  EXPECT_TRUE(std::isnan(series.low(series.channel("palm_target_distance_m"), 0)))
+      << "there is no body";
   EXPECT_EQ(series.high(series.channel("contact_count"), 0), 0.0F);
   EXPECT_EQ(ask(*recording, "scene").status, 200);
 }

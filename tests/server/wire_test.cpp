@@ -68,7 +68,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_EQ(s->sent()->Get(0), -1.5F);
   EXPECT_EQ(s->phi()->Get(0), 0.75F);
   EXPECT_EQ(s->palm_body(), 1);
-  EXPECT_EQ(s->palm_distance_m(), 0.125F);
+  EXPECT_EQ(s->palm_target_distance_m(), 0.125F);
   EXPECT_EQ(s->values()->size(), 48U);
   EXPECT_EQ(s->values()->Get(47), 47.1);  // a double: exact
   EXPECT_EQ(s->contacts()->size(), std::size_t{kMaxContacts});

@@ -17,7 +17,7 @@ namespace Wholehand
         public float Authority;        // 1 while rendering, 0 at neutral
         public float Alpha;            // of the exercise's transition
         public int PalmBody = -1;      // nearest of the exercise's bodies; -1: none
-        public float PalmDistanceM;
+        public float PalmTargetDistanceM;
         public float[] DevicePosition = new float[0];
         public float[] HandPosition = new float[0];    // of the avatar, per axis
         public float[] JointAngles = new float[0];     // of the avatar
@@ -42,7 +42,7 @@ namespace Wholehand
             Authority = s.Authority;
             Alpha = s.Alpha;
             PalmBody = s.PalmBody;
-            PalmDistanceM = s.PalmDistanceM;
+            PalmTargetDistanceM = s.PalmTargetDistanceM;
             Copy(ref DevicePosition, s, s.QMLength, (w, i) => w.QM(i));
             Copy(ref HandPosition, s, s.QSLength, (w, i) => w.QS(i));
             Copy(ref JointAngles, s, s.ThetaLength, (w, i) => w.Theta(i));

@@ -150,7 +150,7 @@ public static class Golden
             { "session", hand.Session }, { "endings", hand.Endings }, { "tick", hand.Tick }, { "time_s", hand.TimeS },
             { "sent_monotonic_ns", hand.SentMonotonicNs }, { "run_state", hand.RunState }, { "steering", hand.Steering },
             { "faults", hand.Faults }, { "latched_faults", hand.LatchedFaults }, { "authority", hand.Authority },
-            { "alpha", hand.Alpha }, { "palm_body", hand.PalmBody }, { "palm_distance_m", hand.PalmDistanceM },
+            { "alpha", hand.Alpha }, { "palm_body", hand.PalmBody }, { "palm_target_distance_m", hand.PalmTargetDistanceM },
             { "q_m", hand.DevicePosition }, { "q_s", hand.HandPosition }, { "theta", hand.JointAngles },
             { "intention", hand.Intention }, { "coupling", hand.Coupling }, { "exercise_effort", hand.ExerciseEffort },
             { "damping", hand.Damping }, { "sent", hand.Sent }, { "phi", hand.Phi }, { "values", hand.Values }

@@ -85,7 +85,7 @@ export class FakeRecordings {
     const force = (s: WorldStateT): number => s.contacts.reduce((sum, { forceN: f }) => sum + (f ? Math.hypot(f.x, f.y, f.z) : 0), 0);
     return [
       ...Object.entries(PER_AXIS).flatMap(([name, read]) => axes.map((axis) => ({ name, axis, of: (s: WorldStateT) => read(s)[axis] ?? NaN }))),
-      { name: 'alpha', axis: 0, of: (s) => s.alpha }, { name: 'palm_distance_m', axis: 0, of: (s) => (s.palmBody < 0 ? NaN : s.palmDistanceM) },
+      { name: 'alpha', axis: 0, of: (s) => s.alpha }, { name: 'palm_target_distance_m', axis: 0, of: (s) => (s.palmBody < 0 ? NaN : s.palmTargetDistanceM) },
       { name: 'contact_force_n', axis: 0, of: force }, { name: 'contact_count', axis: 0, of: (s) => s.contacts.length },
       { name: 'duration_s', axis: 0, of: (s) => 1e-6 * (150 + Number(s.tick % 37n)) },
       ...this.scene.valueNames.map((_, i) => ({ name: 'value', axis: i, of: (s: WorldStateT) => s.values[i] ?? NaN })),

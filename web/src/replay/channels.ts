@@ -4,7 +4,7 @@ import type { SceneT, WorldStateT } from '../protocol';
 import { channelKey } from './series_piece';
 
 export type PerAxis = 'q_m' | 'q_s' | 'intention' | 'sent' | 'exercise_effort' | 'damping' | 'phi';
-export type Alone = 'alpha' | 'palm_distance_m' | 'contact_force_n' | 'contact_count' | 'duration_s';
+export type Alone = 'alpha' | 'palm_target_distance_m' | 'contact_force_n' | 'contact_count' | 'duration_s';
 
 /** A column of plots, by names that hold in every recording: of an axis, of a value of the exercise, or of the whole. */
 export type Column = { readonly of: PerAxis | 'value'; readonly name: string } | { readonly of: Alone };
@@ -22,7 +22,7 @@ const OF_STATE: Readonly<Record<PerAxis, (state: WorldStateT) => readonly number
 const sizeOf = ({ forceN }: WorldStateT['contacts'][number]): number => (forceN ? Math.hypot(forceN.x, forceN.y, forceN.z) : 0);
 const ALONE: Readonly<Record<Alone, { factor: number; read: (state: WorldStateT) => number | undefined }>> = {
   alpha: { factor: 1, read: (state) => state.alpha },
-  palm_distance_m: { factor: 1000, read: (state) => (state.palmBody < 0 ? undefined : state.palmDistanceM) },
+  palm_target_distance_m: { factor: 1000, read: (state) => (state.palmBody < 0 ? undefined : state.palmTargetDistanceM) },
   contact_force_n: { factor: 1, read: (state) => state.contacts.reduce((sum, contact) => sum + sizeOf(contact), 0) },
   contact_count: { factor: 1, read: (state) => state.contacts.length },
   duration_s: { factor: 1e6, read: () => undefined },   // no state has it

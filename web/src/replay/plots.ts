@@ -62,7 +62,7 @@ export class PlotMaker {
     specs.push(
       alone('contact', t.plots.contact, 'N', [
         this.series({ of: 'contact_force_n' }, t.plots.force, '--ax-x', [], 1), this.series({ of: 'contact_count' }, t.plots.count, '--ax-a', DOTTED, 0)], 4),
-      alone('palm', t.plots.palm, 'mm', [this.series({ of: 'palm_distance_m' }, t.plots.distance, '--ax-z', [], 0)], 40));
+      alone('palm', t.plots.palm, 'mm', [this.series({ of: 'palm_target_distance_m' }, t.plots.distance, '--ax-z', [], 0)], 40));
     if (this.chosen.value !== '') {
       specs.push({ ...alone('value', t.plots.value, '', [this.series({ of: 'value', name: this.chosen.value }, '', '--ax-y', [], 3)], 1e-3), withZero: false });
     }

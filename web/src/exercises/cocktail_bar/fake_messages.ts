@@ -50,7 +50,7 @@ export function describeBar(s: SceneT, bar: FakeBar): void {
 
 export function fillBar(s: WorldStateT, bar: FakeBar): void {
   s.palmBody = bar.palmDistance_m < 0.2 ? FIRST_DISPENSER + Math.max(bar.engaged, bar.target) : -1;
-  s.palmDistanceM = bar.palmDistance_m;
+  s.palmTargetDistanceM = bar.palmDistance_m;
   s.bodies = [
     pose([0.2, 0, g.counter_z - 0.02]), pose([g.row_x, 0, g.rail_z]), pose([g.row_x, bar.glass_y, g.counter_z + g.glass_h / 2]),
     ...bar.liquids.map((_, i) => pose([g.row_x, bar.dispenserY(i), g.bottle_z])),
