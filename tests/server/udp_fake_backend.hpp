@@ -160,7 +160,7 @@ class FakeBackend : public ServerBackend {
     return {true, ""};
   }
   template <class Other>
-  static OrderReply carryOut(const Other&) {
+  OrderReply carryOut(const Other&) {
     return {true, ""};
   }
 
