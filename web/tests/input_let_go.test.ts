@@ -30,6 +30,7 @@ class Picture extends EventTarget {
 const event = (type: string, more: object = {}): Event => Object.assign(new Event(type), { buttons: 1, button: 0, isPrimary: true, pointerId: 1, clientX: 500, clientY: 300, ...more });
 
 describe('controls that are taken away', () => {
+  let tellScene: (told: SceneT) => void;
   /** A person who has closed the hand with Space; the axes of the robot. */
   function closing(): { controls: Controls; aims: number[][]; tell: (name: string) => void; state: WorldStateT; connection: { controls: { heldByYou: boolean } } } {
     vi.useFakeTimers();
@@ -57,6 +58,7 @@ describe('controls that are taken away', () => {
     WINDOW.dispatchEvent(Object.assign(event('keydown'), { code: 'Space' }));
     vi.advanceTimersByTime(2500);
     expect(aims.at(-1)![1]).toBeGreaterThan(2.5);
+    tellScene = (told) => listeners.get('scene')?.(told);
     return { controls, aims, tell: (name) => listeners.get(name)?.(undefined), state, connection };
   }
   /** Half bent or less, and the thumb straight: nothing is squeezed. */
@@ -86,6 +88,17 @@ describe('controls that are taken away', () => {
     WINDOW.dispatchEvent(new Event('blur'));
     vi.advanceTimersByTime(1000);
     expectOpen(aims.at(-1)!);
+    controls.disable();
+  });
+
+  it('but not by a profile that a therapist saves, which tells the same scene anew', () => {
+    const { controls, aims, connection } = closing();
+    const { scene } = connection as unknown as { scene: SceneT };
+    const before = aims.length;
+    tellScene(Object.assign(new SceneT(), scene, { profile: 'anna', recording: 'a.h5' }));
+    vi.advanceTimersByTime(1000);
+    expect(aims.length).toBeGreaterThan(before);
+    for (const aim of aims.slice(before)) expect(aim[1]).toBeGreaterThan(2.5);
     controls.disable();
   });
 

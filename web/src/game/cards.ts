@@ -100,7 +100,7 @@ export class Cards {
     const { memory, presses } = this.behind;
     const { way, levels, level, tone, notice } = memory;
     const again = focusedChoice();
-    const { card, start } = welcomeCard({ ways: this.ways(), way, robot: memory.hardware, levels: this.behind.connection.controls.led ? 0 : levels, level, tone, help: memory.setHelp ? null : memory.help, connected: this.behind.connection.connected, notice, words: this.exerciseWords }, {
+    const { card, start } = welcomeCard({ ways: this.ways(), way, robot: memory.hardware, levels: this.behind.connection.controls.led ? 0 : levels, level, tone, help: memory.setHelp || !this.exerciseWords.oneButton() ? null : memory.help, connected: this.behind.connection.connected, notice, words: this.exerciseWords }, {
       help: (wanted) => this.choose(() => { memory.chooseHelp(wanted); this.behind.controls.help = wanted; }),
       start: () => presses.start(),
       watch: () => { void presses.watch(); },

@@ -86,7 +86,7 @@ export class Screen {
     const { attempts, problem } = connection;
     const playing = !CARDS.has(now) && isPlaying(memory.situation(connection), connection.latestState);
     const key = [
-      now, language(), connection.connected, problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp,
+      now, language(), connection.connected, problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp, memory.level,
       now === 'rest' && this.cards.restState,
     ].join();
     this.cards.showAttempts(attempts);
@@ -104,7 +104,8 @@ export class Screen {
       memory.leavePlay();
       controls.stopWebcam();
     }
-    if (playing && !memory.helpOpen) controls.enable(); else controls.disable();
+    // On a real device the person's own hand steers.
+    if (playing && !memory.helpOpen && !memory.hardware) controls.enable(); else controls.disable();
     this.cards.show(now);
   }
 
@@ -180,7 +181,7 @@ export class Screen {
     if (play.isPaused(state)) return [text('watch.paused'), text('watch.pausedMore')];
     const { title, more } = playWords(play, state, {
       now, help: memory.help, hint: this.hint, oneButton: memory.way !== 'webcam' && !memory.hardware,
-      onItsWay: controls.onItsWay, outOfReach: controls.outOfReach, closing: controls.squeeze > 0,
+      onItsWay: controls.onItsWay, outOfReach: controls.outOfReach, closing: controls.squeeze > 0, letGo: controls.letGoWords,
       beside: scene && this.targets && besideOf(this.targets, scene.rightHand, state, memory.palmLink),
     });
     return [title, more];

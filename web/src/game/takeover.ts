@@ -42,6 +42,7 @@ export class Press {
   constructor(private readonly connection: Connection, readonly seen: number) {}
 
   cancel(): void { this.cancelled = true; }
+  get isCancelled(): boolean { return this.cancelled; }
   get holds(): boolean { return !this.cancelled && this.connection.endings === this.seen; }
 }
 
