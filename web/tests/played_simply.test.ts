@@ -33,8 +33,8 @@ describe('a press more', () => {
 
   it('that is held ends it when it is let go of, but not while it pours', () => {
     expect(presses({ same: true }, 0.1, 1, 1, 0.1)).toBe(false);
-    expect(presses({ same: true, pours: true }, 0.1, 1, 1, 0.1)).toBe(true);
-    expect(presses({ pours: true }, 0.1, 1, 0.1, 0.1)).toBe(true);
+    expect(presses({ same: true, well: true }, 0.1, 1, 1, 0.1)).toBe(true);
+    expect(presses({ well: true }, 0.1, 1, 0.1, 0.1)).toBe(true);
   });
 });
 

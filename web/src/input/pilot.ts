@@ -56,7 +56,7 @@ const AT_GRIP_M = 0.03;
 const BACK_AT_M = 0.004;
 
 /** What is held is squeezed well. */
-const pours = ({ squeeze_n, squeezeLow_n }: Sight): boolean => squeezeLow_n > 0 && squeeze_n >= squeezeLow_n;
+const isWell = ({ squeeze_n, squeezeLow_n }: Sight): boolean => squeezeLow_n > 0 && squeeze_n >= squeezeLow_n;
 
 /**
  * "This target" is one intent. The pilot turns it into moves: out of the row where the hand is in
@@ -119,7 +119,7 @@ export class Pilot {
     if (help === 'full' && sight.letGo && !this.over) this.finish(asked, inside);
     this.over = sight.letGo;
     const same = this.meant !== undefined && this.meant === sight.target && (asked.pointed === undefined || asked.pointed === this.meant);
-    const pressed = { taps: help === 'full', closed: sight.closed, same, pours: same && pours(sight) };
+    const pressed = { taps: help === 'full', closed: sight.closed, same, well: same && isWell(sight) };
     const wish = { ...asked, squeeze: this.trigger.step(asked.squeeze, pressed, dt_s) };
     this.look(asked.pointed, dt_s);
     this.choose(wish, sight, own, help);
@@ -137,7 +137,7 @@ export class Pilot {
   private carryOn({ target, carry }: { readonly target: number; readonly carry: Carry }, asked: Wish, sight: Sight, dt_s: number): Course | undefined {
     this.over = sight.letGo;
     const away = sight.awayFromUse?.[target];
-    const wants = this.trigger.step(asked.squeeze, { taps: true, closed: sight.closed, pours: away !== undefined && isInPlace(away) && pours(sight) }, dt_s);
+    const wants = this.trigger.step(asked.squeeze, { taps: true, closed: sight.closed, well: away !== undefined && isInPlace(away) && isWell(sight) }, dt_s);
     const { x, y, z } = asked.velocity, isLed = x !== 0 || y !== 0 || z !== 0;
     const move = away && carry.step({ ...sight, away, goesOn: asksToSqueeze(wants) && !sight.letGo }, dt_s);
     if (move) return { wish: { ...asked, place: {}, velocity: isLed ? asked.velocity : move.velocity, squeeze: true }, goal: target, leaving: false, carries: true, holds: move.hold };

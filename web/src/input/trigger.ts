@@ -14,7 +14,7 @@ export interface Pressed {
   /** It asks for what is being done: a tap more ends nothing. */
   readonly same?: boolean;
   /** It is squeezed well: no press ends that, not even one that is held. */
-  readonly pours?: boolean;
+  readonly well?: boolean;
 }
 
 /**
@@ -30,19 +30,19 @@ export class Trigger {
   private ends = false;
 
   /** @param asked what the way of playing says: pressed or not, or how far */
-  step(asked: boolean | number, { taps, closed, same = false, pours = false }: Pressed, dt_s: number): boolean | number {
+  step(asked: boolean | number, { taps, closed, same = false, well = false }: Pressed, dt_s: number): boolean | number {
     const down = typeof asked === 'number' ? asked > PRESSED : asked;
     if (!down) this.up_s += dt_s;
     if (down && !this.down) {
       this.held_s = 0;
       // Who presses squeezes, and who lets go lets go: it ends what a tap before it began.
-      this.ends = this.latched && !same && !pours && this.up_s > AGAIN_S;
+      this.ends = this.latched && !same && !well && this.up_s > AGAIN_S;
       this.latched &&= !this.ends;
     } else if (down) {
       this.held_s += dt_s;
     } else if (this.down) {
       const tap = this.held_s < TAP_S || !closed;
-      this.latched = this.latched ? tap || pours : tap && taps && typeof asked === 'boolean' && !this.spent && !this.ends;
+      this.latched = this.latched ? tap || well : tap && taps && typeof asked === 'boolean' && !this.spent && !this.ends;
       this.spent = this.ends = false;
       this.up_s = 0;
     }

@@ -25,14 +25,14 @@ export class GuestView {
 
   constructor() { this.root.visible = false; }
 
-  /** Behind the counter, facing the picture as the room does. */
-  place(camera: PerspectiveCamera, { right, counter_y, row_z }: CameraPlace, bottles: readonly Vector3[]): void {
+  /** Behind the counter, facing the picture as the room does. @param lift_m over what stands on it */
+  place(camera: PerspectiveCamera, { right, counter_y, row_z }: CameraPlace, bottles: readonly Vector3[], lift_m = 0): void {
     const turn_rad = turnOf(right), across = freeAcross(camera, right, bottles);
     const ahead = new Vector3(0, 0, 1).applyAxisAngle(new Vector3(0, 1, 0), turn_rad);
     const wall = new Plane().setFromNormalAndCoplanarPoint(ahead, new Vector3(0, counter_y, row_z).addScaledVector(ahead, -BEHIND_M));
     const at = atPlane(camera, across, wall);
     if (!at) return;
-    this.root.position.set(at.x, counter_y + SIZE_M / 2, at.z);
+    this.root.position.set(at.x, counter_y + SIZE_M / 2 + lift_m, at.z);
     this.root.rotation.y = turn_rad;
   }
 
