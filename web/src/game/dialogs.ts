@@ -77,6 +77,7 @@ export interface WelcomeContent {
   readonly levels: number;            // to choose from; 0: a therapist chooses
   readonly level: number;
   readonly tone: Tone;
+  readonly textSize: TextSize;
   readonly help: Help | null;  // null: the therapist has set it
   readonly connected: boolean;        // the program hears the page: the buttons act
   readonly notice: string;
@@ -90,6 +91,7 @@ export interface WelcomeActions {
   way(wanted: string): void;
   level(wanted: number): void;
   tone(wanted: Tone): void;
+  textSize(wanted: TextSize): void;
   help(wanted: Help): void;
 }
 
@@ -117,8 +119,8 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
   const card = h('section', { class: 'card welcome', role: 'dialog', 'aria-labelledby': 'welcome-title', tabindex: -1, 'data-testid': 'welcome' },
     h('header', {},
       h('div', {}, h('h1', { id: 'welcome-title', class: 't-xl' }, words.title()), h('p', { class: 't-s soft' }, words.lead())),
-      h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
-        ...LANGUAGES.map((l) => h('button', { type: 'button', lang: l, 'aria-pressed': String(l === language()), 'data-lang': l, onclick: () => actions.language(l) }, l.toUpperCase())))),
+      h('div', { class: 'corner t-s' }, pressable(`${text('settings.text')}: ${text('text.far')}`, content.textSize === 'far', () => actions.textSize(content.textSize === 'far' ? 'normal' : 'far'), { 'data-large': 'text' }), h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
+        ...LANGUAGES.map((l) => h('button', { type: 'button', lang: l, 'aria-pressed': String(l === language()), 'data-lang': l, onclick: () => actions.language(l) }, l.toUpperCase()))))),
     stepList(content),
     h('div', { class: 'line how t-s', role: 'group', 'aria-labelledby': 'welcome-how' }, h('h2', { id: 'welcome-how', class: 't-m' }, text('welcome.how')), ...ways),
     h('div', { class: 'aid' }, chosen ? helpList(chosen, content.help === 'some' || content.help === 'none' ? text(`help.${content.help}More`) : '') : h('p', { class: 'help-list t-s' }, text('welcome.robotHint')),
