@@ -63,6 +63,7 @@ export class Screen {
   setScene(scene: SceneT): void {
     this.picture?.setScene(scene);
     this.targets = targetsOf(scene);
+    document.body.dataset.hand = scene.rightHand ? 'right' : 'left';
     this.shown = '';
   }
 

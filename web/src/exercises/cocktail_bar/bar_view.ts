@@ -98,7 +98,7 @@ export class BarView implements ExerciseView {
     this.glass.update(serving.empty ? [] : layersOf(poured, liquids, rise, rim), this.line_m, done && !serving.empty);
     const body = state.bodies[this.glassBody];
     if (body) place(this.glass.root, body, -this.bar.glass.height_m / 2);
-    this.guest.update(this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink'), serving.pose, dt_s);
+    this.guest.update(this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink'), serving.pose, done, dt_s);
     this.serve(serving);
     // What runs into a glass that is drawn elsewhere would run on to the counter.
     const away = serving.toMiddle > 0 || serving.away > 0 || serving.seen < 1;
@@ -137,7 +137,7 @@ export class BarView implements ExerciseView {
   /** The glass to the guest and away, as looks alone. */
   private serve({ toMiddle, away, seen }: Serving): void {
     const glass = this.glass.root, facing = new Vector3(0, 0, 1).applyQuaternion(this.guest.root.quaternion);
-    const middle = this.guest.root.position.clone().addScaledVector(facing, GLASS_BEFORE_GUEST_M).setY(glass.position.y);
+    const middle = this.guest.servedAt.clone().addScaledVector(facing, GLASS_BEFORE_GUEST_M).setY(glass.position.y);
     glass.position.lerp(middle, toMiddle);
     glass.position.addScaledVector(new Vector3(-1, 0, 0).applyQuaternion(this.guest.root.quaternion), GLASS_AWAY_M * away);
     this.glass.fade(seen);
