@@ -51,7 +51,8 @@ describe('controls that are taken away', () => {
       on: (name: string, callback: (value: unknown) => void) => { listeners.set(name, callback); return () => {}; },
       aim: (q: number[]) => { aims.push(q); return Promise.resolve({ accepted: true, reason: '' }); },
       takeControls() { this.taken += 1; return Promise.resolve({ accepted: true, reason: '' }); },
-      steer: () => Promise.resolve({ accepted: true, reason: '' }),
+      steered: 0,
+      steer() { this.steered += 1; return Promise.resolve({ accepted: true, reason: '' }); },
     };
     const controls = new Controls(connection as unknown as Connection, new Picture() as unknown as HTMLElement);
     controls.enable();
@@ -99,6 +100,17 @@ describe('controls that are taken away', () => {
     vi.advanceTimersByTime(1000);
     expect(aims.length).toBeGreaterThan(before);
     for (const aim of aims.slice(before)) expect(aim[1]).toBeGreaterThan(2.5);
+    controls.disable();
+  });
+
+  it('asks for nothing on a real device, whose hand is the person\'s own', () => {
+    const { controls, aims, state, connection } = closing();
+    state.intention = [];
+    state.steering = Steering.VirtualPatient;
+    const before = aims.length;
+    WINDOW.dispatchEvent(Object.assign(event('keydown'), { code: 'Space' }));
+    vi.advanceTimersByTime(3000);
+    expect([aims.length, (connection as unknown as { steered: number }).steered]).toEqual([before, 0]);
     controls.disable();
   });
 

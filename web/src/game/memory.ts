@@ -8,7 +8,8 @@ import { TONES, type ToneName as Tone } from '../hand/tones';
 import type { TextSize } from './dialogs';
 import { addStars, starsOf } from './stars';
 import type { Known, Press } from './takeover';
-import { hasHardware, isFaded, type Resting, type Situation, type Unseen } from './page_state';
+import { hasHardware } from '../shared/hardware';
+import { isFaded, type Resting, type Situation, type Unseen } from './page_state';
 import { HELPS, type Help } from '../input/wish';
 
 const STORED = { text: 'wholehand.text', tone: 'wholehand.tone', level: 'wholehand.level', way: 'wholehand.way', help: 'wholehand.help' } as const;

@@ -105,8 +105,7 @@ export class Screen {
       memory.leavePlay();
       controls.stopWebcam();
     }
-    // On a real device the person's own hand steers.
-    if (playing && !memory.helpOpen && !memory.hardware) controls.enable(); else controls.disable();
+    if (playing && !memory.helpOpen) controls.enable(); else controls.disable();
     this.cards.show(now);
   }
 

@@ -2,6 +2,7 @@ import './input.css';
 import { targetsOf } from '../exercises';
 import type { Connection } from '../net/connection';
 import { Help as HelpGiven, RunState, Steering, type SceneT } from '../protocol';
+import { hasHardware } from '../shared/hardware';
 import { language, type Language } from '../shared/i18n';
 import { AimModel, type AimConfig } from './aim_model';
 import { partOfAxis } from './axis_range';
@@ -285,7 +286,8 @@ export class Controls {
     if (before && !this.current) this.letGo();
     const { connection, model, perceiver, current } = this;
     const state = connection.latestState;
-    if (!model || !perceiver || !state || connection.status !== 'open') return;
+    // On a real device the person's own hand steers.
+    if (!model || !perceiver || !state || connection.status !== 'open' || hasHardware(state)) return;
     const isHanded = this.handedOver && state.steering === Steering.Person && connection.controls.heldByYou;
     if (!current && !model.showing && !isHanded) return;
     // Steering that was taken away (somebody wants to watch) is only asked for with a new touch.
