@@ -2,7 +2,7 @@
 // screen, for either hand.
 import { PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
-import { placeCamera, turnOf } from '../src/scene/camera';
+import { placeCamera, turnOf, unitOf } from '../src/scene/camera';
 import { freeAcross } from '../src/exercises/cocktail_bar/guest';
 import { COUNTER, WALL } from '../src/scene/stage';
 import { outlineOf } from '../src/exercises/cocktail_bar/outline';
@@ -105,8 +105,9 @@ describe('the guest', () => {
       for (const count of [1, 2, 4]) {
         const { camera } = drawn(count, right, width, height, count - 1);
         const bottles = bodies(count, right ? 1 : -1).map(({ positionM: p }) => new Vector3(-p.y, p.z, -p.x));
-        const across = freeAcross(camera, right, bottles);
-        if (width / height > 1.1) expect(across * width).toBeGreaterThanOrEqual(524 * Math.min(width / 1280, height / 800));
+        const across = freeAcross(camera, right, bottles, true), card_px = 524 * unitOf(width, height);
+        // The card is on the left of a right hand's picture, on the right of a left hand's.
+        if (width / height > 1.1) expect(right ? across * width : (1 - across) * width).toBeGreaterThanOrEqual(card_px);
         const px = bottles.map((p) => p.clone().project(camera).x * 0.5 + 0.5);
         expect(Math.min(...px.map((x) => Math.abs(x - across)))).toBeGreaterThan(0.03);
       }

@@ -30,6 +30,7 @@ class Picture extends EventTarget {
 const event = (type: string, more: object = {}): Event => Object.assign(new Event(type), { buttons: 1, button: 0, isPrimary: true, pointerId: 1, clientX: 500, clientY: 300, ...more });
 
 describe('controls that are taken away', () => {
+  let tellScene: (reported: SceneT) => void;
   /** A person who has closed the hand with Space; the axes of the robot. */
   function closing(): { controls: Controls; aims: number[][]; tell: (name: string) => void; state: WorldStateT; connection: { controls: { heldByYou: boolean } } } {
     vi.useFakeTimers();
@@ -50,13 +51,15 @@ describe('controls that are taken away', () => {
       on: (name: string, callback: (value: unknown) => void) => { listeners.set(name, callback); return () => {}; },
       aim: (q: number[]) => { aims.push(q); return Promise.resolve({ accepted: true, reason: '' }); },
       takeControls() { this.taken += 1; return Promise.resolve({ accepted: true, reason: '' }); },
-      steer: () => Promise.resolve({ accepted: true, reason: '' }),
+      steered: 0,
+      steer() { this.steered += 1; return Promise.resolve({ accepted: true, reason: '' }); },
     };
     const controls = new Controls(connection as unknown as Connection, new Picture() as unknown as HTMLElement);
     controls.enable();
     WINDOW.dispatchEvent(Object.assign(event('keydown'), { code: 'Space' }));
     vi.advanceTimersByTime(2500);
     expect(aims.at(-1)![1]).toBeGreaterThan(2.5);
+    tellScene = (reported) => listeners.get('scene')?.(reported);
     return { controls, aims, tell: (name) => listeners.get(name)?.(undefined), state, connection };
   }
   /** Half bent or less, and the thumb straight: nothing is squeezed. */
@@ -86,6 +89,28 @@ describe('controls that are taken away', () => {
     WINDOW.dispatchEvent(new Event('blur'));
     vi.advanceTimersByTime(1000);
     expectOpen(aims.at(-1)!);
+    controls.disable();
+  });
+
+  it('but not by a profile that a therapist saves, which tells the same scene anew', () => {
+    const { controls, aims, connection } = closing();
+    const { scene } = connection as unknown as { scene: SceneT };
+    const before = aims.length;
+    tellScene(Object.assign(new SceneT(), scene, { profile: 'anna', recording: 'a.h5' }));
+    vi.advanceTimersByTime(1000);
+    expect(aims.length).toBeGreaterThan(before);
+    for (const aim of aims.slice(before)) expect(aim[1]).toBeGreaterThan(2.5);
+    controls.disable();
+  });
+
+  it('asks for nothing on a real device, whose hand is the person\'s own', () => {
+    const { controls, aims, state, connection } = closing();
+    state.intention = [];
+    state.steering = Steering.VirtualPatient;
+    const before = aims.length;
+    WINDOW.dispatchEvent(Object.assign(event('keydown'), { code: 'Space' }));
+    vi.advanceTimersByTime(3000);
+    expect([aims.length, (connection as unknown as { steered: number }).steered]).toEqual([before, 0]);
     controls.disable();
   });
 

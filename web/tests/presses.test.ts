@@ -8,6 +8,7 @@ import type { Sound } from '../src/game/sound';
 import type { Controls } from '../src/input/controls';
 import type { Connection } from '../src/net/connection';
 import type { Answer } from '../src/net/pending_answers';
+import { en } from '../src/shared/i18n/en';
 import { Act, RunState, Steering } from '../src/protocol';
 
 const YES: Answer = { accepted: true, reason: '' };
@@ -18,22 +19,23 @@ afterEach(() => { vi.useRealTimers(); });
 /** A program that renders, and obeys at once. */
 function playing() {
   const acts: Act[] = [];
+  let leave = (): void => {};
   const state = { runState: RunState.Rendering, rested: false, steering: Steering.VirtualPatient, qM: [0], intention: [0], values: [], faults: 0 };
   const connection = {
-    status: 'open', endings: 4, controls: { heldByYou: false, held: false, led: false }, scene: { level: 1, axes: [] }, latestState: state,
+    status: 'open', on: (name: string, callback: () => void) => { if (name === 'leaving') leave = callback; return () => {}; }, endings: 4, controls: { heldByYou: false, held: false, led: false }, scene: { level: 1, axes: [] }, latestState: state,
     takeControls: async () => YES, releaseControls: async () => YES, arm: async () => YES, aim: async () => YES,
     steer: async (to: Steering) => { state.steering = to; return YES; },
     act: async (what: Act) => { acts.push(what); return YES; },
   };
-  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, endingsShown: 4, press: null, notice: '', known: () => ({ play: { phase: () => 'reach', isPaused: () => false }, hardware: false }) };
-  const controls = { stopWebcam: () => {} }, sound = { unlock: () => {} };
+  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, framing: false, remember: () => {}, endingsShown: 4, press: null, notice: '', known: () => ({ play: { phase: () => 'reach', isPaused: () => false }, hardware: false }) };
+  const controls = { stopped: 0, stopWebcam() { this.stopped += 1; } }, sound = { unlock: () => {} };
   const presses = new Presses(connection as unknown as Connection, controls as unknown as Controls, memory as unknown as Memory, sound as Sound);
   const start = async (): Promise<Act | undefined> => {
     presses.start();
     await vi.advanceTimersByTimeAsync(3000);
     return acts.at(-1);
   };
-  return { presses, memory, connection, start };
+  return { presses, memory, connection, controls, start, leave: () => leave() };
 }
 
 test('Start_OfANewPerson_BeginsAnew', async () => {
@@ -53,6 +55,18 @@ test('Start_OfWhoeverPlayedBefore_GoesOn', async () => {
   await start();
   memory.wish = 'watch';   // as a lost line leaves it
   expect(await start()).toBe(Act.Resume);
+});
+
+test('Leaving_WhileTheCameraStarts_StopsIt_AndAPressAfterAStopSaysWhyNothingBegan', async () => {
+  const { memory, controls, connection, start, leave } = playing();
+  leave();
+  expect(controls.stopped).toBe(0);
+  memory.framing = true;
+  leave();
+  expect(controls.stopped).toBe(1);
+  connection.takeControls = async () => { connection.endings += 1; return YES; };
+  await start();
+  expect([memory.wish, memory.notice]).toEqual(['undecided', en['refusal.StopNotSeen']]);
 });
 
 test('the frame around the picture is for keys: a page that was clicked last says so, and one that was typed into takes it back', () => {

@@ -1,6 +1,7 @@
 // What must be read in play can be read at 2 m: capitals of at least 16 minutes of arc on a 24 inch screen.
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
+import { unitOf } from '../src/scene/camera';
 
 const css = readFileSync(new URL('../src/game/game.css', import.meta.url), 'utf8');
 const hud = readFileSync(new URL('../src/game/hud.ts', import.meta.url), 'utf8') + readFileSync(new URL('../src/game/panel_card.ts', import.meta.url), 'utf8');
@@ -29,7 +30,7 @@ function size(name: string, root: string): number {
 }
 
 function arcmin(kind: string, root: string): number {
-  expect(rule(`.t-${kind}`)).toContain(`font-size: calc(var(--size-${kind}) * var(--u))`);
+  expect(rule(`.t-${kind}`)).toContain(`font-size: calc(var(--size-${kind}) * var(--t))`);
   const capital_mm = size(kind, root) * UNIT_PX * CAPITAL_EM * SCREEN.width_mm / SCREEN.width_px;
   return Math.atan(capital_mm / DISTANCE_MM) * 180 / Math.PI * 60;
 }
@@ -73,10 +74,10 @@ describe('Stop', () => {
   it.each([390, 820])('is more than its own height away from Squeeze on an upright screen %i px wide, too', (width_px) => {
     const input = readFileSync(new URL('../src/input/input.css', import.meta.url), 'utf8');
     const gap_px = Number(input.match(/11 \/ 10\) \{\s*\.touch-buttons \{[^}]*bottom: calc\(var\(--strip, 140px\) \+ (\d+)px\)/)?.[1]);
-    const [, perU, plus_px] = css.match(/--u: calc\(100vw \/ 740\); --strip: max\(190 \* var\(--u\), (\d+) \* var\(--u\) \+ (\d+)px\)/) ?? [];
-    const u = width_px / 740, strip_px = Math.max(190 * u, Number(perU) * u + Number(plus_px));
+    const [, perU, plus_px] = css.match(/--u: calc\(100vw \/ 740\); --strip: max\(190 \* var\(--u\), (\d+) \* var\(--t\) \+ (\d+)px\)/) ?? [];
+    const u = width_px / 740, t = Math.max(u, 0.6), strip_px = Math.max(190 * u, Number(perU) * t + Number(plus_px));
     // Two lines of words (46u and 38u, 1.1 high), a gap of 10u, then Stop: in the middle of the strip's height.
-    const words_px = 1.1 * (46 + 38) * u, stop_px = Math.max(68 * u, 68);
+    const words_px = 1.1 * (46 + 38) * t, stop_px = Math.max(68 * u, 68);
     const above_px = (strip_px - words_px - 10 * u - stop_px) / 2 + words_px + 10 * u;
     expect(above_px + gap_px).toBeGreaterThan(stop_px);
   });
@@ -85,5 +86,24 @@ describe('Stop', () => {
     const own = css.match(/:is\(\.button\.stop,[^{]*\{([^}]*)\}/)?.[1] ?? '';
     expect(own).toMatch(/min-height: max\([^;]*, 68px\)/);
     expect(own).toMatch(/min-width: max\([^;]*, 68px\)/);
+  });
+});
+
+describe('zoomed, or on a telephone', () => {
+  it('text is never smaller than 16 px, so that it grows with the zoom', () => {
+    const [, u] = css.match(/--u: max\(min\(100vh \/ 800, 100vw \/ 1280\), ([\d.]+)px\)/) ?? [], [, t] = css.match(/--t: max\(var\(--u\), ([\d.]+)px\)/) ?? [];
+    for (const least_px of [Math.max(Number(u), Number(t)), Number(t)]) expect(size('s', ':root') * least_px).toBeGreaterThanOrEqual(16);
+    // The picture's own idea of it.
+    expect([unitOf(844, 390), unitOf(1280, 800), unitOf(370, 800)]).toEqual([Number(u), 1, 0.5]);
+  });
+
+  it('whatever is pressed is at least 44 px high and wide', () => {
+    for (const selector of ['.button', '.choice']) expect(rule(`\n${selector}`)).toMatch(/min-height: max\([^;]*, 44px\); min-width: max\([^;]*, 44px\)/);
+    expect(rule('\n.tone')).toMatch(/width: max\([^;]*, 44px\); height: max\([^;]*, 44px\)/);
+    expect(rule('\n.languages button')).toMatch(/min-height: max\([^;]*, 44px\); min-width: 44px/);
+  });
+
+  it('a page that will be heard no more has no Stop, which could not work', () => {
+    expect(css).toContain('body[data-state=version] .strip .stop { display: none; }');
   });
 });

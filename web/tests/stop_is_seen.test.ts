@@ -98,7 +98,7 @@ describe('buttons that have just come', () => {
   const on = (type: string, more: object = {}): void => { part.dispatchEvent(Object.assign(new Event(type, { cancelable: true }), more)); };
   const press = (): void => { on('pointerdown'); on('click', { detail: 1 }); };
 
-  it('are deaf for 400 ms, so that a double click answers once', async () => {
+  it('are deaf for 700 ms, so that a double click answers once', async () => {
     await clock.turn(1000);
     press();
     expect(acted).toEqual(['pointerdown', 'click']);
@@ -109,7 +109,7 @@ describe('buttons that have just come', () => {
       on('click', { detail: 0 });
       on('keydown', { code: 'Enter' });
       on('submit');
-      await clock.turn(i < 3 ? 99 : 103);
+      await clock.turn(i < 3 ? 174 : 178);
     }
     expect(acted).toHaveLength(2);
     expect(part.dataset.fresh).toBeUndefined();
@@ -121,7 +121,7 @@ describe('buttons that have just come', () => {
     on('pointerdown');
     on('keydown', { code: 'Enter' });
     fresh.changed();
-    await clock.turn(350);
+    await clock.turn(650);
     on('pointerdown');
     await clock.turn(200);
     on('click', { detail: 1 });
@@ -129,6 +129,21 @@ describe('buttons that have just come', () => {
     expect(acted).toEqual(['pointerdown', 'keydown']);
     on('keydown', { code: 'Enter' });
     expect(acted).toHaveLength(3);
+  });
+
+  it('hear no Space, which squeezes, while it is held or was just pressed', async () => {
+    fresh.changed();
+    for (let i = 0; i < 5; i += 1) {
+      await clock.turn(600);   // later than 700 ms from the first
+      on('keydown', { code: 'Space' });
+      on('keydown', { code: 'Space', repeat: true });
+      await clock.turn(300);
+      on('keyup', { code: 'Space' });
+    }
+    expect(acted).toEqual([]);
+    await clock.turn(750);
+    on('keydown', { code: 'Space' });
+    expect(acted).toEqual(['keydown']);
   });
 
   it('leave typing alone', () => {

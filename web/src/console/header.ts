@@ -34,7 +34,7 @@ export class Header implements Panel {
   private endingsShown = 0;
   private endingsPressed: number | undefined;
 
-  constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void) {
+  constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void, engineer: boolean) {
     const { t } = this;
     this.info = infoOf(model.scene);
     this.pill = h('div', { class: 'pill', role: 'status', 'data-testid': 'state' },
@@ -55,7 +55,7 @@ export class Header implements Panel {
     stop.addEventListener('click', () => void model.emergencyStop());
     this.element = h('header', { class: 'top live' },
       h('h1', { class: 'brand' }, icon('logo'), 'Wholehand'), this.who.element, this.what.element, this.pill,
-      h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.arm, this.pause, this.resume, stop);
+      h('span', { class: 'sp' }), this.languageChoice(), ...(engineer ? [this.tablesButton()] : []), this.themeButton(), this.arm, this.pause, this.resume, stop);
     this.refresh();
   }
 

@@ -7,6 +7,7 @@ import { texts } from './i18n';
 import { Marks } from './marks';
 import type { Recording } from './recordings';
 import { faultWords, statusOf, type Status } from './run_status';
+import { Tally } from './tally';
 
 /** A line of the safety panel. */
 export interface Notice {
@@ -36,6 +37,7 @@ export class ConsoleModel {
   private state_ms = 0;
   history = new History([]);
   readonly marks = new Marks();
+  readonly tally = new Tally();
   paused = false;
   notice: Notice | undefined;
   /** The recording that ended last, until its notice is closed or rendering begins. */
@@ -124,6 +126,7 @@ export class ConsoleModel {
     this.state_ms = now_ms;
     if (state.runState === RunState.Rendering) this.saved = undefined;
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
+    this.tally.look(state, this.paused, new Date());
     this.takeFaults(state);
     if (!this.history.add(state)) return;
     this.fresh = true;
@@ -150,6 +153,7 @@ export class ConsoleModel {
     const period_s = this.scene?.periodS ?? 1e-3;
     this.marks.addEvents(events, names, (tick) => this.history.timeOfTick(tick, period_s), texts());
     for (const event of events) {
+      this.tally.count(String(names[event.type]), names.map(String));
       if (names[event.type] === 'paused') this.paused = true;
       if (names[event.type] === 'resumed' || names[event.type] === 'restarted') this.paused = false;
     }

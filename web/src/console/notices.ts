@@ -16,7 +16,7 @@ function hasHardware(deviceName: unknown): boolean {
   return name !== '' && !name.includes('simulated') && !name.includes('virtual');
 }
 
-/** Lines below the header: stop not confirmed, connection lost, the controls lost, somebody else commands, an order was refused. */
+/** In their own place below the header, one at a time, the gravest first: stop not confirmed, connection lost, the controls lost, somebody else commands, an order was refused. */
 export class NoticesPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -51,7 +51,7 @@ export class NoticesPanel implements Panel {
     close.addEventListener('click', () => { this.refused.hidden = true; });
     this.refused = h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'refused' }, this.refusedText, close);
     this.kept = h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'saved' });
-    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.watching, this.held, this.unrecorded, this.refused, this.kept);
+    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.refused, this.kept, this.unrecorded, this.watching, this.held);
     this.refresh();
   }
 

@@ -2,7 +2,9 @@ import type { Connection } from '../net/connection';
 import { PacedView, PICTURES_HZ, type HandLook } from '../scene/paced_view';
 import type { Quality } from '../scene/quality';
 import type { SceneT } from '../protocol';
+import { store, stored } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
+import { BigControls } from './big_controls';
 import { h, setAttribute } from './dom';
 import { ExercisePanelView } from './panel_view';
 import { Header } from './header';
@@ -13,12 +15,15 @@ import { ParametersPanel } from './parameters';
 import { PlotsPanel } from './plots_panel';
 import { RecordingsPanel, SavedWatch } from './recordings';
 import { SafetyPanel } from './safety';
+import { SessionLine } from './session_line';
 import { SetupPanel } from './setup';
 import { TimingPanel } from './timing';
 import { ScenePanel } from './scene_panel';
 
 /** Words and numbers are refreshed this often [ms]; faster cannot be read. */
 const REFRESH_MS = 200;
+
+const STORED_VIEW = 'wholehand.view';
 
 /** A frame this much early is on time [ms]. */
 const EARLY_MS = 2;
@@ -54,6 +59,8 @@ export class ConsolePage {
   private refreshed_ms = -Infinity;
   private drawn_ms = -Infinity;
   private builtFrom = '';
+  /** Plots, tables and timing are an engineer's; the therapist's view comes first. */
+  private engineer = (new URLSearchParams(location.search).get('view') ?? stored(STORED_VIEW)) === 'engineer';
 
   constructor(private readonly root: HTMLElement, private readonly connection: Connection) {
     this.model = new ConsoleModel(connection);
@@ -87,23 +94,31 @@ export class ConsolePage {
     for (const panel of this.panels) panel.close?.();
     document.title = texts().title;
     const { model } = this;
-    this.header = new Header(model, () => this.build());
+    const { engineer } = this;
+    this.root.classList.add('live-page');
+    this.root.dataset.view = engineer ? 'engineer' : 'therapy';
+    this.header = new Header(model, () => this.build(), engineer);
+    const line = new SessionLine(model);
     this.notices = new NoticesPanel(model);
     this.plots = new PlotsPanel(model, axis);
     this.viewPanel = new ScenePanel(model, this.look, (look) => { this.look = look; });
     this.exercise = new ExercisePanelView(model);
     const safety = new SafetyPanel(model);
     const timing = new TimingPanel(model);
-    const setup = new SetupPanel(model);
+    const setup = new SetupPanel(model, engineer);
+    const big = new BigControls(model);
     this.parameters = new ParametersPanel(model, group, parameters);
     const recordings = new RecordingsPanel(model, this.watch);
-    this.panels = [this.header, this.notices, this.plots, this.viewPanel, this.exercise, safety, timing, setup, this.parameters, recordings];
+    this.panels = [this.header, line, this.notices, this.viewPanel, this.exercise, safety, setup, this.parameters, recordings, ...(engineer ? [this.plots, timing] : [big])];
     const seen = h('div', { class: 'col' }, this.viewPanel.element, this.exercise.element, safety.element);
-    const done = h('div', { class: 'col' }, setup.element, this.parameters.element, recordings.element);
-    // On a tablet or telephone plots come last: there they are below what must be at hand.
-    (this.narrow.matches ? this.plots.element : seen).append(timing.element);
-    this.root.replaceChildren(this.header.element, this.notices.element,
-      h('main', {}, ...(this.narrow.matches ? [seen, done, this.plots.element] : [this.plots.element, seen, done])));
+    const done = h('div', { class: 'col' }, setup.element, ...(engineer ? [this.parameters.element] : []), recordings.element);
+    let parts: HTMLElement[];
+    if (engineer) {
+      // On a tablet or telephone plots come last: there they are below what must be at hand.
+      (this.narrow.matches ? this.plots.element : seen).append(timing.element);
+      parts = this.narrow.matches ? [seen, done, this.plots.element] : [this.plots.element, seen, done];
+    } else parts = [seen, h('div', { class: 'col' }, big.element, this.parameters.element), done];
+    this.root.replaceChildren(this.header.element, h('div', { class: 'below' }, line.element, this.notices.element, this.viewButton()), h('main', {}, ...parts));
     if (this.viewTried) this.viewPanel.setView(this.view);
     if (focused) this.root.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
     this.model.fresh = true;
@@ -143,6 +158,15 @@ export class ConsolePage {
     this.drawn_ms = now_ms;
     for (const panel of this.panels) panel.draw?.();
     return true;
+  }
+
+  private viewButton(): HTMLElement {
+    const toggle = (): void => {
+      this.engineer = !this.engineer;
+      store(STORED_VIEW, this.engineer ? 'engineer' : 'therapy');
+      this.build();
+    };
+    return h('button', { type: 'button', class: 'b', 'data-testid': 'view', onclick: toggle }, this.engineer ? texts().therapy : texts().engineer);
   }
 
   private onKey(event: KeyboardEvent): void {

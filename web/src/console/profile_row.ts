@@ -1,6 +1,6 @@
 import { RunState } from '../protocol';
 import { fill } from '../shared/i18n';
-import { h, say } from './dom';
+import { h, say, setClass } from './dom';
 import { texts } from './i18n';
 import type { ConsoleModel } from './model';
 
@@ -27,7 +27,7 @@ export class ProfileRow {
     this.save = button(t.save, 'save-profile', () => void model.command(t.save, () => model.connection.saveProfile(name.value.trim())));
     this.load = button(t.load, 'load-profile', () => void model.command(t.load, () => model.connection.loadProfile(name.value.trim())));
     name.addEventListener('input', () => this.refresh());
-    this.element = h('div', { class: 'profile' }, h('label', { for: 'profile' }, this.now), name,
+    this.element = h('div', { class: 'profile' }, h('label', { for: 'profile', role: 'status' }, this.now), name,
       h('datalist', { id: 'profiles' }, ...(scene?.profiles ?? []).map((known) => h('option', { value: String(known) }))), this.load, this.save);
     this.refresh();
   }
@@ -35,7 +35,9 @@ export class ProfileRow {
   refresh(): void {
     const { t, model, name } = this;
     const whose = String(model.scene?.profile ?? '');
-    say(this.now, fill(t.profile, { name: whose || t.noProfile }));
+    const wrong = name.value.trim() !== '' && !name.validity.valid;
+    say(this.now, wrong ? t.rule : fill(t.profile, { name: whose || t.noProfile }));
+    setClass(this.now, 'refusal', wrong);
     const named = name.value.trim() !== '' && name.validity.valid;
     const known = (model.scene?.profiles ?? []).some((profile) => String(profile) === name.value.trim());
     const armed = model.state?.runState === RunState.Rendering || model.state?.runState === RunState.Stopping;

@@ -1,5 +1,6 @@
 import { Act, Help, Role, RunState, Steering } from '../protocol';
 import { infoOf } from '../exercises/info';
+import { helpChoice } from './big_controls';
 import { choice, h, say, setAttribute, setClass } from './dom';
 import { asWords } from '../shared/format';
 import { texts } from './i18n';
@@ -30,7 +31,8 @@ export class SetupPanel implements Panel {
   private readonly help: ReturnType<typeof choice>;
   private readonly profile: ProfileRow;
 
-  constructor(private readonly model: ConsoleModel) {
+  /** @param withHelp the help is set here, not beside it */
+  constructor(private readonly model: ConsoleModel, withHelp: boolean) {
     const { t } = this;
     this.profile = new ProfileRow(model);
     this.take = button(t.setup.take, 'take-controls', () => void this.takeOrGive());
@@ -41,14 +43,12 @@ export class SetupPanel implements Panel {
     this.who = choice(t.setup.steering, [
       { key: String(Steering.VirtualPatient), name: t.setup.virtual }, { key: String(Steering.Person), name: t.setup.person },
     ], String(Steering.VirtualPatient), (key) => void model.command(t.setup.steering, () => model.connection.steer(Number(key)), { steers: true }));
-    this.help = choice(t.setup.help, [Help.Unsaid, Help.Full, Help.Some, Help.None].map((key) => ({ key: String(key), name: t.setup.helps[key] })),
-      String(Help.Unsaid), (key) => void model.command(t.setup.help, () => model.connection.setHelp(Number(key))));
-    this.help.element.dataset.testid = 'set-help';
+    this.help = helpChoice(model);
     this.element = h('section', { class: 'panel setup', 'aria-label': t.setup.title },
       h('div', { class: 'hd' }, h('h2', {}, t.setup.title), this.holder, this.take),
       this.profile.element, h('div', { class: 'fields' },
         field(t.setup.exercise, this.exercise), field(t.setup.level, this.level), field(t.setup.hand, this.hand), load),
-      h('div', { class: 'row given-help' }, h('span', { class: 'name', 'aria-hidden': 'true' }, t.setup.help), this.help.element),
+      withHelp ? h('div', { class: 'row given-help' }, h('span', { class: 'name', 'aria-hidden': 'true' }, t.setup.help), this.help.element) : null,
       h('div', { class: 'row who-plays' }, this.who.element), h('div', { class: 'row' }, restart, next, this.stop));
     this.fillChoices();
     this.exercise.addEventListener('change', () => this.fillLevels());

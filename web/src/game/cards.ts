@@ -7,7 +7,7 @@ import { RunState, type WorldStateT } from '../protocol';
 import { setLanguage } from '../shared/i18n';
 import type { ToneName as Tone } from '../hand/tones';
 import type { CameraView } from './camera_view';
-import { absentCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, unseenCard, versionCard, welcomeCard, type HelpSection } from './dialogs';
+import { absentCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, unseenCard, versionCard, welcomeCard, type HelpSection, type TextSize } from './dialogs';
 import type { Hud } from './hud';
 import type { Memory } from './memory';
 import { causeOf, type PageState } from './page_state';
@@ -91,7 +91,7 @@ export class Cards {
       sounds: () => this.choose(() => { sound.toggle(); }),
       music: (wanted) => this.choose(() => sound.setMusic(wanted)),
       speech: () => this.choose(() => this.speech.toggle()),
-      textSize: (wanted) => this.choose(() => { memory.chooseTextSize(wanted); document.documentElement.dataset.text = wanted; }),
+      textSize: (wanted) => this.chooseTextSize(wanted),
     }, close);
     this.overlay.open('help-veil', card, { first: again(card) ?? first, onEscape: close });
   }
@@ -100,16 +100,21 @@ export class Cards {
     const { memory, presses } = this.behind;
     const { way, levels, level, tone, notice } = memory;
     const again = focusedChoice();
-    const { card, start } = welcomeCard({ ways: this.ways(), way, robot: memory.hardware, levels: this.behind.connection.controls.led ? 0 : levels, level, tone, help: memory.setHelp ? null : memory.help, connected: this.behind.connection.connected, notice, words: this.exerciseWords }, {
+    const { card, start } = welcomeCard({ ways: this.ways(), way, robot: memory.hardware, levels: this.behind.connection.controls.led ? 0 : levels, level, tone, textSize: memory.textSize, help: memory.setHelp || !this.exerciseWords.oneButton() ? null : memory.help, connected: this.behind.connection.connected, notice, words: this.exerciseWords }, {
       help: (wanted) => this.choose(() => { memory.chooseHelp(wanted); this.behind.controls.help = wanted; }),
       start: () => presses.start(),
       watch: () => { void presses.watch(); },
       language: (wanted) => this.choose(() => setLanguage(wanted)),
       way: (wanted) => this.choose(() => memory.chooseWay(wanted)),
       level: (wanted) => this.choose(() => memory.chooseLevel(wanted)),
+      textSize: (wanted) => this.chooseTextSize(wanted),
       tone: (wanted) => this.choose(() => { memory.chooseTone(wanted); this.actions.tone(wanted); }),
     });
     this.overlay.open('welcome-veil', card, { first: again(card) ?? start });
+  }
+
+  private chooseTextSize(wanted: TextSize): void {
+    this.choose(() => { this.behind.memory.chooseTextSize(wanted); document.documentElement.dataset.text = wanted; });
   }
 
   private choose(change: () => void): void {

@@ -1,5 +1,6 @@
 // Where the hand is and where its target, for who does not see depth: three still chevrons beside the target, on the side
 // of the hand, and marks of both on the counter.
+import { unitOf } from '../scene/camera';
 import type { GraspTargets, Position } from '../exercises/exercise';
 import { GRIP_FROM_PALM } from '../input/perceiver';
 import type { WorldStateT } from '../protocol';
@@ -41,5 +42,5 @@ export function depthMarks({ target, palm }: { target: Position; palm: Position 
 
 /** 1u of game.css. */
 export function unit_px(): number {
-  return innerWidth / innerHeight <= 1.1 ? innerWidth / 740 : Math.min(innerWidth / 1280, innerHeight / 800);
+  return unitOf(innerWidth, innerHeight);
 }

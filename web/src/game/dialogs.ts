@@ -65,9 +65,9 @@ const pressable = (label: string, pressed: boolean, onclick: () => void, extra: 
   h('button', { type: 'button', class: 'choice', 'aria-pressed': String(pressed), onclick, ...extra }, label);
 
 /** A list of the keys of a way of playing, and what they do. */
-function helpList(section: HelpSection): HTMLElement {
+function helpList(section: HelpSection, more = ''): HTMLElement {
   return h('ul', { class: 'help-list t-s' }, ...section.lines.map((line) =>
-    h('li', {}, ...line.keys.map((key) => h('kbd', {}, key)), ` ${line.does}`)));
+    h('li', {}, ...line.keys.map((key) => h('kbd', {}, key)), ` ${line.does}`)), more ? h('li', {}, more) : null);
 }
 
 export interface WelcomeContent {
@@ -77,6 +77,7 @@ export interface WelcomeContent {
   readonly levels: number;            // to choose from; 0: a therapist chooses
   readonly level: number;
   readonly tone: Tone;
+  readonly textSize: TextSize;
   readonly help: Help | null;  // null: the therapist has set it
   readonly connected: boolean;        // the program hears the page: the buttons act
   readonly notice: string;
@@ -90,6 +91,7 @@ export interface WelcomeActions {
   way(wanted: string): void;
   level(wanted: number): void;
   tone(wanted: Tone): void;
+  textSize(wanted: TextSize): void;
   help(wanted: Help): void;
 }
 
@@ -117,11 +119,11 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
   const card = h('section', { class: 'card welcome', role: 'dialog', 'aria-labelledby': 'welcome-title', tabindex: -1, 'data-testid': 'welcome' },
     h('header', {},
       h('div', {}, h('h1', { id: 'welcome-title', class: 't-xl' }, words.title()), h('p', { class: 't-s soft' }, words.lead())),
-      h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
-        ...LANGUAGES.map((l) => h('button', { type: 'button', lang: l, 'aria-pressed': String(l === language()), 'data-lang': l, onclick: () => actions.language(l) }, l.toUpperCase())))),
+      h('div', { class: 'corner t-s' }, pressable(`${text('settings.text')}: ${text('text.far')}`, content.textSize === 'far', () => actions.textSize(content.textSize === 'far' ? 'normal' : 'far'), { 'data-large': 'text' }), h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
+        ...LANGUAGES.map((l) => h('button', { type: 'button', lang: l, 'aria-pressed': String(l === language()), 'data-lang': l, onclick: () => actions.language(l) }, l.toUpperCase()))))),
     stepList(content),
     h('div', { class: 'line how t-s', role: 'group', 'aria-labelledby': 'welcome-how' }, h('h2', { id: 'welcome-how', class: 't-m' }, text('welcome.how')), ...ways),
-    h('div', { class: 'aid' }, chosen ? helpList(chosen) : h('p', { class: 'help-list t-s' }, text('welcome.robotHint')),
+    h('div', { class: 'aid' }, chosen ? helpList(chosen, content.help === 'some' || content.help === 'none' ? text(`help.${content.help}More`) : '') : h('p', { class: 'help-list t-s' }, text('welcome.robotHint')),
       content.help && h('div', { class: 'line t-s', role: 'group', 'aria-labelledby': 'welcome-help' }, h('h2', { id: 'welcome-help', class: 't-m' }, text('welcome.help')), ...helps)),
     h('div', { class: 'line t-s apart' },
       content.levels < 2 ? null : h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-level' }, h('h2', { id: 'welcome-level', class: 't-m' }, text('welcome.level')), ...levels, h('span', { class: 'soft' }, words.levelName(content.level))),

@@ -14,6 +14,9 @@ import { pageState } from './page_state';
 /** What events of any exercise sound like; others are the exercise's own. */
 const CHIMES: Readonly<Record<string, Chime>> = { step_done: 'step', level_done: 'done' };
 
+/** What flowed is not heard any more when the program has been silent for so long [ms]. */
+const SILENT_MS = 500;
+
 export class Game {
   private readonly memory = new Memory();
   private readonly sound = new Sound();
@@ -54,6 +57,7 @@ export class Game {
     const { memory, connection } = this;
     const { latestState: state, status } = connection;
     memory.everOpen ||= status === 'open';
+    if (performance.now() - connection.latestStateAt_ms > SILENT_MS) this.sound.flow(0, 0);
     if (state && state !== this.followed) this.takeState(state);
     const now = pageState(memory.situation(connection), memory.play, state);
     if (memory.unseen === 'back' && now !== 'unseen') memory.unseen = 'no';

@@ -8,7 +8,8 @@ import { TONES, type ToneName as Tone } from '../hand/tones';
 import type { TextSize } from './dialogs';
 import { addStars, starsOf } from './stars';
 import type { Known, Press } from './takeover';
-import { hasHardware, type Resting, type Situation, type Unseen } from './page_state';
+import { hasHardware } from '../shared/hardware';
+import { isFaded, type Resting, type Situation, type Unseen } from './page_state';
 import { HELPS, type Help } from '../input/wish';
 
 const STORED = { text: 'wholehand.text', tone: 'wholehand.tone', level: 'wholehand.level', way: 'wholehand.way', help: 'wholehand.help' } as const;
@@ -24,6 +25,13 @@ const SET: Partial<Record<HelpSet, Help>> = { [HelpSet.Full]: 'full', [HelpSet.S
 function storedHelp(): Help {
   const wanted = new URLSearchParams(location.search).get('help') ?? stored(STORED.help);
   return HELPS.find((help) => help === wanted) ?? 'full';
+}
+
+/** The session that was played in this tab: a reload goes on with it. */
+const PLAYED = 'wholehand.played';
+
+function playedSession(): number {
+  try { return Number(sessionStorage.getItem(PLAYED) ?? -1); } catch { return -1; }
 }
 
 export class Memory {
@@ -60,6 +68,8 @@ export class Memory {
   private profile = '';
   private starsCounted = false;   // of this part
   private restSeen = false;    // the program has said that it rests
+  private readonly playedBefore = playedSession();
+  private loadedLevel = 1;
 
   /** What orders ask again while they are on their way, because they change it. */
   readonly known = (): Known => ({ play: this.play, hardware: this.hardware });
@@ -95,6 +105,11 @@ export class Memory {
     this.helpOpen = false;
   }
 
+  /** Takes note that this page plays now. */
+  remember(state: WorldStateT | null): void {
+    try { sessionStorage.setItem(PLAYED, String(state?.session ?? -1)); } catch { /* a reload begins anew */ }
+  }
+
   /** Begins a rest, in which the device lets go. It is over when the device renders again, or when something else ends. */
   beginRest(): void {
     this.resting = 'off';
@@ -107,6 +122,7 @@ export class Memory {
     this.profile = String(scene.profile ?? '');
     const wanted = Number(new URLSearchParams(location.search).get('level') ?? stored(STORED.level) ?? 0);
     this.level = this.wish === 'undecided' && wanted >= 1 && wanted <= this.levels ? wanted : Math.max(1, scene.level);
+    this.loadedLevel = Math.max(1, scene.level);
     this.palmLink = scene.capsules.find((capsule) => capsule.part === HandPart.Palm)?.link ?? 0;
   }
 
@@ -116,5 +132,9 @@ export class Memory {
     this.restSeen ||= state.rested;
     if (this.resting === 'off' && this.restSeen && state.runState === RunState.Rendering) this.resting = 'no';
     if (this.play?.follow(state)) this.starsCounted = false;
+    // Nobody has played since this tab did: what was begun goes on.
+    if (this.wish !== 'undecided' || !this.isTheirs || state.session !== this.playedBefore || !isFaded(state)) return;
+    this.isTheirs = false;
+    this.level = this.loadedLevel;
   }
 }

@@ -3,6 +3,7 @@ import type { Phase, Play } from '../exercises/exercise';
 import type { ConnectionStatus, VersionProblem } from '../net/connection';
 import type { Hands, Loss } from '../net/holding';
 import { RunState, Steering, type SceneT, type WorldStateT } from '../protocol';
+import { hasHardware } from '../shared/hardware';
 import { faultWord } from '../shared/i18n';
 
 /** Bit of WorldState.faults; docs/safety.md. */
@@ -30,11 +31,6 @@ export interface Situation {
   readonly unseen: Unseen;         // the picture that the person plays by
   readonly loss: Loss;             // of the controls that this page had
   readonly held: Pick<Hands, 'heldByYou' | 'held'>;
-}
-
-/** Whether the device is a real one. Only a simulated one reports what its virtual patient intends. */
-export function hasHardware(state: WorldStateT | null): boolean {
-  return state !== null && state.qM.length > 0 && !state.intention.some(Number.isFinite);
 }
 
 /** Whether the exercise's effort is faded out: the page that held the controls was lost, and nobody has taken them since. */

@@ -2,6 +2,7 @@
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
 import { Act, RunState } from '../protocol';
+import { text } from '../shared/i18n';
 import type { Memory } from './memory';
 import type { Sound } from './sound';
 import { changeLevel, letProgramPlay, openCamera, Press, takeOver } from './takeover';
@@ -11,7 +12,10 @@ export class Presses {
   constructor(
     private readonly connection: Connection, private readonly controls: Controls,
     private readonly memory: Memory, private readonly sound: Sound,
-  ) {}
+  ) {
+    // Whoever leaves while the camera starts has to press again.
+    connection.on('leaving', () => { if (memory.framing) controls.stopWebcam(); });
+  }
 
   start(): void {
     this.sound.unlock();
@@ -117,7 +121,10 @@ export class Presses {
     if (outcome.is === 'playing') {
       memory.wish = 'play';
       memory.isTheirs = false;
+      memory.remember(connection.latestState);
     }
+    // Not by this person's own stop: they have to hear why nothing began.
+    if (outcome.is === 'stopped' && !press.isCancelled) memory.notice = text('refusal.StopNotSeen');
     // Another page plays: this one watches, and says so.
     if (outcome.is === 'another plays') memory.wish = 'watch';
   }

@@ -63,6 +63,7 @@ export class Screen {
   setScene(scene: SceneT): void {
     this.picture?.setScene(scene);
     this.targets = targetsOf(scene);
+    document.body.dataset.hand = scene.rightHand ? 'right' : 'left';
     this.shown = '';
   }
 
@@ -86,7 +87,7 @@ export class Screen {
     const { attempts, problem } = connection;
     const playing = !CARDS.has(now) && isPlaying(memory.situation(connection), connection.latestState);
     const key = [
-      now, language(), connection.connected, problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp,
+      now, language(), connection.connected, problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp, memory.level,
       now === 'rest' && this.cards.restState,
     ].join();
     this.cards.showAttempts(attempts);
@@ -180,7 +181,7 @@ export class Screen {
     if (play.isPaused(state)) return [text('watch.paused'), text('watch.pausedMore')];
     const { title, more } = playWords(play, state, {
       now, help: memory.help, hint: this.hint, oneButton: memory.way !== 'webcam' && !memory.hardware,
-      onItsWay: controls.onItsWay, outOfReach: controls.outOfReach, closing: controls.squeeze > 0,
+      onItsWay: controls.onItsWay, outOfReach: controls.outOfReach, closing: controls.squeeze > 0, letGo: controls.letGoWords,
       beside: scene && this.targets && besideOf(this.targets, scene.rightHand, state, memory.palmLink),
     });
     return [title, more];

@@ -7,7 +7,8 @@ import type { Connection } from '../net/connection';
 import type { Answer } from '../net/pending_answers';
 import { Act, RunState, Steering } from '../protocol';
 import { text } from '../shared/i18n';
-import { hasHardware, isFaded } from './page_state';
+import { hasHardware } from '../shared/hardware';
+import { isFaded } from './page_state';
 
 export interface Wishes {
   readonly way: string;      // of playing
@@ -42,6 +43,7 @@ export class Press {
   constructor(private readonly connection: Connection, readonly seen: number) {}
 
   cancel(): void { this.cancelled = true; }
+  get isCancelled(): boolean { return this.cancelled; }
   get holds(): boolean { return !this.cancelled && this.connection.endings === this.seen; }
 }
 

@@ -59,12 +59,13 @@ export interface Asked {
   readonly onItsWay: boolean;
   readonly outOfReach: boolean;
   readonly closing: boolean;      // the hand is asked to close, by a press that is held or one before
+  readonly letGo?: string;        // how the person ends a squeeze
   readonly beside: Beside | null;
 }
 
 /** Title and sentence, one thing at a time. */
 export function playWords(play: Play, state: WorldStateT, asked: Asked): Prompt {
-  const { now, help, hint, oneButton, onItsWay, outOfReach, closing, beside } = asked;
+  const { now, help, hint, oneButton, onItsWay, outOfReach, closing, letGo, beside } = asked;
   const said = play.prompt(state, outOfReach);
   const hinted = (more: TextKey): Prompt => ({ ...said, more: text(more) });
   if (outOfReach || now === 'free') return said;
@@ -73,7 +74,9 @@ export function playWords(play: Play, state: WorldStateT, asked: Asked): Prompt 
   if (hint === 3) return hinted('hint.shows');
   if (now === 'reach' && help === 'none' && beside) return hinted(wayTo(beside));
   // A person who is asked to close the hand would press again, and so end what the first press began.
-  if (now === 'squeeze' && help === 'full' && closing) return hinted('game.closing');
+  if (now === 'squeeze' && help === 'full' && (closing || oneButton)) return hinted(closing ? 'game.closing' : 'hint.again');
+  if ((now === 'hold' || now === 'letgo') && help === 'full' && closing && oneButton) return hinted('game.letsGo');
+  if (now === 'letgo' && closing && letGo) return { ...said, more: letGo };
   if (hint > 0) return hinted(hintOf(now, help));
   return now === 'reach' && help === 'full' && oneButton ? hinted('hint.press') : said;
 }

@@ -145,14 +145,14 @@ export class AimModel {
     this.pilot.show();
   }
 
-  /** Ends what a tap began: nobody presses anything any more. */
+  /** Ends what a tap began: nobody presses anything any more. What is carried is put back. */
   release(): void {
     this.pilot.release();
   }
 
   /** Opens the hand at once, where it is: nobody closes it any more. The program makes it a gentle move. */
   open(): void {
-    this.pilot.release();
+    this.pilot.drop();
     this.squeezePart = 0;
     this.axes.forEach((axis, i) => {
       if (isHandAxis(axis.name)) this.q[i] = clamp(postureOf(axis.name, 0, this.stretch), axis.lower, axis.upper);

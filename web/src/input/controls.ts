@@ -2,6 +2,7 @@ import './input.css';
 import { targetsOf } from '../exercises';
 import type { Connection } from '../net/connection';
 import { Help as HelpGiven, RunState, Steering, type SceneT } from '../protocol';
+import { hasHardware } from '../shared/hardware';
 import { language, type Language } from '../shared/i18n';
 import { AimModel, type AimConfig } from './aim_model';
 import { partOfAxis } from './axis_range';
@@ -45,6 +46,11 @@ export interface HelpEntry {
   lines: readonly HelpLine[];
 }
 
+/** The parts of a scene that steering is built from. */
+function steeredIn({ axes, exerciseJson, valueNames, bodies, capsules, rightHand, level }: SceneT): string {
+  return JSON.stringify([axes, exerciseJson, valueNames, bodies, capsules, rightHand, level]);
+}
+
 /** The way that was used last; undefined while none has been. */
 export function latestOf<W extends Pick<InputWay, 'claimed_s'>>(ways: readonly W[]): W | undefined {
   const used = ways.filter((way) => way.claimed_s > -Infinity);
@@ -80,6 +86,7 @@ export class Controls {
   /** The hand was taken over and not touched yet: it opens and draws back before anything else. */
   private handedOver = false;
   private revoked_s = -Infinity;
+  private steered = '';
   private helped: Help = 'full';
 
   constructor(
@@ -158,9 +165,14 @@ export class Controls {
     const texts = this.texts();
     return WAYS.map((way) => {
       const key = this.helped === 'full' && easy ? texts.oneButton[way] : undefined;
-      const lines = key === undefined || !easy ? texts.help[way] : [{ keys: [key], does: way === 'mouse' || way === 'touch' ? easy.point : easy.press }];
+      const lines = key === undefined || !easy ? texts.help[way] : [{ keys: [key], does: (way === 'mouse' || way === 'touch') && this.pointing ? easy.point : easy.press }];
       return { way, name: texts.ways[way], lines };
     });
+  }
+
+  /** How the person lets go, by the way that is used; empty: nothing is used. */
+  get letGoWords(): string {
+    return this.current ? this.texts().letGo[this.current.way] : '';
   }
 
   /** Begins to listen. Whose hand it is already opens it and draws it back; nothing else is sent before the person does something. */
@@ -208,6 +220,10 @@ export class Controls {
   }
 
   private onScene(scene: SceneT): void {
+    // A profile that is saved, or a recording that begins, tells the same scene anew: the hand goes on.
+    const steered = steeredIn(scene);
+    if (steered === this.steered) return;
+    this.steered = steered;
     const axes = scene.axes.map(({ name, lower, upper }) => ({ name: String(name), lower, upper }));
     this.model = new AimModel(axes, { ...this.options.aim, help: this.helped });
     this.perceiver = new Perceiver(scene, targetsOf(scene));
@@ -270,7 +286,8 @@ export class Controls {
     if (before && !this.current) this.letGo();
     const { connection, model, perceiver, current } = this;
     const state = connection.latestState;
-    if (!model || !perceiver || !state || connection.status !== 'open') return;
+    // On a real device the person's own hand steers.
+    if (!model || !perceiver || !state || connection.status !== 'open' || hasHardware(state)) return;
     const isHanded = this.handedOver && state.steering === Steering.Person && connection.controls.heldByYou;
     if (!current && !model.showing && !isHanded) return;
     // Steering that was taken away (somebody wants to watch) is only asked for with a new touch.

@@ -1,4 +1,4 @@
-import { Carry } from './carry';
+import { Carry, isInPlace } from './carry';
 import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
 import { Trigger } from './trigger';
 import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
@@ -55,6 +55,9 @@ const AT_GRIP_M = 0.03;
 /** Drawn back, to within this [m]. */
 const BACK_AT_M = 0.004;
 
+/** What is held is squeezed well. */
+const isWell = ({ squeeze_n, squeezeLow_n }: Sight): boolean => squeezeLow_n > 0 && squeeze_n >= squeezeLow_n;
+
 /**
  * "This target" is one intent. The pilot turns it into moves: out of the row where the hand is in
  * another lane, sideways in front of it, in, round the target, and out again. With full help it does all
@@ -76,7 +79,7 @@ export class Pilot {
 
   /** A hand that is handed over opens and draws back, whatever it holds. */
   begin(): void {
-    this.release();
+    this.drop();
     this.leaving = true;
   }
 
@@ -89,10 +92,15 @@ export class Pilot {
     return this.showing || this.leaving;
   }
 
-  /** Nobody asks for anything any more. */
+  /** Nobody asks for anything any more, and what is carried falls. */
+  drop(): void {
+    this.release();
+    this.carry = undefined;
+  }
+
+  /** Nobody asks for anything any more; what is carried is put back. */
   release(): void {
     this.trigger.release();
-    this.carry = undefined;
     this.meant = this.cursor = this.stale = undefined;
     this.leaving = this.tooFar = this.over = this.squeezed = this.showing = false;
     this.cursor_s = 0;
@@ -110,7 +118,9 @@ export class Pilot {
     }
     if (help === 'full' && sight.letGo && !this.over) this.finish(asked, inside);
     this.over = sight.letGo;
-    const wish = { ...asked, squeeze: this.trigger.step(asked.squeeze, help === 'full', sight.closed, dt_s) };
+    const same = this.meant !== undefined && this.meant === sight.target && (asked.pointed === undefined || asked.pointed === this.meant);
+    const pressed = { taps: help === 'full', closed: sight.closed, same, well: same && isWell(sight) };
+    const wish = { ...asked, squeeze: this.trigger.step(asked.squeeze, pressed, dt_s) };
     this.look(asked.pointed, dt_s);
     this.choose(wish, sight, own, help);
     if (this.leaving) return this.leave(wish, sight);
@@ -126,9 +136,9 @@ export class Pilot {
   /** What is carried is put back before the hand lets go of it. Undefined: it is no longer carried. */
   private carryOn({ target, carry }: { readonly target: number; readonly carry: Carry }, asked: Wish, sight: Sight, dt_s: number): Course | undefined {
     this.over = sight.letGo;
-    const wants = this.trigger.step(asked.squeeze, true, sight.closed, dt_s);
-    const { x, y, z } = asked.velocity, isLed = x !== 0 || y !== 0 || z !== 0;
     const away = sight.awayFromUse?.[target];
+    const wants = this.trigger.step(asked.squeeze, { taps: true, closed: sight.closed, well: away !== undefined && isInPlace(away) && isWell(sight) }, dt_s);
+    const { x, y, z } = asked.velocity, isLed = x !== 0 || y !== 0 || z !== 0;
     const move = away && carry.step({ ...sight, away, goesOn: asksToSqueeze(wants) && !sight.letGo }, dt_s);
     if (move) return { wish: { ...asked, place: {}, velocity: isLed ? asked.velocity : move.velocity, squeeze: true }, goal: target, leaving: false, carries: true, holds: move.hold };
     this.carry = undefined;

@@ -1,7 +1,21 @@
 /** A press shorter than this stays on until the next one [s]. */
 const TAP_S = 0.6;
+/** A press so soon after the last one is a tremor, or impatience: it asks for nothing new [s]. */
+const AGAIN_S = 0.4;
 /** Of a squeeze that is reported as a part: from here on it counts as pressed. */
 const PRESSED = 0.3;
+
+/** What a press meets. */
+export interface Pressed {
+  /** A tap is as good as holding. */
+  readonly taps: boolean;
+  /** The hand has begun to close: what is let go of before has only asked for it. */
+  readonly closed: boolean;
+  /** It asks for what is being done: a tap more ends nothing. */
+  readonly same?: boolean;
+  /** It is squeezed well: no press ends that, not even one that is held. */
+  readonly well?: boolean;
+}
 
 /**
  * One button. Held, it squeezes for as long as it is held; where taps count, a tap squeezes until the next
@@ -10,27 +24,27 @@ const PRESSED = 0.3;
 export class Trigger {
   private down = false;
   private held_s = 0;
+  private up_s = Infinity;
   private latched = false;
   private spent = false;
   private ends = false;
 
-  /**
-   * @param asked what the way of playing says: pressed or not, or how far
-   * @param taps whether a tap is as good as holding
-   * @param closed whether the hand has begun to close: what is let go of before has only asked for it
-   */
-  step(asked: boolean | number, taps: boolean, closed: boolean, dt_s: number): boolean | number {
+  /** @param asked what the way of playing says: pressed or not, or how far */
+  step(asked: boolean | number, { taps, closed, same = false, well = false }: Pressed, dt_s: number): boolean | number {
     const down = typeof asked === 'number' ? asked > PRESSED : asked;
+    if (!down) this.up_s += dt_s;
     if (down && !this.down) {
       this.held_s = 0;
       // Who presses squeezes, and who lets go lets go: it ends what a tap before it began.
-      this.ends = this.latched;
-      this.latched = false;
+      this.ends = this.latched && !same && !well && this.up_s > AGAIN_S;
+      this.latched &&= !this.ends;
     } else if (down) {
       this.held_s += dt_s;
     } else if (this.down) {
-      this.latched = taps && typeof asked === 'boolean' && !this.spent && !this.ends && (this.held_s < TAP_S || !closed);
+      const tap = this.held_s < TAP_S || !closed;
+      this.latched = this.latched ? tap || well : tap && taps && typeof asked === 'boolean' && !this.spent && !this.ends;
       this.spent = this.ends = false;
+      this.up_s = 0;
     }
     this.down = down;
     if (this.spent) return false;

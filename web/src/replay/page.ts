@@ -60,7 +60,8 @@ export class ReplayPage implements TransportHands {
     if (second) second.shift_s = first.about.from_s - second.about.from_s;
     this.player = new Player(this.span());
     this.zoom = new Zoom(this.span(), LEAST_TICKS * first.about.period_s);
-    addEventListener('keydown', (event) => answerKey(event, Math.round(TENTH_S / first.about.period_s), this));
+    // In a report's file the sheets may be shown instead.
+    addEventListener('keydown', (event) => { if (root.getClientRects().length > 0) answerKey(event, Math.round(TENTH_S / first.about.period_s), this); });
     this.build();
   }
 

@@ -42,14 +42,23 @@ export function turnOf(right: boolean): number { return right ? YAW_RAD : -YAW_R
 
 interface Free { readonly x: number; readonly y: number; readonly width: number; readonly height: number; readonly scale: number }
 
+/** Least size of 1u, and of 1t on upright screens [px]. */
+const LEAST_U_PX = 0.65;
+const LEAST_T_PX = 0.6;
+const isUpright = (width: number, height: number): boolean => width / height <= 1.1;
+
+/** 1u of game.css. */
+export function unitOf(width: number, height: number): number {
+  return isUpright(width, height) ? width / 740 : Math.max(LEAST_U_PX, Math.min(width / WIDTH_PX, height / HEIGHT_PX));
+}
+
 /** Part of the picture that no card covers (game.css), and its size against the designed one's [px]. */
 function freeOf(view: View, width: number, height: number): Free {
   if (view === 'console') return { x: 0, y: 0, width, height, scale: Math.min(width / WIDTH_PX, height / HEIGHT_PX) };
-  const upright = width / height <= 1.1;
-  const u = upright ? width / 740 : Math.min(width / WIDTH_PX, height / HEIGHT_PX);
-  const strip = upright ? Math.max(190 * u, 112 * u + 78) : Math.max(104 * u, 80);
+  const upright = isUpright(width, height), u = unitOf(width, height);
+  const strip = upright ? Math.max(190 * u, 112 * Math.max(u, LEAST_T_PX) + 78) : Math.max(104 * u, 80);
   const [left, top] = upright ? [0, 256 * u] : [336 * u, 0];
-  const free = { x: left, y: top, width: width - left, height: height - top - strip };
+  const free = { x: left, y: top, width: Math.max(40, width - left), height: Math.max(40, height - top - strip) };
   return { ...free, scale: Math.min(free.width / (WIDTH_PX - 336), free.height / (HEIGHT_PX - 104)) };
 }
 

@@ -1,7 +1,7 @@
 // Buttons that have just come are deaf: a press that was meant for what stood there before does nothing.
 
 /** What changes under a finger is not pressed on purpose within this time [ms]. */
-const DEAF_MS = 400;
+const DEAF_MS = 700;
 
 /** Where buttons change. `dataset.fresh` is there while they are deaf (tokens.css). */
 export type Changing = Pick<HTMLElement, 'addEventListener' | 'dataset'>;
@@ -12,7 +12,7 @@ export class FreshButtons {
   private heard = true;   // the press under way began when the buttons were no longer new
 
   constructor(private readonly part: Changing) {
-    for (const press of ['pointerdown', 'keydown', 'click', 'submit']) part.addEventListener(press, (event) => this.take(event), true);
+    for (const press of ['pointerdown', 'keydown', 'keyup', 'click', 'submit']) part.addEventListener(press, (event) => this.take(event), true);
   }
 
   /** Other buttons are there now. */
@@ -29,12 +29,14 @@ export class FreshButtons {
     const { code = '', repeat = false, detail = 0 } = event as Partial<KeyboardEvent & MouseEvent>;
     const typed = (event.target as Partial<Element> | null)?.closest?.('input, select, textarea');
     if (event.type !== 'submit' && typed) return;
-    if (event.type === 'keydown' && code !== 'Enter' && code !== 'Space') return;
+    if (event.type.startsWith('key') && code !== 'Enter' && code !== 'Space') return;
     if (event.type === 'pointerdown' || (event.type === 'keydown' && !repeat)) this.heard = !this.deaf;
     // A click without a count comes from a key, whose keydown was judged, or from a screen reader.
     const counts = event.type === 'submit' || (event.type === 'click' && detail === 0) || this.heard;
     if (!this.deaf && counts) return;
     event.preventDefault();
     event.stopImmediatePropagation();
+    // Space squeezes. Who goes on tapping it, or lets go of it only now, means what was there before.
+    if (code === 'Space' && !repeat) this.changed();
   }
 }

@@ -139,6 +139,21 @@ export async function reconnects(t) {
   return 'one card through the attempts, which its dots show; both pages live again';
 }
 
+/** On a small laptop nothing that a therapist needs is below the edge, and no notice moves it. */
+async function expectAllOfTheTherapistsViewAtOnce(page) {
+  await page.setViewportSize({ width: 1280, height: 720 });
+  const below = await page.locator('button, select, output, input, .view, .cause, [data-testid=tally]').evaluateAll((all) => all
+    .filter((one) => one.getClientRects().length > 0 && !one.closest('.page, .recordings'))
+    .filter((one) => { const { bottom, right } = one.getBoundingClientRect(); return bottom > 720 || right > 1280; }).map((one) => one.outerHTML.slice(0, 80)));
+  expect(below.length === 0, `outside of 1280 x 720: ${below.join(' ')}`);
+  const top = () => page.locator('main').evaluate((main) => main.getBoundingClientRect().top);
+  const before = await top();
+  await page.evaluate(() => { for (const notice of document.querySelectorAll('.notice')) notice.hidden = false; });
+  expect(await top() === before, 'a notice moved what is below it');
+  await page.locator('[data-testid=profile]').fill('Łucja Müller');
+  expect(/Only A to Z/.test(await page.locator('.profile label').innerText()), 'a name that is refused says why');
+}
+
 /** Views of the pages, none with a serious or critical fault. */
 export async function pagesAreAccessible(t) {
   const { url } = await t.watcher();
@@ -146,13 +161,15 @@ export async function pagesAreAccessible(t) {
     ['game, watching', '/', {}, '[data-testid=watch]:enabled', 'body[data-state=watching]'],
     ['game, welcome', '/', {}, null, '[data-testid=start]:enabled'],
     ['game, help and settings', '/', {}, '[data-testid=help]', '[data-testid=help-card]'],
-    ['console, light', '/console', { theme: 'light' }, null, '.plot canvas'],
-    ['console, dark, German, tables', '/console', { theme: 'dark', lang: 'de' }, '[data-testid=tables]', '[data-testid=tables][aria-pressed=true]'],
+    ['console, the therapist’s view', '/console', { theme: 'light' }, null, '[data-testid=big-controls] output'],
+    ['console, light', '/console', { theme: 'light', view: 'engineer' }, null, '.plot canvas'],
+    ['console, dark, German, tables', '/console', { theme: 'dark', lang: 'de', view: 'engineer' }, '[data-testid=tables]', '[data-testid=tables][aria-pressed=true]'],
   ];
   for (const [name, path, query, click, shown] of views) {
     const page = await openPage(t.plain, pageUrl(url, path, { lang: 'en', quality: 'low', ...query }));
     if (click) await page.click(click);
     await page.waitForSelector(shown);
+    if (name.includes('therapist')) await expectAllOfTheTherapistsViewAtOnce(page);
     await expectAccessible(page, name);
     await page.context().close();
   }

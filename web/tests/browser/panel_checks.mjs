@@ -35,7 +35,7 @@ export async function anyExerciseShowsItsPanel(t) {
  */
 export async function profilesAreKept(t) {
   const { url } = await t.program();
-  const page = await openPage(t.plain, pageUrl(url, '/console', { lang: 'en' }));
+  const page = await openPage(t.plain, pageUrl(url, '/console', { lang: 'en', view: 'engineer' }));
   await page.waitForSelector('[data-testid=profile]');
   await page.click('#group-1');
   await page.waitForSelector('[data-testid=hand-facts]', { state: 'visible' });

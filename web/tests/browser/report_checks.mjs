@@ -70,6 +70,8 @@ async function viewerShows(page) {
   expect(third > first, `row ${third} after ${first}`);
   await page.locator('#app [data-testid=report]').click();
   await until('the sheets again', () => page.locator('[data-testid=therapy]').isVisible());
+  await page.locator('body').press('Space');
+  expect(!(await page.evaluate(() => window.wholehandReplay.playing)), 'Space on the sheets started the hidden viewer');
 }
 
 /** With 3D the strongest moment is a picture, which paper can have. */

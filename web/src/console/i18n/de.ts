@@ -33,12 +33,19 @@ export const de: ConsoleTexts = {
     stopping: 'Auf dem Weg zu neutral', stopped: 'In Ruhe', faulted: 'In Ruhe',
   },
 
+  engineer: 'Technische Ansicht', therapy: 'Therapie-Ansicht',
   theme: 'Dunkel oder hell',
   language: 'Sprache',
   tables: 'Tabellen statt Kurven',
   pause: 'Pause', resume: 'Weiter', arm: 'Starten', armAgain: 'Neu starten', stop: 'Sanft anhalten',
   emergency: 'Not-Halt',
   space: 'Leertaste', esc: 'Esc',
+
+  sessionLine: {
+    since: 'seit {at}: {min} min aktiv, {n} Wiederholungen', ended: 'Ende {at}: {min} min aktiv, {n} Wiederholungen',
+    next: { disarmed: 'Als Nächstes: starten, wenn die Person bereit ist.', paused: 'Als Nächstes: mit «Weiter» fortfahren.', stopped: 'Als Nächstes: Bericht lesen, Übung wählen oder neu starten.', faulted: 'Als Nächstes: tun, was unter Sicherheit steht, dann neu starten.', lost: 'Als Nächstes: prüfen, ob das Programm läuft.', rested: 'Die Person ruht aus und fährt selbst fort.' },
+  },
+  big: { title: 'Mit einer Berührung einstellen', less: 'Weniger: {name}', more: 'Mehr: {name}' },
 
   plots: {
     hand: 'Kraft, Hand', arm: 'Kraft, Arm', axis: 'Koordinate', ratios: 'φ und α',
@@ -62,7 +69,7 @@ export const de: ConsoleTexts = {
   phases: { bump: 'berührt', engaged: 'Griff, Wand blendet ein' },
 
   legend: { title: 'Legende', phi: 'φ: adaptive Dämpfung einer Achse; 0 keine, 1 volle', alpha: 'α: wie weit die Wand der Übung eingeblendet ist; 0 aus, 1 ganz', m1: '① die Hand berührt einen Gegenstand', m2: '② gegriffen, die Wand blendet ein' },
-  profile: { profile: 'Person: {name}', noProfile: 'kein Profil', name: 'Name des Profils', save: 'Speichern', load: 'Öffnen', nameHint: 'Neuer Name', stopFirst: 'Zuerst anhalten: Ein Profil wird vor dem Start geöffnet.' },
+  profile: { profile: 'Person: {name}', noProfile: 'kein Profil', name: 'Name des Profils', save: 'Speichern', load: 'Öffnen', nameHint: 'Neuer Name', rule: 'Nur A bis Z, Ziffern, «-» und «_»; höchstens 60.', stopFirst: 'Zuerst anhalten: Ein Profil wird vor dem Start geöffnet.' },
   handFacts: { now: 'Hand', side: 'Seite', right: 'rechts', left: 'links', range: '{lo} bis {hi}', of: 'Bereich des Geräts' },
 
   view: {

@@ -32,12 +32,19 @@ export const en = {
     stopping: 'On the way to neutral', stopped: 'At neutral', faulted: 'At neutral',
   },
 
+  engineer: 'Engineer’s view', therapy: 'Therapist’s view',
   theme: 'Dark or light',
   language: 'Language',
   tables: 'Tables instead of plots',
   pause: 'Pause', resume: 'Resume', arm: 'Start', armAgain: 'Arm again', stop: 'Stop gently',
   emergency: 'Emergency stop',
   space: 'Space', esc: 'Esc',
+
+  sessionLine: {
+    since: 'since {at}: {min} min active, {n} repetitions', ended: 'ended {at}: {min} min active, {n} repetitions',
+    next: { disarmed: 'Next: press Start when the person is ready.', paused: 'Next: press Resume to go on.', stopped: 'Next: read the report, choose the next exercise, or arm again.', faulted: 'Next: do what Safety says, then arm again.', lost: 'Next: see that the program runs.', rested: 'The player rests, and goes on alone.' } as Record<string, string>,
+  },
+  big: { title: 'Set with one touch', less: 'Less: {name}', more: 'More: {name}' },
 
   plots: {
     hand: 'Effort, hand', arm: 'Effort, arm', axis: 'Coordinate', ratios: 'φ and α',
@@ -61,7 +68,7 @@ export const en = {
   phases: { bump: 'touched', engaged: 'grasp, wall fades in' },
 
   legend: { title: 'Legend', phi: 'φ: adaptive damping of an axis; 0 none, 1 full', alpha: 'α: how far the exercise’s wall is faded in; 0 out, 1 in', m1: '① the hand touches an object', m2: '② grasped, the wall fades in' },
-  profile: { profile: 'Patient: {name}', noProfile: 'no profile', name: 'Name of the patient’s profile', save: 'Save', load: 'Open', nameHint: 'New name', stopFirst: 'Stop first: a profile is opened before the start.' },
+  profile: { profile: 'Patient: {name}', noProfile: 'no profile', name: 'Name of the patient’s profile', save: 'Save', load: 'Open', nameHint: 'New name', rule: 'Only A to Z, digits, “-” and “_”; 60 at most.', stopFirst: 'Stop first: a profile is opened before the start.' },
   handFacts: { now: 'Hand', side: 'Side', right: 'right', left: 'left', range: '{lo} to {hi}', of: 'Range of the device' },
 
   view: {

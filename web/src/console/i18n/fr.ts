@@ -33,12 +33,19 @@ export const fr: ConsoleTexts = {
     stopping: 'Retour au neutre', stopped: 'Au neutre', faulted: 'Au neutre',
   },
 
+  engineer: 'Vue technique', therapy: 'Vue thérapie',
   theme: 'Sombre ou clair',
   language: 'Langue',
   tables: 'Tableaux au lieu des courbes',
   pause: 'Pause', resume: 'Reprendre', arm: 'Démarrer', armAgain: 'Réarmer', stop: 'Arrêt doux',
   emergency: 'Arrêt d’urgence',
   space: 'Espace', esc: 'Échap',
+
+  sessionLine: {
+    since: 'depuis {at} : {min} min actives, {n} répétitions', ended: 'fin à {at} : {min} min actives, {n} répétitions',
+    next: { disarmed: 'Ensuite : démarrez quand la personne est prête.', paused: 'Ensuite : « Reprendre » pour continuer.', stopped: 'Ensuite : lisez le rapport, choisissez un exercice ou réarmez.', faulted: 'Ensuite : faites ce que dit Sécurité, puis réarmez.', lost: 'Ensuite : vérifiez que le programme tourne.', rested: 'La personne se repose et reprend seule.' },
+  },
+  big: { title: 'Régler d’un geste', less: 'Moins : {name}', more: 'Plus : {name}' },
 
   plots: {
     hand: 'Force, main', arm: 'Force, bras', axis: 'Coordonnée', ratios: 'φ et α',
@@ -62,7 +69,7 @@ export const fr: ConsoleTexts = {
   phases: { bump: 'touche', engaged: 'prise, le mur apparaît' },
 
   legend: { title: 'Légende', phi: 'φ : amortissement adaptatif d’un axe ; 0 aucun, 1 plein', alpha: 'α : part du mur de l’exercice qui agit ; 0 rien, 1 tout', m1: '① la main touche un objet', m2: '② saisi, le mur apparaît' },
-  profile: { profile: 'Patient : {name}', noProfile: 'aucun profil', name: 'Nom du profil', save: 'Enregistrer', load: 'Ouvrir', nameHint: 'Nouveau nom', stopFirst: 'Arrêtez d’abord : un profil s’ouvre avant le départ.' },
+  profile: { profile: 'Patient : {name}', noProfile: 'aucun profil', name: 'Nom du profil', save: 'Enregistrer', load: 'Ouvrir', nameHint: 'Nouveau nom', rule: 'Seulement A à Z, chiffres, « - » et « _ » ; 60 au plus.', stopFirst: 'Arrêtez d’abord : un profil s’ouvre avant le départ.' },
   handFacts: { now: 'Main', side: 'Côté', right: 'droite', left: 'gauche', range: '{lo} à {hi}', of: 'Course de l’appareil' },
 
   view: {

@@ -25,6 +25,8 @@ const SIGN_BEFORE_M = 0.014;
 /** The done glass: how far before the guest it is drunk from, and how far it slides out of the picture [m]. */
 const GLASS_BEFORE_GUEST_M = 0.2;
 const GLASS_AWAY_M = 0.8;
+/** So much of a shelf's height the guest stands higher, to be seen over it. */
+const SEEN_OVER_SHELF = 0.75;
 
 interface Hung { readonly body: number; readonly root: Group; readonly dent: Dent | undefined; readonly sign: Sign; slot: Vector3 | undefined }
 
@@ -46,6 +48,7 @@ export class BarView implements ExerciseView {
   private line_m: number | undefined;
   private target = -1;
   private bottles: Vector3[] = [];   // where they hang, three.js's frame
+  private shelf_m = 0;               // what stands on the counter, and hides what is behind it
 
   constructor(private readonly bar: Bar, private readonly scene: SceneT, quality: Quality) {
     const bodyIndex = (name: string) => scene.bodies.findIndex((b) => String(b.name) === name);
@@ -75,6 +78,7 @@ export class BarView implements ExerciseView {
     const { bar, scene } = this;
     const row_x = state?.bodies[this.hung[0]?.body]?.positionM?.x ?? -DEFAULT_PLACE.row_z;
     this.bottles = state ? bottlesOf(bar, scene, state) : [];
+    this.shelf_m = state ? this.shelfOf(state) : 0;
     return { place: { right: scene.rightHand, counter_y: bar.counter_z_m, row_z: -row_x }, outline: state ? outlineOf(bar, scene, state) : [] };
   }
 
@@ -90,13 +94,15 @@ export class BarView implements ExerciseView {
     const rim = rimHeight(this.bar.glass), rise = this.bar.glass.m_per_l, step = this.values.get(state, 'step');
     const liquids = drink?.steps.map((s) => s.liquid) ?? [];
     this.line_m = done || !drink ? undefined : lineHeight(poured, step, this.values.get(state, 'asked_l'), rise, rim);
-    const serving = this.serving.look(done, stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo, dt_s, this.still.matches);
+    const serving = this.serving.look(done, stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo, dt_s, this.still.matches || this.shelf_m > 0);
     this.glass.update(serving.empty ? [] : layersOf(poured, liquids, rise, rim), this.line_m, done && !serving.empty);
     const body = state.bodies[this.glassBody];
     if (body) place(this.glass.root, body, -this.bar.glass.height_m / 2);
-    this.guest.update(this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink'), serving.pose, dt_s);
+    this.guest.update(this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink'), serving.pose, done, dt_s);
     this.serve(serving);
-    this.updateStream(state, surfaceHeight(poured, rise, rim), dt_s);
+    // What runs into a glass that is drawn elsewhere would run on to the counter.
+    const away = serving.toMiddle > 0 || serving.away > 0 || serving.seen < 1;
+    this.updateStream(state, away ? 0 : this.values.get(state, 'flow_l_s'), surfaceHeight(poured, rise, rim), dt_s);
   }
 
   /** The line's right end, and the bottle that is wanted. */
@@ -116,13 +122,22 @@ export class BarView implements ExerciseView {
   }
 
   placeBehind(camera: PerspectiveCamera, place: CameraPlace): void {
-    this.guest.place(camera, place, this.bottles);
+    this.guest.place(camera, place, this.bottles, SEEN_OVER_SHELF * this.shelf_m);
+  }
+
+  /** Height over the counter of what is fixed on it. */
+  private shelfOf(state: WorldStateT): number {
+    const tops_m = this.scene.bodies.map(({ name, fixed, shapes }, i) => {
+      const half_m = shapes[0]?.halfExtentsM?.z, z_m = state.bodies[i]?.positionM?.z;
+      return !fixed || half_m === undefined || z_m === undefined || this.owns(String(name)) ? 0 : z_m + half_m - this.bar.counter_z_m;
+    });
+    return Math.max(0, ...tops_m);
   }
 
   /** The glass to the guest and away, as looks alone. */
   private serve({ toMiddle, away, seen }: Serving): void {
     const glass = this.glass.root, facing = new Vector3(0, 0, 1).applyQuaternion(this.guest.root.quaternion);
-    const middle = this.guest.root.position.clone().addScaledVector(facing, GLASS_BEFORE_GUEST_M).setY(glass.position.y);
+    const middle = this.guest.servedAt.clone().addScaledVector(facing, GLASS_BEFORE_GUEST_M).setY(glass.position.y);
     glass.position.lerp(middle, toMiddle);
     glass.position.addScaledVector(new Vector3(-1, 0, 0).applyQuaternion(this.guest.root.quaternion), GLASS_AWAY_M * away);
     this.glass.fade(seen);
@@ -151,8 +166,8 @@ export class BarView implements ExerciseView {
     return at ? toThree(at).z : undefined;
   }
 
-  private updateStream(state: WorldStateT, surface_m: number, dt_s: number): void {
-    const flow = this.values.get(state, 'flow_l_s'), engaged = this.values.get(state, 'engaged_dispenser');
+  private updateStream(state: WorldStateT, flow: number, surface_m: number, dt_s: number): void {
+    const engaged = this.values.get(state, 'engaged_dispenser');
     const which = engaged >= 0 ? engaged : this.target, h = this.hung[which], d = this.bar.dispensers[which];
     if (!h || !d) return;
     const tip = toThree({ x: d.nozzle_m[0], y: d.nozzle_m[1], z: d.nozzle_m[2] }).applyQuaternion(h.root.quaternion).add(h.root.position);

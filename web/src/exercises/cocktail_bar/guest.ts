@@ -13,8 +13,12 @@ const SIZE_M = 0.31;
 const BEHIND_M = 0.56;
 /** From old pose to new one, through nothing [s]. */
 const FADE_S = 0.4;
-/** Where it may stand, as parts of the picture's width: beside the praise card (game.css) and not behind the hand at rest. */
+/**
+ * Where it may stand, as parts of the picture's width: not behind the hand at rest, and while it is served beside the
+ * praise card (game.css), which lies on the side that has no arm.
+ */
 const LANDSCAPE = { right: [0.52, 0.68], left: [0.6, 0.85] } as const;
+const SERVED = { right: LANDSCAPE.right, left: [0.12, 0.24] } as const;
 const UPRIGHT = { right: [0.3, 0.6], left: [0.4, 0.7] } as const;
 
 export class GuestView {
@@ -22,32 +26,39 @@ export class GuestView {
   private drawn = -1;
   private wanted = -1;
   private pose: Pose = 'waits';
+  private served = false;
+  /** Where it waits, and where it is served. */
+  private readonly places = [new Vector3(), new Vector3()] as const;
 
   constructor() { this.root.visible = false; }
 
-  /** Behind the counter, facing the picture as the room does. */
-  place(camera: PerspectiveCamera, { right, counter_y, row_z }: CameraPlace, bottles: readonly Vector3[]): void {
-    const turn_rad = turnOf(right), across = freeAcross(camera, right, bottles);
+  /** Behind the counter, facing the picture as the room does. @param lift_m over what stands on it */
+  place(camera: PerspectiveCamera, { right, counter_y, row_z }: CameraPlace, bottles: readonly Vector3[], lift_m = 0): void {
+    const turn_rad = turnOf(right);
     const ahead = new Vector3(0, 0, 1).applyAxisAngle(new Vector3(0, 1, 0), turn_rad);
     const wall = new Plane().setFromNormalAndCoplanarPoint(ahead, new Vector3(0, counter_y, row_z).addScaledVector(ahead, -BEHIND_M));
-    const at = atPlane(camera, across, wall);
-    if (!at) return;
-    this.root.position.set(at.x, counter_y + SIZE_M / 2, at.z);
+    this.places.forEach((place, served) => {
+      const at = atPlane(camera, freeAcross(camera, right, bottles, served === 1), wall);
+      if (at) place.set(at.x, counter_y + SIZE_M / 2 + lift_m, at.z);
+    });
+    this.root.position.copy(this.places[Number(this.served)]);
     this.root.rotation.y = turn_rad;
   }
 
+  get servedAt(): Vector3 { return this.places[1]; }
+
   /** @param guest which one: a number of its own for every drink; -1: nobody */
-  update(guest: number, pose: Pose, dt_s: number): void {
+  update(guest: number, pose: Pose, served: boolean, dt_s: number): void {
     const material = this.root.material as ReturnType<typeof flat>;
-    const same = guest === this.wanted && pose === this.pose && guest === this.drawn;
+    const same = guest === this.wanted && pose === this.pose && served === this.served && guest === this.drawn;
     const step = dt_s / (FADE_S / 2);
     if (!same && material.opacity > 0) material.opacity = Math.max(0, material.opacity - step);
-    else if (!same) this.change(guest, pose);
+    else if (!same) this.change(guest, pose, served);
     else material.opacity = Math.min(1, material.opacity + step);
     this.root.visible = this.drawn >= 0 && material.opacity > 0;
   }
 
-  private change(guest: number, pose: Pose): void {
+  private change(guest: number, pose: Pose, served: boolean): void {
     const material = this.root.material as ReturnType<typeof flat>;
     if (guest >= 0 && guest !== this.drawn) {
       material.map?.dispose();
@@ -57,6 +68,8 @@ export class GuestView {
     }
     this.drawn = this.wanted = guest;
     this.pose = pose;
+    this.served = served;
+    this.root.position.copy(this.places[Number(served)]);
     material.map?.offset.set(poseOffset(pose), 0);
   }
 }
@@ -68,8 +81,8 @@ function sheet(guest: number): Texture {
 }
 
 /** The part of the picture's width that is farthest from every bottle. */
-export function freeAcross(camera: PerspectiveCamera, right: boolean, bottles: readonly Vector3[]): number {
-  const [from, to] = (camera.aspect > 1.1 ? LANDSCAPE : UPRIGHT)[right ? 'right' : 'left'];
+export function freeAcross(camera: PerspectiveCamera, right: boolean, bottles: readonly Vector3[], served = false): number {
+  const [from, to] = (camera.aspect <= 1.1 ? UPRIGHT : served ? SERVED : LANDSCAPE)[right ? 'right' : 'left'];
   const taken = bottles.map((bottle) => bottle.clone().project(camera).x * 0.5 + 0.5);
   const places = Array.from({ length: 25 }, (_, i) => from + (to - from) * i / 24);
   // Half a picture away is as good as any farther.

@@ -1,5 +1,5 @@
 // What of the bar must be seen at once: every dispenser with its sign, wherever the row slides, and the
-// counter under it.
+// counter under it; and the glass.
 
 import { Vector3 } from 'three';
 import type { SceneT, WorldStateT } from '../../protocol';
@@ -20,8 +20,10 @@ export function bottlesOf(bar: Bar, scene: Pick<SceneT, 'bodies'>, state: Pick<W
 export function outlineOf(bar: Bar, scene: Pick<SceneT, 'bodies'>, state: Pick<WorldStateT, 'bodies'>): Vector3[] {
   const places = bar.dispensers.map(({ body }) => state.bodies[scene.bodies.findIndex((b) => String(b.name) === body)]?.positionM);
   const first_y = places[0]?.y ?? 0, slides = (bar.row_y_m ?? [first_y]).map((y) => y - first_y);
-  return places.flatMap((at) => !at ? [] : slides.flatMap((by) => [by - SIGN_ASIDE_M, by + SIGN_ASIDE_M]).flatMap((aside) => [
+  const glass = state.bodies[scene.bodies.findIndex((b) => String(b.name) === bar.glass.body)]?.positionM;
+  const foot = glass ? [toThree({ x: glass.x - bar.glass.radius_m, y: glass.y, z: bar.counter_z_m })] : [];
+  return [...foot, ...places.flatMap((at) => !at ? [] : slides.flatMap((by) => [by - SIGN_ASIDE_M, by + SIGN_ASIDE_M]).flatMap((aside) => [
     toThree({ x: at.x, y: at.y + aside, z: bar.rail_z_m + SIGN_OVER_M }),
     toThree({ x: at.x - bar.glass.radius_m, y: at.y + aside, z: bar.counter_z_m }),
-  ]));
+  ]))];
 }

@@ -70,7 +70,7 @@ export class BarPlay implements Play {
       case Stage.Squeeze: return say('squeeze', 'graspMore');
       case Stage.Pour: {
         const spilling = this.value(state, 'flow_l_s') > 0 && this.value(state, 'over_glass', 1) === 0;
-        return spilling ? say('offGlass', 'offGlassMore') : say('squeeze', 'squeezeMore');
+        return spilling ? say('offGlass', 'offGlassMore', undefined, true) : say('squeeze', 'squeezeMore');
       }
       case Stage.LetGo: return say('letGo', 'letGoMore');
       case Stage.DrawBack: return say('drawBack', 'drawBackMore');

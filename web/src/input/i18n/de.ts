@@ -30,6 +30,7 @@ export const de: InputTexts = {
     ],
   },
   oneButton: { keys: 'Leertaste', mouse: 'Klick', touch: 'Tippen', gamepad: 'A' },
+  letGo: { keys: 'Leertaste loslassen', mouse: 'Maustaste loslassen', touch: 'Finger abheben, der drückt', gamepad: 'Trigger loslassen', webcam: 'Hand öffnen' },
   touch: { squeeze: 'Drücken', higher: 'Höher', lower: 'Tiefer' },
   webcam: {
     insecure: 'Der Browser gibt hier keine Kamera frei. Öffnen Sie die Seite über https oder auf diesem Computer selbst.',

@@ -8,6 +8,8 @@ export interface InputTexts {
   help: Record<Way, HelpLine[]>;
   /** What is pressed once where an exercise does the rest with full help. */
   oneButton: Partial<Record<Way, string>>;
+  /** How a squeeze that is held is ended. */
+  letGo: Record<Way, string>;
   touch: { squeeze: string; higher: string; lower: string };
   webcam: Record<'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'ended', string>;
   /** While the camera is on: what to do before it steers, and in the play. */
@@ -44,6 +46,7 @@ export const en: InputTexts = {
     ],
   },
   oneButton: { keys: 'Space', mouse: 'Click', touch: 'Tap', gamepad: 'A' },
+  letGo: { keys: 'Let go of the space bar', mouse: 'Let go of the mouse button', touch: 'Lift the finger that squeezes', gamepad: 'Let go of the trigger', webcam: 'Open your hand' },
   touch: { squeeze: 'Squeeze', higher: 'Higher', lower: 'Lower' },
   webcam: {
     insecure: 'The browser gives no camera here. Open this page by https or on this computer itself.',

@@ -29,7 +29,8 @@ export const fr: InputTexts = {
       { keys: ['Poing'], does: 'fermez la main pour presser, ouvrez-la pour lâcher' },
     ],
   },
-  oneButton: { keys: 'Espace', mouse: 'Clic', touch: 'Toucher', gamepad: 'A' },
+  oneButton: { keys: 'Espace', mouse: 'Cliquer', touch: 'Appuyer', gamepad: 'A' },
+  letGo: { keys: 'Relâchez la barre d’espace', mouse: 'Relâchez le bouton de la souris', touch: 'Levez le doigt qui presse', gamepad: 'Relâchez la gâchette', webcam: 'Ouvrez la main' },
   touch: { squeeze: 'Presser', higher: 'Plus haut', lower: 'Plus bas' },
   webcam: {
     insecure: 'Le navigateur ne donne pas de caméra ici. Ouvrez cette page par https ou sur cet ordinateur même.',

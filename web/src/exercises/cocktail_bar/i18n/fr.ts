@@ -90,5 +90,5 @@ export const fr: BarTexts = {
   'event.step_done': 'Étape finie',
   'event.drink_done': 'Boisson finie',
   'oneButton.press': 'appuyez une fois : la main va, presse et lâche au trait',
-  'oneButton.point': 'une bouteille : la main va, presse et lâche au trait',
+  'oneButton.point': 'sur une bouteille : la main va, presse et lâche au trait',
 };
