@@ -50,8 +50,9 @@ export async function mouseMovesTheHand(t) {
   const box = await game.locator('#play').boundingBox();
   const to = (part) => game.mouse.move(box.x + box.width * part, box.y + box.height / 2, { steps: 12 });
   expect(box && box.width > width / 2 && box.height > height / 2, 'the picture does not fill the page');
-  // Left in the picture is left of the person, y positive.
-  await to(0.5);
+  // Left in the picture is left of the person, y positive. The order's card leaves the hand the right half of this window.
+  const right_part = 0.8, left_part = 0.55;
+  await to(right_part);
   await watcher.steered();
   // The wheel counts from where the hand is. Taken over, the hand may stand at a bottle, which it leaves towards the
   // person only; and a page that lost the controls begins anew: the player moves and turns again.
@@ -71,12 +72,12 @@ export async function mouseMovesTheHand(t) {
   // The virtual patient may have finished the level before the page was there: the therapist begins it anew.
   await watcher.page.click('[data-testid=restart]');
   await watcher.until('the level begun anew', (now) => now.values.score === 0);
-  await turnUntil('the hand drawn back from the row', 0.5, 100, (now) => axis(now, 'x') < DRAWN_BACK_M);
+  await turnUntil('the hand drawn back from the row', right_part, 100, (now) => axis(now, 'x') < DRAWN_BACK_M);
   const right = await handAtRest(watcher, 'the hand at rest before the cursor');
-  await turnUntil('the hand farther left, as the cursor', 0.3, 0, (now) => axis(now, 'y') > axis(right, 'y') + 0.02);
+  await turnUntil('the hand farther left, as the cursor', left_part, 0, (now) => axis(now, 'y') > axis(right, 'y') + 0.02);
   const before = await handAtRest(watcher, 'the hand at rest farther left');
-  const away = await turnUntil('the device farther from the person after the wheel', 0.3, -100, (now) => axis(now, 'x') > axis(before, 'x') + 0.01);
-  await turnUntil('the device nearer to the person after the wheel', 0.3, 100, (now) => axis(now, 'x') < axis(away, 'x') - 0.005);
+  const away = await turnUntil('the device farther from the person after the wheel', left_part, -100, (now) => axis(now, 'x') > axis(before, 'x') + 0.01);
+  await turnUntil('the device nearer to the person after the wheel', left_part, 100, (now) => axis(now, 'x') < axis(away, 'x') - 0.005);
   return 'the hand followed the cursor to the left, and the wheel';
 }
 
