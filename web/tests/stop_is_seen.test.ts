@@ -92,7 +92,7 @@ describe('buttons that have just come', () => {
   let part: Part, fresh: FreshButtons, acted: string[];
   beforeEach(() => {
     [part, acted] = [new Part(), []];
-    fresh = new FreshButtons(part as never);
+    fresh = new FreshButtons(part as never, 'Space');
     for (const kind of ['pointerdown', 'click', 'keydown', 'submit']) part.addEventListener(kind, ({ type }) => acted.push(type));
   });
   const on = (type: string, more: object = {}): void => { part.dispatchEvent(Object.assign(new Event(type, { cancelable: true }), more)); };
@@ -144,6 +144,13 @@ describe('buttons that have just come', () => {
     await clock.turn(750);
     on('keydown', { code: 'Space' });
     expect(acted).toEqual(['keydown']);
+  });
+
+  it('let a key go that was held, whatever is new', () => {
+    part.addEventListener('keyup', ({ type }) => acted.push(type));
+    fresh.changed();
+    on('keyup', { code: 'Space' });
+    expect(acted).toEqual(['keyup']);
   });
 
   it('leave typing alone', () => {

@@ -21,7 +21,7 @@ export class Overlay {
   private release: (() => void) | null = null;
   private onEscape: (() => void) | null = null;
   private readonly element = h('div', { class: 'overlay', hidden: true });
-  private readonly fresh = new FreshButtons(this.element);
+  private readonly fresh = new FreshButtons(this.element, 'Space');
   private buttons = '';
 
   /**

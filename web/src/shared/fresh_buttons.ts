@@ -11,7 +11,8 @@ export class FreshButtons {
   private changed_ms = -Infinity;
   private heard = true;   // the press under way began when the buttons were no longer new
 
-  constructor(private readonly part: Changing) {
+  /** @param tapped a key that is tapped in play, and so may be on its way down or up: `Space` squeezes */
+  constructor(private readonly part: Changing, private readonly tapped = '') {
     for (const press of ['pointerdown', 'keydown', 'keyup', 'click', 'submit']) part.addEventListener(press, (event) => this.take(event), true);
   }
 
@@ -35,8 +36,9 @@ export class FreshButtons {
     const counts = event.type === 'submit' || (event.type === 'click' && detail === 0) || this.heard;
     if (!this.deaf && counts) return;
     event.preventDefault();
-    event.stopImmediatePropagation();
-    // Space squeezes. Who goes on tapping it, or lets go of it only now, means what was there before.
-    if (code === 'Space' && !repeat) this.changed();
+    // What a key held down is let go of, whatever is new.
+    if (event.type !== 'keyup') event.stopImmediatePropagation();
+    // Who goes on tapping it, or lets go of it only now, means what was there before.
+    if (code !== '' && code === this.tapped && !repeat) this.changed();
   }
 }
