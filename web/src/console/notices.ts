@@ -1,4 +1,5 @@
 import { sessionWords } from './title_words';
+import { hasHardware } from '../shared/hardware';
 import { fill } from '../shared/i18n';
 import { h, say } from './dom';
 import { texts } from './i18n';
@@ -9,12 +10,6 @@ import { figuresOf, reportUrl, type Recording } from './recordings';
 
 /** A refusal is shown for this long [ms]. */
 const REFUSAL_MS = 10_000;
-
-/** A device that is not simulated has a button of its own. */
-function hasHardware(deviceName: unknown): boolean {
-  const name = String(deviceName ?? '').toLowerCase();
-  return name !== '' && !name.includes('simulated') && !name.includes('virtual');
-}
 
 /** In their own place below the header, one at a time, the gravest first: stop not confirmed, connection lost, the controls lost, somebody else commands, an order was refused. */
 export class NoticesPanel implements Panel {
@@ -64,13 +59,13 @@ export class NoticesPanel implements Panel {
   }
 
   refresh(): void {
-    const { connection, scene } = this.model;
+    const { connection, state } = this.model;
     const t = this.t.notices;
     const { problem } = connection;
     const lost = connection.status === 'lost';
     if (this.lost.hidden === lost) this.lost.hidden = !lost;
     if (lost) {
-      const hardware = hasHardware(scene?.deviceName) ? ` ${t.hardware}` : '';
+      const hardware = hasHardware(state) ? ` ${t.hardware}` : '';
       say(this.lostText, problem ? fill(t.version, { theirs: problem.theirs, ours: problem.ours }) : `${t.lost} ${t.lostMore}${hardware}`);
       say(this.attempts, problem ? '' : fill(t.attempts, { n: connection.attempts }));
     }
