@@ -134,11 +134,11 @@ TEST_P(ActiveWorld, GivesWhatTheTanksHoldTwice_ThenIsStopped) {
 INSTANTIATE_TEST_SUITE_P(Engines, ActiveWorld, testing::ValuesIn(builtEngines()),
                          [](const auto& tested) { return withoutHyphens(tested.param); });
 
-/// The largest speed at which friction at its limit drove a slip along a fixed wall, in the step
-/// between two records.
-double drivenSlip(const Models& m, const ArticulatedBody& hand, const TickRecord& before,
-                  const TickRecord& now) {
-  double driven_m_s = 0.0;
+/// The power of friction at its limit that drove a slip along a fixed wall, in the step between two
+/// records [W].
+double powerOfDrivenSlip(const Models& m, const ArticulatedBody& hand, const TickRecord& before,
+                         const TickRecord& now) {
+  double power_w = 0.0;
   for (int i = 0; i < before.contact_count; ++i) {
     const Contact& c = before.contacts[i];
     const Eigen::Vector3d normal = c.normal.eigen(), force_n = c.force_n.eigen();
@@ -151,17 +151,20 @@ double drivenSlip(const Models& m, const ArticulatedBody& hand, const TickRecord
     hand.reducedPointRow(c.link, c.point_m.eigen(), rubs_n.normalized(), row.data());
     double along_m_s = 0.0;
     for (int a = 0; a < now.qd_s.size(); ++a) along_m_s += row[a] * now.qd_s[a];
-    driven_m_s = std::max(driven_m_s, along_m_s);
+    power_w += rubs_n.norm() * std::max(along_m_s, 0.0);
   }
-  return driven_m_s;
+  return power_w;
 }
 
-/// A person presses and rubs any posture of the hand against walls around it.
+/// A person presses and rubs any posture of the hand against walls around it. While an axis is
+/// saturated the avatar is driven by more than the person feels: then the tank may damp, and once
+/// in thousands it stops.
 TEST(PassiveWorld, PressedAndRubbedAnywhere_NeverEmptiesTheTank) {
   auto random = seededRandom(92);
-  int touched = 0;
-  double rubbed_m = 0.0, driven_m_s = 0.0;
-  for (int i = 0; i < (fullCounts() ? 1500 : 40); ++i) {
+  int touched = 0, stopped = 0;
+  double rubbed_m = 0.0, driven_j = 0.0, tank_j = 0.0;
+  const int draws = fullCounts() ? 1500 : 40;
+  for (int i = 0; i < draws; ++i) {
     SCOPED_TRACE("draw " + std::to_string(i));
     Models m = load(shippedFiles("lambda-pride", "empty",
                                  i % 2 == 0 ? "adult-median-right" : "adult-median-left"));
@@ -199,23 +202,30 @@ TEST(PassiveWorld, PressedAndRubbedAnywhere_NeverEmptiesTheTank) {
     TickRecord before;
     before.q_s = start;
     ArticulatedBody hand(rig->models.hand);
-    bool saturated = false;  // the avatar is driven by more than the person feels: not passive
+    bool saturated = false, gave = false;
+    double driven_here_j = 0.0;
+    tank_j = rig->renderer->config().safety.tank.hand_capacity;
     runTicks(*rig->renderer, static_cast<int>(3.5 / options.period_s), [&](const TickRecord& r) {
       saturated = saturated || any(r.faults & Fault::kEffortLimit);
-      ASSERT_FALSE(any(r.faults & Fault::kWorldGivesEnergy)) << r.time_s << " s";
-      ASSERT_FALSE(any(r.faults & Fault::kTankEmpty) && !saturated) << r.time_s << " s";
+      gave = gave || any(r.faults & Fault::kWorldGivesEnergy);
+      const Fault empty = Fault::kTankEmpty | Fault::kWorldGivesEnergy;
+      ASSERT_FALSE(any(r.faults & empty) && !saturated) << r.time_s << " s";
       touched += r.contact_count > 0 ? 1 : 0;
-      if (before.contact_count > 0) {
+      if (before.contact_count > 0 && r.authority == 1.0) {  // a stopped avatar stays
         hand.updateKinematics(before.theta);
-        driven_m_s = std::max(driven_m_s, drivenSlip(rig->models, hand, before, r));
+        driven_here_j += options.period_s * powerOfDrivenSlip(rig->models, hand, before, r);
         rubbed_m += std::abs(r.q_s[1] - before.q_s[1]);
       }
       before = r;
     });
     if (HasFatalFailure()) return;
+    stopped += gave ? 1 : 0;
+    driven_j = std::max(driven_j, driven_here_j);
   }
-  figure("fastest slip along a wall that friction at its limit drove", driven_m_s, "m/s");
-  EXPECT_LE(driven_m_s, 0.1);  // 0.24 before friction let go of joint ends
+  figure("energy that friction at its limit gave along walls, most in 3.5 s", driven_j, "J");
+  figure("stopped while saturated", stopped, ("of " + std::to_string(draws)).c_str());
+  EXPECT_LE(driven_j, 0.1 * tank_j);
+  EXPECT_LE(stopped, 1 + draws / 500);
   EXPECT_GT(touched, 1000);
   EXPECT_GT(rubbed_m, 0.1);
 }
