@@ -271,7 +271,7 @@ struct Teleport : OfBodies {};
 struct SetOwner : OfBodies {};
 struct BodyTargets : OfBodies {};
 // Those that the program gives by itself.
-struct OwnerAlive {
+struct HolderAlive {
   bool alive = false;  ///< the game that holds the controls; false: it went silent
 };
 /// Nobody has held the controls or ordered anything for long: a loop armed by a client is to stop,
@@ -282,7 +282,7 @@ struct Attended {};  ///< somebody has taken the controls
 using Any = std::variant<Arm, Stop, EmergencyStop, LoadExercise, SetParameter, Aim, Steer, Action,
                          TakeControls, ReleaseControls, Heartbeat, Rest, SaveProfile, LoadProfile,
                          SetHelp, Answer, HoldToMove, PrepareShapes, Spawn, Remove, Teleport,
-                         SetOwner, BodyTargets, OwnerAlive, Unattended, Attended>;
+                         SetOwner, BodyTargets, HolderAlive, Unattended, Attended>;
 
 /// Index of a kind in Any.
 template <class Kind, class... Kinds>
@@ -370,7 +370,7 @@ inline constexpr auto kTable = [] {
       {kIndexOf<Teleport>, 21, "Teleport", kHolder, kLoop},
       {kIndexOf<SetOwner>, 22, "SetOwner", kHolder, kLoop},
       {kIndexOf<BodyTargets>, 23, "BodyTargets", kHolder, kLoop, kStreams},
-      {kIndexOf<OwnerAlive>, 0, "OwnerAlive", kProgram, kCaller},
+      {kIndexOf<HolderAlive>, 0, "HolderAlive", kProgram, kCaller},
       {kIndexOf<Unattended>, 0, "Unattended", kProgram, kCaller},
       {kIndexOf<Attended>, 0, "Attended", kProgram, kCaller},
   }};

@@ -325,7 +325,7 @@ void Clients::followControls(std::int64_t now_ns) {
   if (advice.give_back) {
     orderQuietly(orders::Steer{Steering::kVirtualPatient}, advice.claim);
   }
-  if (advice.holder_alive) orderQuietly(orders::OwnerAlive{*advice.holder_alive}, advice.claim);
+  if (advice.holder_alive) orderQuietly(orders::HolderAlive{*advice.holder_alive}, advice.claim);
   if (advice.unattended) orderQuietly(orders::Unattended{});
   if (advice.suspended_client != 0) {
     log_.write(fmt::format("client {} is silent", advice.suspended_client), now_ns);

@@ -618,7 +618,7 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
 // What the program orders by itself is nobody's part.
 void Station::Core::noteJoined(const Order& order) {
   const auto* steer = order.as<orders::Steer>();
-  const bool own = order.is<orders::OwnerAlive>() || order.is<orders::Unattended>() ||
+  const bool own = order.is<orders::HolderAlive>() || order.is<orders::Unattended>() ||
                    (steer != nullptr && steer->by != Steering::kPerson);
   if (own) return;
   joined_ = true;
@@ -635,7 +635,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
                  [&](const orders::Aim& aim) { return this->aim(aim); },
                  [&](const orders::Steer& steer) { return this->steer(steer.by); },
                  [&](const orders::Action& action) { return act(action.act); },
-                 [&](const orders::OwnerAlive& owner) { return setHolderAlive(owner.alive); },
+                 [&](const orders::HolderAlive& holder) { return setHolderAlive(holder.alive); },
                  [&](const orders::Unattended&) { return leaveAlone(order, asked); },
                  [&](const orders::Attended&) {
                    return OrderReply{true, ""};

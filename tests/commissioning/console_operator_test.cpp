@@ -72,7 +72,7 @@ TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
       {"a stop", [](Page& p) { EXPECT_TRUE(p.say(orders::Stop{}).accepted); }},
       {"an emergency stop", [](Page& p) { EXPECT_TRUE(p.say(orders::EmergencyStop{}).accepted); }},
       {"a leader that vanished or is silent",
-       [](Page& p) { (void)p.say(orders::OwnerAlive{false}); }},
+       [](Page& p) { (void)p.say(orders::HolderAlive{false}); }},
       {"another leader", [](Page& p) { (void)p.say(orders::Steer{}); }},
       {"the end of the program", [](Page& p) { p.ended = true; }}};
   for (const auto& [name, lose] : ways) {

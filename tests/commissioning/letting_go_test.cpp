@@ -101,7 +101,7 @@ class Bedside final : public Operator {
         beat(false);
         break;
       case 1:
-        say(orders::OwnerAlive{false});
+        say(orders::HolderAlive{false});
         ++claim_;
         break;
       case 2:

@@ -42,9 +42,9 @@ TEST_F(LoadTest, SilentHolder_FadesAfter200To260ms) {
     const std::int64_t heard_ns = monotonicNow_ns();
     client.say(words::takeControls(1 + i));
     ASSERT_TRUE(replies::answer(client).accepted);
-    const auto alive = program.askedFor<orders::OwnerAlive>(2 * i + 1);
+    const auto alive = program.askedFor<orders::HolderAlive>(2 * i + 1);
     ASSERT_EQ(alive.size(), 2 * i + 1);  // lost and taken anew, in turns
-    EXPECT_FALSE(alive.back().order.as<orders::OwnerAlive>()->alive);
+    EXPECT_FALSE(alive.back().order.as<orders::HolderAlive>()->alive);
     after_ms.push_back(1e-6 * static_cast<double>(alive.back().at_ns - heard_ns));
   }
   std::sort(after_ms.begin(), after_ms.end());

@@ -111,7 +111,7 @@ TEST(Roles, ClientThatSaysNoRole_MayAllWithTheControlsAndStopWithout) {
 
 TEST(Roles, OrdersOfTheProgramItself_AreNoClients) {
   for (const Order& order :
-       {Order{orders::OwnerAlive{true}}, Order{orders::Unattended{}}, Order{orders::Attended{}}}) {
+       {Order{orders::HolderAlive{true}}, Order{orders::Unattended{}}, Order{orders::Attended{}}}) {
     for (const Role role : {Role::kUnsaid, Role::kPlayer, Role::kTherapist}) {
       const OrderReply may = mayOrder(role, order, playing());
       EXPECT_FALSE(may.accepted) << order.row().name;

@@ -200,7 +200,7 @@ class Draw {
     if (!may && !by_datagram) EXPECT_EQ(stops.line->replies[id].refusal, Refusal::kOnlyWatches);
     if (holder.role == Role::kWatcher) return;
     EXPECT_EQ(lines_.controls.holder(), holder.number) << "after " << stands_ms << " ms";
-    EXPECT_TRUE(lines_.program.askedFor<orders::OwnerAlive>(0).empty())
+    EXPECT_TRUE(lines_.program.askedFor<orders::HolderAlive>(0).empty())
         << "a standstill of our own changes no effort: " << stands_ms << " ms";
   }
 

@@ -135,8 +135,8 @@ TEST_F(UdpBridgeOnLoopback, SignsOfLifeByDatagram_KeepTheControls) {
   ASSERT_TRUE(g.says(words::takeControls(1)).accepted);
   // Three times the silence that loses them, by the program's own count of what it sent.
   ASSERT_TRUE(g.fast->until([&] { return bridge.counters().states_sent >= 6; }));
-  EXPECT_EQ(backend.ownerAlive(), 1.0);
-  while (backend.ownerAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_EQ(backend.holderAlive(), 1.0);
+  while (backend.holderAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   while (controls.holder() != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
@@ -243,7 +243,7 @@ TEST_F(UdpBridgeWithAKey, GameWithoutWebSocket_TakesTheControlsAimsAndStops) {
   EXPECT_EQ(backend.status().run_state, RunState::kStopped);
   // It falls silent, and loses the controls as everybody.
   while (controls.holder() != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  while (backend.ownerAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  while (backend.holderAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 TEST(UdpBridgeOptions, PortThatIsTaken_IsRefusedInWords) {

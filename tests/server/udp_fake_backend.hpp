@@ -85,7 +85,7 @@ class FakeBackend : public ServerBackend {
     const std::lock_guard lock(mutex_);
     return static_cast<int>(aims_);
   }
-  [[nodiscard]] double ownerAlive() const {
+  [[nodiscard]] double holderAlive() const {
     const std::lock_guard lock(mutex_);
     return holder_alive_;
   }
@@ -150,8 +150,8 @@ class FakeBackend : public ServerBackend {
     steering_ = steer.by;
     return {true, ""};
   }
-  OrderReply carryOut(const orders::OwnerAlive& owner) {
-    holder_alive_ = owner.alive ? 1.0 : 0.0;
+  OrderReply carryOut(const orders::HolderAlive& holder) {
+    holder_alive_ = holder.alive ? 1.0 : 0.0;
     return {true, ""};
   }
   OrderReply carryOut(const orders::LoadExercise& load) {

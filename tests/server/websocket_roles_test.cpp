@@ -178,16 +178,16 @@ TEST_F(RolesTest, Rest_IsEndedByTheSamePlayerAndNobodyElses) {
 TEST_F(RolesTest, ArmingByATherapistAfterAPlayerVanished_BringsTheEffortBack) {
   open();
   player().reset();  // its line is lost
-  const auto silent = program.askedFor<orders::OwnerAlive>(1);
+  const auto silent = program.askedFor<orders::HolderAlive>(1);
   ASSERT_EQ(silent.size(), 1U);
-  EXPECT_FALSE(silent[0].order.as<orders::OwnerAlive>()->alive);
+  EXPECT_FALSE(silent[0].order.as<orders::HolderAlive>()->alive);
   const auto leads = client("therapist");
   EXPECT_TRUE(ask(*leads, setParameter(1, "lead_in_m", 0.25)).accepted);
-  EXPECT_EQ(program.askedFor<orders::OwnerAlive>(2, 50ms).size(), 1U) << "only a start does";
+  EXPECT_EQ(program.askedFor<orders::HolderAlive>(2, 50ms).size(), 1U) << "only a start does";
   EXPECT_TRUE(ask(*leads, arm(2)).accepted);
-  const auto alive = program.askedFor<orders::OwnerAlive>(2);
+  const auto alive = program.askedFor<orders::HolderAlive>(2);
   ASSERT_EQ(alive.size(), 2U);
-  EXPECT_TRUE(alive[1].order.as<orders::OwnerAlive>()->alive);
+  EXPECT_TRUE(alive[1].order.as<orders::HolderAlive>()->alive);
   EXPECT_LT(alive[1].at_ns, program.askedFor<orders::Arm>(1)[0].at_ns);
 }
 

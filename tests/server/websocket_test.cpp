@@ -269,9 +269,9 @@ TEST_F(WebSocketTest, OversizedMessage_ClosesWith1009AndFreesTheControls) {
                    static_cast<unsigned char>(frame->payload[1]);
   EXPECT_EQ(code, 1009);
   client->sendFrame(8, frame->payload);
-  const auto alive = program.askedFor<orders::OwnerAlive>(1);
+  const auto alive = program.askedFor<orders::HolderAlive>(1);
   ASSERT_FALSE(alive.empty());
-  EXPECT_FALSE(alive[0].order.as<orders::OwnerAlive>()->alive);
+  EXPECT_FALSE(alive[0].order.as<orders::HolderAlive>()->alive);
   EXPECT_EQ(refused("oversized"), 1.0);
   EXPECT_EQ(metric("dropped_clients_total{reason=\"oversized\"}"), 1.0);
   EXPECT_EQ(controls.holder(), 0U);
@@ -420,21 +420,21 @@ TEST_F(WebSocketTest, LogThatStandsStill_HoldsUpNoEmergencyStop) {
 TEST_F(WebSocketTest, SilentHolder_LosesTheControlsUntilItTakesThemAnew) {
   open();
   const auto client = holder();
-  auto alive = program.askedFor<orders::OwnerAlive>(1);
+  auto alive = program.askedFor<orders::HolderAlive>(1);
   ASSERT_GE(alive.size(), 1U);
-  EXPECT_FALSE(alive[0].order.as<orders::OwnerAlive>()->alive);
+  EXPECT_FALSE(alive[0].order.as<orders::HolderAlive>()->alive);
   while (controls.holder() != 0) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(logged("was silent and lost the controls"));
   client->say(
       heartbeat(0));  // a page's beats have no number of their own: not refused, and of no use
   client->say(aim(3, {0.0F}));
   EXPECT_EQ(answer(*client).refusal, fb::Refusal::NotHolder);
-  EXPECT_EQ(program.askedFor<orders::OwnerAlive>(1).size(), 1U);
+  EXPECT_EQ(program.askedFor<orders::HolderAlive>(1).size(), 1U);
   client->say(takeControls(4));
   EXPECT_TRUE(answer(*client).accepted);
-  alive = program.askedFor<orders::OwnerAlive>(2);
+  alive = program.askedFor<orders::HolderAlive>(2);
   ASSERT_GE(alive.size(), 2U);
-  EXPECT_TRUE(alive[1].order.as<orders::OwnerAlive>()->alive);
+  EXPECT_TRUE(alive[1].order.as<orders::HolderAlive>()->alive);
 }
 
 TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
@@ -442,9 +442,9 @@ TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
   auto client = holder();
   const std::int64_t gone_ns = monotonicNow_ns();
   client.reset();
-  const auto alive = program.askedFor<orders::OwnerAlive>(1);
+  const auto alive = program.askedFor<orders::HolderAlive>(1);
   ASSERT_EQ(alive.size(), 1U);
-  EXPECT_FALSE(alive.back().order.as<orders::OwnerAlive>()->alive);
+  EXPECT_FALSE(alive.back().order.as<orders::HolderAlive>()->alive);
   // Silence alone is noticed after 200 ms at the earliest.
   EXPECT_LE(alive.back().at_ns - gone_ns, 100'000'000);
   EXPECT_EQ(controls.holder(), 0U);  // free for the next one, its own reconnection say

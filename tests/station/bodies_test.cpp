@@ -333,13 +333,13 @@ TEST_F(GameInAStation, MoreThanTheLoopTakes_IsAnsweredBusyAndTakenLater) {
 TEST_F(GameInAStation, WhileTheGameIsSilent_NothingIsSpawned) {
   runGame(true);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
-  ASSERT_TRUE(ask(orders::OwnerAlive{false}).accepted);
+  ASSERT_TRUE(ask(orders::HolderAlive{false}).accepted);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted)
       << "the loop refuses it, by an event";
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(stateOf(0), SlotState::kParked);
-  ASSERT_TRUE(ask(orders::OwnerAlive{true}).accepted);
+  ASSERT_TRUE(ask(orders::HolderAlive{true}).accepted);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0, 2))})).accepted);
   EXPECT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));

@@ -70,8 +70,8 @@ TEST_F(HostileOrders, FloodOfLoads_IsRefusedAndTheNextPersonArms) {
 TEST_F(HostileOrders, WordOfAFormerHolder_ChangesNothingAnyMore) {
   run(true);
   ASSERT_TRUE(squeezes());
-  ASSERT_TRUE(ask(of(orders::OwnerAlive{true}, 2)).accepted);
-  EXPECT_EQ(ask(of(orders::OwnerAlive{false}, 1)).refusal, Refusal::kNotHolder);
+  ASSERT_TRUE(ask(of(orders::HolderAlive{true}, 2)).accepted);
+  EXPECT_EQ(ask(of(orders::HolderAlive{false}, 1)).refusal, Refusal::kNotHolder);
   EXPECT_EQ(ask(of(orders::Steer{Steering::kPerson}, 1)).refusal, Refusal::kNotHolder);
   EXPECT_EQ(ask(of(orders::LoadExercise{}, 1)).refusal, Refusal::kNotHolder);
   const std::uint64_t before = records_;
@@ -88,7 +88,7 @@ TEST_F(HostileOrders, QueueFullOfAims_SilenceIsHeardAllTheSame) {
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
   const Order aim = of(orders::Aim{record.q_m});
-  const Order silent = of(orders::OwnerAlive{false});
+  const Order silent = of(orders::HolderAlive{false});
   int dropped = 0;
   for (int i = 0; i < 20'000 || dropped == 0; ++i) {
     station_->order(aim, [&](const OrderReply& reply) { dropped += reply.accepted ? 0 : 1; });

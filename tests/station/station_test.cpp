@@ -166,7 +166,7 @@ TEST_F(Bar, HolderSilent_FadesTheExerciseAndNothingElse) {
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
   const std::uint64_t asked_at = record.tick;
-  ASSERT_TRUE(ask(orders::OwnerAlive{false}).accepted);
+  ASSERT_TRUE(ask(orders::HolderAlive{false}).accepted);
   ASSERT_TRUE(becomes([&] { return station_->latest(record) && record.exercise.alpha == 0.0; }));
   EXPECT_LE(record.tick - asked_at, 300U + 60U);  // T_off, and what the order waited
   EXPECT_EQ(largest(record.exercise.effort), 0.0);

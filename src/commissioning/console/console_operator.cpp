@@ -191,7 +191,7 @@ OrderReply ConsoleOperator::obey(const Order& order) {
                  [&](const orders::EmergencyStop&) { return accept(true); },
                  // The controls were released or taken over.
                  [&](const orders::Steer&) { return accept(true); },
-                 [&](const orders::OwnerAlive& owner) { return accept(!owner.alive); },
+                 [&](const orders::HolderAlive& holder) { return accept(!holder.alive); },
                  [&](const orders::Attended&) { return accept(false); },
                  [&](const orders::Unattended&) { return accept(false); },
                  [&](const auto&) {

@@ -12,7 +12,7 @@ using static Answers;
 [Tests]
 public static class LiveTests
 {
-    private const int LeadIn = 0, OwnerAlive = 1, Aims = 2, Aimed = 3;
+    private const int LeadIn = 0, HolderAlive = 1, Aims = 2, Aimed = 3;
 
     private static WholehandClient Connect(StandIn program, bool polled = false, string token = "", int rate = 1000)
     {
@@ -64,7 +64,7 @@ public static class LiveTests
         using (var program = new StandIn("closed:0"))
         using (WholehandClient client = Connect(program))
         {
-            Shows(client, s => s.Values[OwnerAlive] == 1.0, "states");
+            Shows(client, s => s.Values[HolderAlive] == 1.0, "states");
             Accepted(client.TakeControls());
             Accepted(client.Steer(Steering.Person));
             client.Aim(new[] { 0.03f, 0, 0, 0, 0, 0, 0, 0, 0 });
@@ -216,9 +216,9 @@ public static class LiveTests
                 game.Poll();
                 Thread.Sleep(10);
             }
-            Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "alive");
+            Shows(watcher, s => s.Values[HolderAlive] == 1.0, "alive");
             // Its main thread hangs; its other threads go on receiving.
-            Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "silent");
+            Shows(watcher, s => s.Values[HolderAlive] == 0.0, "silent");
             Check.True(game.Connected, "it is connected all the same");
             Thread.Sleep(1500);  // after a second the controls are lost
             for (int i = 0; i < 30; ++i)
@@ -226,11 +226,11 @@ public static class LiveTests
                 game.Poll();
                 Thread.Sleep(10);
             }
-            Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "to be alive again is not enough");
+            Shows(watcher, s => s.Values[HolderAlive] == 0.0, "to be alive again is not enough");
             taken = game.TakeControls();
             Check.Until(() => { game.Poll(); return taken.IsCompleted; }, "answered");
             Accepted(taken);
-            Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "alive again");
+            Shows(watcher, s => s.Values[HolderAlive] == 1.0, "alive again");
         }
     }
 
@@ -243,11 +243,11 @@ public static class LiveTests
             {
                 Check.Until(() => game.Connected && watcher.Connected, "connected");
                 Accepted(game.TakeControls());
-                Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "alive");
+                Shows(watcher, s => s.Values[HolderAlive] == 1.0, "alive");
             }
-            Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "gone");
+            Shows(watcher, s => s.Values[HolderAlive] == 0.0, "gone");
             Accepted(watcher.TakeControls());
-            Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "the next one");
+            Shows(watcher, s => s.Values[HolderAlive] == 1.0, "the next one");
         }
     }
 
