@@ -13,6 +13,9 @@ namespace {
 constexpr double kAround_m = 0.03;  // 30 ms of a fast hand
 constexpr double kDeep_m = 1e-3;
 constexpr double kApart_m = 1e-4;  // two points of a patch are no nearer
+constexpr double kFlush_m = 3e-5;  // a step of this height stops nothing
+constexpr double kAlike = 0.7;     // cosine: two normals of one surface
+constexpr double kBeside_m = 2e-3;
 
 bool meetsHand(BulletBody::Meets meets, bool palm) {
   return meets == BulletBody::Meets::kAll || (meets == BulletBody::Meets::kDigits) == !palm;
@@ -41,6 +44,25 @@ std::vector<int> ownersOf(const std::vector<BulletBody>& bodies) {
 bool passedThrough(const btPersistentManifold& before, const ContactPatch& now) {
   return now.count > 0 && before.getNumContacts() > 0 && now.points[0].gap_m < -kDeep_m &&
          now.points[0].normal.dot(before.getContactPoint(0).m_normalWorldOnB) < 0.5;
+}
+
+/// Removes points of `at` beside a nearer point of the other pair, in that point's plane. What
+/// slides from one to the other takes its impulses and its anchor along.
+void removeEdges(btPersistentManifold& at, btPersistentManifold& beside) {
+  for (int i = at.getNumContacts(); i-- > 0;) {
+    const btManifoldPoint& edge = at.getContactPoint(i);
+    for (int j = 0; j < beside.getNumContacts(); ++j) {
+      btManifoldPoint& face = beside.getContactPoint(j);
+      const btVector3& normal = face.m_normalWorldOnB;
+      const btVector3 away_m = edge.m_positionWorldOnB - face.m_positionWorldOnB;
+      if (face.m_distance1 < edge.m_distance1 && away_m.length2() < kBeside_m * kBeside_m &&
+          std::abs(normal.dot(away_m)) < kFlush_m && normal.dot(edge.m_normalWorldOnB) > kAlike) {
+        if (edge.m_appliedImpulse > face.m_appliedImpulse) inherit(face, edge);
+        at.removeContactPoint(i);
+        break;
+      }
+    }
+  }
 }
 
 bool isBall(const BulletBody::Collider& collider) {
@@ -78,6 +100,7 @@ ColliderPairs::ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand
   for (std::vector<BodyPair>* list : {&body_pairs_, &before_}) list->reserve(most);
   near_.reserve(most);
   around_colliders_.reserve(targets_.size());
+  touched_.reserve(targets_.size());
 }
 
 ColliderPairs::~ColliderPairs() {
@@ -135,7 +158,36 @@ void ColliderPairs::find(double step_s) noexcept {
   for (const int c : around_colliders_) {
     if (targets_[c].kept > 0 || overlap(hand_.box(), boxes_[c])) findOfHand(targets_[c]);
   }
+  removeInnerEdges();
   findOfBodies(step_s);
+}
+
+/// An edge between flush pieces of one surface, of one body or of fixed ones, stops no capsule that
+/// slides from one to the next.
+void ColliderPairs::removeInnerEdges() noexcept {
+  touched_.clear();
+  for (const int c : around_colliders_) {
+    if (targets_[c].kept > 0) touched_.push_back(c);
+  }
+  for (const int c : touched_) {
+    for (const int d : touched_) {
+      if (c == d || !ofOneSurface(c, d)) continue;
+      const Target &at = targets_[c], &beside = targets_[d];
+      for (std::size_t i = 0; i < at.capsules.size(); ++i) {
+        if (at.pairs[i] == nullptr) continue;
+        const auto same =
+            std::lower_bound(beside.capsules.begin(), beside.capsules.end(), at.capsules[i]);
+        if (same == beside.capsules.end() || *same != at.capsules[i]) continue;
+        const Pair other = beside.pairs[same - beside.capsules.begin()];
+        if (other != nullptr) removeEdges(*at.pairs[i], *other);
+      }
+    }
+  }
+}
+
+bool ColliderPairs::ofOneSurface(int a, int b) const noexcept {
+  const auto fixed = [&](int c) { return targets_[c].collider->tag.rigid->getInvMass() == 0.0; };
+  return owner_[a] == owner_[b] || (fixed(a) && fixed(b));
 }
 
 void ColliderPairs::findOfBodies(double step_s) noexcept {

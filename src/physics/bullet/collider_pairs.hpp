@@ -74,6 +74,8 @@ class ColliderPairs {
   void refreshBoxes() noexcept;
   void listAround() noexcept;
   void findOfHand(Target& target) noexcept;
+  void removeInnerEdges() noexcept;
+  [[nodiscard]] bool ofOneSurface(int a, int b) const noexcept;
   void disturbNear() noexcept;
   void listOverlaps() noexcept;
   [[nodiscard]] BoxSweep::Part partOf(int collider) const noexcept;
@@ -101,6 +103,7 @@ class ColliderPairs {
   bool around_listed_ = false;                ///< the list below holds for the current boxes
   std::vector<int> around_colliders_;         ///< those within around_, ascending
   std::vector<bool> is_around_;               ///< of every collider
+  std::vector<int> touched_;                  ///< those that the hand may touch
   BoxSweep sweep_;                            ///< overlaps of this step
   std::vector<BoxSweep::Part> parts_;         ///< of every collider, at a version of resting_
   unsigned parts_version_ = ~0U;

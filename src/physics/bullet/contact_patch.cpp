@@ -478,6 +478,12 @@ struct Kept {
 
 }  // namespace
 
+void inherit(btManifoldPoint& heir, const btManifoldPoint& from) noexcept {
+  Kept kept;
+  kept.take(from);
+  kept.give(heir);
+}
+
 void renew(btPersistentManifold& manifold, const ContactPatch& patch) noexcept {
   const btTransform& at_a = manifold.getBody0()->getWorldTransform();
   const btTransform& at_b = manifold.getBody1()->getWorldTransform();

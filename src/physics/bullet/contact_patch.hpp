@@ -45,4 +45,7 @@ struct ContactPatch {
 /// point before. Real-time safe.
 WHOLEHAND_RT void renew(btPersistentManifold& manifold, const ContactPatch& patch) noexcept;
 
+/// Gives a point the impulses and the drift of another. Real-time safe.
+WHOLEHAND_RT void inherit(btManifoldPoint& heir, const btManifoldPoint& from) noexcept;
+
 }  // namespace wholehand::bullet

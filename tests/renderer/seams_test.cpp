@@ -1,0 +1,122 @@
+// A hand that slides over pieces that lie flush feels one plate.
+#include "physics/body_yard.hpp"
+#include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+/// A hand that presses on a floor and slides along it.
+struct Slide {
+  Models models;
+  AxisPosition from, pressed, slid;
+  double period_s = 1e-3;
+};
+
+struct Felt {
+  std::vector<AxisEffort> sent;
+  double largest_jolt = 0.0;  ///< of the contact force within 4 ms while it slides, of the force
+};
+
+Felt slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
+  Models m = slide.models;
+  m.scene.bodies = floor;
+  RigOptions options;
+  options.period_s = slide.period_s;
+  const auto ticks = [&](double seconds) { return static_cast<int>(seconds / slide.period_s); };
+  const int press = ticks(0.5), jolt = ticks(4e-3);
+  const auto down = moveAndHold(slide.from, slide.pressed, press);
+  const auto along = moveAndHold(slide.pressed, slide.slid, ticks(1.5));
+  const auto rig = buildScripted(
+      std::move(m), [=](int read) { return read < press ? down(read) : along(read - press); },
+      options);
+  EXPECT_TRUE(rig->renderer->arm());
+  Felt out;
+  std::vector<Eigen::Vector3d> force_n;
+  runTicks(*rig->renderer, press + ticks(1.5), [&](const TickRecord& r) {
+    out.sent.push_back(r.sent);
+    force_n.emplace_back(Eigen::Vector3d::Zero());
+    for (int i = 0; i < r.contact_count; ++i) force_n.back() += r.contacts[i].force_n.eigen();
+    const auto now = force_n.size() - 1;
+    if (now < static_cast<std::size_t>(press + jolt)) return;
+    const double changed_n = (force_n[now] - force_n[now - jolt]).norm();
+    out.largest_jolt = std::max(out.largest_jolt, changed_n / force_n[now - jolt].norm());
+  });
+  return out;
+}
+
+/// How a plate is cut into flush pieces.
+struct Cut {
+  int axis = 0;  ///< of the world
+  double width_m = 0.0;
+  bool meshes = false, one_body = false;
+};
+
+std::vector<SceneBody> cut(const SceneBody& plate, const Cut& how) {
+  Eigen::Vector3d size_m = 2.0 * plate.shapes[0].half_extents_m;
+  size_m[how.axis] = how.width_m;
+  const Shape piece = how.meshes ? meshShape(size_m) : boxShape(size_m);
+  SceneBody whole = plate;
+  whole.shapes.clear();
+  std::vector<SceneBody> planks;
+  for (double at_m = -0.3; at_m < 0.3; at_m += how.width_m) {
+    whole.shapes.push_back(piece);
+    whole.shapes.back().in_body.translation_m[how.axis] = at_m;
+    SceneBody& plank = planks.emplace_back(plate);
+    plank.name = "plank" + std::to_string(planks.size());
+    plank.pose.translation_m[how.axis] = at_m;
+    plank.shapes = {piece};
+  }
+  if (how.one_body) planks = {whole};
+  return planks;
+}
+
+TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
+  auto random = seededRandom(3620);
+  double most_n = 0.0;
+  int judged = 0;
+  const int draws = fullCounts() ? 100 : 4;
+  for (int i = 0; i < draws; ++i) {
+    Slide slide;
+    slide.models = load(shippedFiles("lambda-pride", "empty",
+                                     i % 2 == 0 ? "adult-median-right" : "adult-median-left"));
+    const DeviceModel& device = slide.models.device;
+    const int face = static_cast<int>(random() % 3U);
+    const int across = (face + 1 + static_cast<int>(random() % 2U)) % 3;
+    const Eigen::Vector3d along = (random() % 2U == 0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(face);
+    slide.from = AxisPosition(device.axisCount());
+    for (int a = 0; a < device.axisCount(); ++a) {
+      if (device.axes[a].group != AxisGroup::kHand) continue;
+      slide.from[a] = uniform(random, 0.0, 0.7) * device.axes[a].upper;
+    }
+    SceneBody plate = wall(along, reach(slide.models.hand, slide.from, along) + 0.003);
+    plate.friction = uniform(random, 0.0, 1.0);
+    slide.pressed = slide.from;
+    slide.pressed[face] += along[face] * 0.008;
+    slide.slid = slide.pressed;
+    slide.slid[across] += random() % 2U == 0 ? 0.05 : -0.05;
+    slide.period_s = 1e-3 / std::pow(2.0, static_cast<double>(random() % 3U));
+    const Cut how{across, uniform(random, 0.005, 0.05), random() % 2U == 0, random() % 2U == 0};
+    SCOPED_TRACE("draw " + std::to_string(i) + (how.meshes ? ", meshes of " : ", boxes of ") +
+                 std::to_string(how.width_m) + " m, friction " + std::to_string(plate.friction));
+    const Felt one = slideOver(slide, {plate});
+    if (one.largest_jolt > 0.2) continue;  // it sticks and slips: no two runs are alike
+    ++judged;
+    const Felt pieces = slideOver(slide, cut(plate, how));
+    for (std::size_t k = 0; k < one.sent.size(); ++k) {
+      for (int a = 0; a < device.axisCount(); ++a) {
+        const double lever_m = device.axes[a].lever_arm_m;
+        const double apart = std::abs(one.sent[k][a] - pieces.sent[k][a]);
+        most_n = std::max(most_n, lever_m > 0.0 ? apart / lever_m : apart);
+      }
+    }
+  }
+  figure("hand over flush planks against one plate, most that is felt apart", most_n, "N");
+  EXPECT_LE(most_n, 0.02);
+  EXPECT_GE(judged, draws / 2);
+}
+
+}  // namespace
+}  // namespace wholehand::test
