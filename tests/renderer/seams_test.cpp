@@ -15,12 +15,12 @@ struct Slide {
   double period_s = 1e-3;
 };
 
-struct Felt {
+struct FeltSlide {
   std::vector<AxisEffort> sent;
   double largest_jolt = 0.0;  ///< of the contact force within 4 ms while it slides, of the force
 };
 
-Felt slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
+FeltSlide slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
   Models m = slide.models;
   m.scene.bodies = floor;
   RigOptions options;
@@ -33,7 +33,7 @@ Felt slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
       std::move(m), [=](int read) { return read < press ? down(read) : along(read - press); },
       options);
   EXPECT_TRUE(rig->renderer->arm());
-  Felt out;
+  FeltSlide out;
   std::vector<Eigen::Vector3d> force_n;
   runTicks(*rig->renderer, press + ticks(1.5), [&](const TickRecord& r) {
     out.sent.push_back(r.sent);
@@ -101,10 +101,10 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
     const Cut how{across, uniform(random, 0.005, 0.05), random() % 2U == 0, random() % 2U == 0};
     SCOPED_TRACE("draw " + std::to_string(i) + (how.meshes ? ", meshes of " : ", boxes of ") +
                  std::to_string(how.width_m) + " m, friction " + std::to_string(plate.friction));
-    const Felt one = slideOver(slide, {plate});
+    const FeltSlide one = slideOver(slide, {plate});
     if (one.largest_jolt > 0.2) continue;  // it sticks and slips: no two runs are alike
     ++judged;
-    const Felt pieces = slideOver(slide, cut(plate, how));
+    const FeltSlide pieces = slideOver(slide, cut(plate, how));
     for (std::size_t k = 0; k < one.sent.size(); ++k) {
       for (int a = 0; a < device.axisCount(); ++a) {
         const double lever_m = device.axes[a].lever_arm_m;
