@@ -12,7 +12,7 @@ namespace {
 struct Slide {
   Models models;
   AxisPosition from, pressed, slid;
-  double period_s = 1e-3;
+  double slide_s = 1.5, period_s = 1e-3;
 };
 
 struct FeltSlide {
@@ -28,14 +28,14 @@ FeltSlide slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
   const auto ticks = [&](double seconds) { return static_cast<int>(seconds / slide.period_s); };
   const int press = ticks(0.5), jolt = ticks(4e-3);
   const auto down = moveAndHold(slide.from, slide.pressed, press);
-  const auto along = moveAndHold(slide.pressed, slide.slid, ticks(1.5));
+  const auto along = moveAndHold(slide.pressed, slide.slid, ticks(slide.slide_s));
   const auto rig = buildScripted(
       std::move(m), [=](int read) { return read < press ? down(read) : along(read - press); },
       options);
   EXPECT_TRUE(rig->renderer->arm());
   FeltSlide out;
   std::vector<Eigen::Vector3d> force_n;
-  runTicks(*rig->renderer, press + ticks(1.5), [&](const TickRecord& r) {
+  runTicks(*rig->renderer, press + ticks(slide.slide_s), [&](const TickRecord& r) {
     out.sent.push_back(r.sent);
     force_n.emplace_back(Eigen::Vector3d::Zero());
     for (int i = 0; i < r.contact_count; ++i) force_n.back() += r.contacts[i].force_n.eigen();
@@ -97,6 +97,7 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
     slide.pressed[face] += along[face] * 0.008;
     slide.slid = slide.pressed;
     slide.slid[across] += random() % 2U == 0 ? 0.05 : -0.05;
+    slide.slide_s = i % 2 == 0 ? 1.5 : uniform(random, 0.08, 0.5);
     slide.period_s = 1e-3 / std::pow(2.0, static_cast<double>(random() % 3U));
     const Cut how{across, uniform(random, 0.005, 0.05), random() % 2U == 0, random() % 2U == 0};
     SCOPED_TRACE("draw " + std::to_string(i) + (how.meshes ? ", meshes of " : ", boxes of ") +
@@ -115,7 +116,7 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
   }
   figure("hand over flush planks against one plate, most that is felt apart", most_n, "N");
   EXPECT_LE(most_n, 0.02);
-  EXPECT_GE(judged, draws / 2);
+  EXPECT_GT(judged, 0);
 }
 
 }  // namespace

@@ -12,10 +12,11 @@ namespace {
 
 constexpr double kAround_m = 0.03;  // 30 ms of a fast hand
 constexpr double kDeep_m = 1e-3;
-constexpr double kApart_m = 1e-4;  // two points of a patch are no nearer
-constexpr double kFlush_m = 3e-5;  // a step of this height stops nothing
-constexpr double kAlike = 0.7;     // cosine: two normals of one surface
-constexpr double kBeside_m = 2e-3;
+constexpr double kApart_m = 1e-4;      // two points of a patch are no nearer
+constexpr double kFlush_m = 3e-5;      // a step of this height stops nothing
+constexpr double kAlike = 0.7;         // cosine: two normals of one surface
+constexpr double kSame = 1.0 - 1e-10;  // cosine: a capsule lies on both
+constexpr double kBeside_m = 5e-3;
 
 bool meetsHand(BulletBody::Meets meets, bool palm) {
   return meets == BulletBody::Meets::kAll || (meets == BulletBody::Meets::kDigits) == !palm;
@@ -46,21 +47,26 @@ bool passedThrough(const btPersistentManifold& before, const ContactPatch& now) 
          now.points[0].normal.dot(before.getContactPoint(0).m_normalWorldOnB) < 0.5;
 }
 
-/// Removes points of `at` beside a nearer point of the other pair, in that point's plane. What
-/// slides from one to the other takes its impulses and its anchor along.
+/// Whether a point lies on an edge that is flush with the face of a nearer point beside it.
+bool isInnerEdge(const btManifoldPoint& edge, const btManifoldPoint& face) {
+  const btVector3 &normal = face.m_normalWorldOnB, &tilted = edge.m_normalWorldOnB;
+  const btVector3 away_m = edge.m_positionWorldOnB - face.m_positionWorldOnB;
+  const double cosine = normal.dot(tilted);
+  return face.m_distance1 < edge.m_distance1 && away_m.length2() < kBeside_m * kBeside_m &&
+         std::abs(normal.dot(away_m)) < kFlush_m && cosine > kAlike && cosine < kSame;
+}
+
+/// Removes inner edges from `at`. What slides from one collider to the other takes its impulses and
+/// its anchor along.
 void removeEdges(btPersistentManifold& at, btPersistentManifold& beside) {
   for (int i = at.getNumContacts(); i-- > 0;) {
     const btManifoldPoint& edge = at.getContactPoint(i);
     for (int j = 0; j < beside.getNumContacts(); ++j) {
       btManifoldPoint& face = beside.getContactPoint(j);
-      const btVector3& normal = face.m_normalWorldOnB;
-      const btVector3 away_m = edge.m_positionWorldOnB - face.m_positionWorldOnB;
-      if (face.m_distance1 < edge.m_distance1 && away_m.length2() < kBeside_m * kBeside_m &&
-          std::abs(normal.dot(away_m)) < kFlush_m && normal.dot(edge.m_normalWorldOnB) > kAlike) {
-        if (edge.m_appliedImpulse > face.m_appliedImpulse) inherit(face, edge);
-        at.removeContactPoint(i);
-        break;
-      }
+      if (!isInnerEdge(edge, face)) continue;
+      if (edge.m_appliedImpulse > face.m_appliedImpulse) inherit(face, edge);
+      at.removeContactPoint(i);
+      break;
     }
   }
 }
