@@ -22,10 +22,12 @@ const MOVE_S = 0.6;
 /** Making a figure may take so long of a frame [ms]: the page goes on. */
 const MAKING_MS = 4;
 const FINENESS: Readonly<Record<Quality, number>> = { high: 1, low: 0.5 };
-/** Skin and cloth as the player's own. */
+/** In high quality the wall's lamps are near, and would bleach it. */
+const SHARE_OF_LIGHT: Readonly<Record<Quality, number>> = { high: 0.6, low: 1 };
+/** Skin and cloth as the player's own, with less sheen so near the lamps. */
 const FINISHES: Readonly<Record<Stuff, Finish>> = {
-  skin: { roughness: 0.62, sheen: 0.35, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 },
-  cloth: { roughness: 0.95, sheen: 0.45, sheenRoughness: 0.6, sheenColor: new Color('#dfe6ea') },
+  skin: { roughness: 0.62, sheen: 0.2, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 },
+  cloth: { roughness: 0.95, sheen: 0.12, sheenRoughness: 0.6, sheenColor: new Color('#dfe6ea') },
   gloss: { roughness: 0.2, clearcoat: 0.6, clearcoatRoughness: 0.2 },
 };
 /**
@@ -42,7 +44,7 @@ class Layer {
   readonly veil: Mesh<BufferGeometry>;
 
   constructor(quality: Quality, finish: Finish) {
-    const material = surface(quality, { ...finish, transparent: true });
+    const material = surface(quality, { ...finish, color: new Color().setScalar(SHARE_OF_LIGHT[quality]), transparent: true });
     material.vertexColors = true;
     this.mesh = new Mesh(new BufferGeometry(), material);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
