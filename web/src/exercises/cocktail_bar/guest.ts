@@ -35,7 +35,7 @@ const FINISHES: Readonly<Record<Stuff, Finish>> = {
  * praise card (game.css), which lies on the side that has no arm.
  */
 const LANDSCAPE = { right: [0.38, 0.68], left: [0.5, 0.85] } as const;
-const SERVED = { right: [0.52, 0.68], left: [0.12, 0.24] } as const;
+const SERVED = { right: [0.48, 0.68], left: [0.12, 0.24] } as const;
 const UPRIGHT = { right: [0.3, 0.6], left: [0.4, 0.7] } as const;
 
 /** One stuff of the guest: what is drawn, and while it fades what hides its own far side. */
