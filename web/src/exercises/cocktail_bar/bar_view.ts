@@ -15,6 +15,7 @@ import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
 import { GuestView } from './guest';
 import { nameOf } from './i18n';
 import { layersOf, lineHeight, surfaceHeight } from './layers';
+import { liquidLook } from './liquids';
 import { bottlesOf, outlineOf } from './outline';
 import { ServingClock, type Serving } from './serving';
 import { StreamView } from './stream';
@@ -23,10 +24,10 @@ import { StreamView } from './stream';
 const SIGN_OVER_M = 0.012;
 const SIGN_BEFORE_M = 0.014;
 /** The done glass: how far before the guest it is drunk from, and how far it slides out of the picture [m]. */
-const GLASS_BEFORE_GUEST_M = 0.2;
+const GLASS_BEFORE_GUEST_M = 0.15;
 const GLASS_AWAY_M = 0.8;
-/** So much of a shelf's height the guest stands higher, to be seen over it. */
-const SEEN_OVER_SHELF = 0.75;
+/** So much of a shelf's height the guest stands higher: the chest is seen over it, and the face under the signs. */
+const SEEN_OVER_SHELF = 0.42;
 
 interface Hung { readonly body: number; readonly root: Group; readonly dent: Dent | undefined; readonly sign: Sign; slot: Vector3 | undefined }
 
@@ -39,7 +40,7 @@ export class BarView implements ExerciseView {
   private readonly hung: Hung[];
   private readonly glass: GlassView;
   private readonly stream: StreamView;
-  private readonly guest = new GuestView();
+  private readonly guest: GuestView;
   private readonly serving = new ServingClock();
   private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
   private readonly glassBody: number;
@@ -57,7 +58,8 @@ export class BarView implements ExerciseView {
     this.railBody = bodyIndex('rail');
     this.glass = new GlassView(bar.glass, quality);
     this.stream = new StreamView(quality);
-    this.root.add(this.glass.root, this.stream.root, this.guest.root);
+    this.guest = new GuestView(quality);
+    this.root.add(this.glass.root, this.stream.root, this.guest.root, this.guest.counterEnd);
     this.hung = bar.dispensers.map((d) => {
       const { root, wall } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
       const sign = new Sign(d.liquid);
@@ -94,11 +96,13 @@ export class BarView implements ExerciseView {
     const rim = rimHeight(this.bar.glass), rise = this.bar.glass.m_per_l, step = this.values.get(state, 'step');
     const liquids = drink?.steps.map((s) => s.liquid) ?? [];
     this.line_m = done || !drink ? undefined : lineHeight(poured, step, this.values.get(state, 'asked_l'), rise, rim);
-    const serving = this.serving.look(done, stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo, dt_s, this.still.matches || this.shelf_m > 0);
+    const still = this.still.matches, inUse = stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo;
+    const serving = this.serving.look(done, inUse, dt_s, still || this.shelf_m > 0);
     this.glass.update(serving.empty ? [] : layersOf(poured, liquids, rise, rim), this.line_m, done && !serving.empty);
     const body = state.bodies[this.glassBody];
     if (body) place(this.glass.root, body, -this.bar.glass.height_m / 2);
-    this.guest.update(this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink'), serving.pose, done, dt_s);
+    const guest = this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink');
+    this.guest.update(guest, liquids.map((liquid) => liquidLook(liquid).color), serving.pose, done, dt_s, still);
     this.serve(serving);
     // What runs into a glass that is drawn elsewhere would run on to the counter.
     const away = serving.toMiddle > 0 || serving.away > 0 || serving.seen < 1;

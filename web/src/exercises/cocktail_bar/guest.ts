@@ -1,83 +1,173 @@
-// The guest behind the counter: one flat card, drawn once for each drink, at the wall where neither bottle
+// The guest behind the counter: one modelled figure, made once for each drink, before the wall where neither bottle
 // nor card of the page is in front of the face.
 
-import { Mesh, Plane, PlaneGeometry, Ray, Vector3, type PerspectiveCamera, type Texture } from 'three';
+import {
+  BufferGeometry, Color, Group, Mesh, MeshBasicMaterial, Plane, Ray, Vector3, type BufferAttribute, type Material, type PerspectiveCamera,
+} from 'three';
 import { turnOf, type CameraPlace } from '../../scene/camera';
-import { flat } from '../../scene/materials';
-import { drawGuest, poseOffset, SHEET_PX } from './guest_figure';
-import { picture } from '../../scene/textures';
+import { surface, type Finish } from '../../scene/materials';
+import type { Quality } from '../../scene/quality';
+import { counterEnd, placeCounterEnd } from './counter_end';
+import { makeFigure, STUFFS, type Figure, type Stuff } from './guest_figure';
+import { smooth, type Shape } from './clay';
 import type { Pose } from './serving';
 
-/** Of the card, and how far it is from the row [m]: before the wall. */
-const SIZE_M = 0.31;
-const BEHIND_M = 0.56;
-/** From old pose to new one, through nothing [s]. */
+/** How far its middle is from the row, how far the wall is, and where the counter ends before it [m]. */
+const BEHIND_M = 0.46;
+const WALL_M = 0.585;
+const COUNTER_END_M = 0.414;
+/** From old guest or place to new one, through nothing; and from one pose to the next [s]. */
 const FADE_S = 0.4;
+const MOVE_S = 0.6;
+/** Making a figure may take so long of a frame [ms]: the page goes on. */
+const MAKING_MS = 4;
+const FINENESS: Readonly<Record<Quality, number>> = { high: 1, low: 0.5 };
+/** In high quality the wall's lamps are near, and would bleach it. */
+const SHARE_OF_LIGHT: Readonly<Record<Quality, number>> = { high: 0.6, low: 1 };
+/** Skin and cloth as the player's own, with less sheen so near the lamps. */
+const FINISHES: Readonly<Record<Stuff, Finish>> = {
+  skin: { roughness: 0.62, sheen: 0.2, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 },
+  cloth: { roughness: 0.95, sheen: 0.12, sheenRoughness: 0.6, sheenColor: new Color('#dfe6ea') },
+  gloss: { roughness: 0.2, clearcoat: 0.6, clearcoatRoughness: 0.2 },
+};
 /**
- * Where it may stand, as parts of the picture's width: not behind the hand at rest, and while it is served beside the
+ * Where it may stand, as parts of the picture's width: while it waits not behind the arm, and while it is served beside the
  * praise card (game.css), which lies on the side that has no arm.
  */
-const LANDSCAPE = { right: [0.52, 0.68], left: [0.6, 0.85] } as const;
-const SERVED = { right: LANDSCAPE.right, left: [0.12, 0.24] } as const;
+const LANDSCAPE = { right: [0.38, 0.68], left: [0.5, 0.85] } as const;
+const SERVED = { right: [0.48, 0.68], left: [0.12, 0.24] } as const;
 const UPRIGHT = { right: [0.3, 0.6], left: [0.4, 0.7] } as const;
 
+/** One stuff of the guest: what is drawn, and while it fades what hides its own far side. */
+class Layer {
+  readonly mesh: Mesh<BufferGeometry, Material>;
+  readonly veil: Mesh<BufferGeometry>;
+
+  constructor(quality: Quality, finish: Finish) {
+    const material = surface(quality, { ...finish, color: new Color().setScalar(SHARE_OF_LIGHT[quality]), transparent: true });
+    material.vertexColors = true;
+    this.mesh = new Mesh(new BufferGeometry(), material);
+    this.mesh.castShadow = this.mesh.receiveShadow = true;
+    this.veil = new Mesh(this.mesh.geometry, new MeshBasicMaterial({ colorWrite: false }));
+    this.veil.renderOrder = -1;
+  }
+
+  wear(geometry: BufferGeometry): void {
+    this.mesh.geometry.dispose();
+    this.mesh.geometry = this.veil.geometry = geometry;
+  }
+
+  fade(opacity: number): void {
+    this.mesh.material.opacity = opacity;
+    this.mesh.castShadow = opacity > 0.5;
+    this.veil.visible = opacity < 1;
+  }
+}
+
 export class GuestView {
-  readonly root = new Mesh(new PlaneGeometry(SIZE_M, SIZE_M), flat('#efe4d4', { transparent: true, opacity: 0, depthWrite: false }));
+  readonly root = new Group();
+  readonly counterEnd = counterEnd(WALL_M - COUNTER_END_M);
+  private readonly layers: Readonly<Record<Stuff, Layer>>;
+  private figure: Figure | undefined;
+  private making: { readonly guest: number; readonly steps: Generator<undefined, Figure>; figure?: Figure } | undefined;
+  private from: Readonly<Record<Stuff, Shape>> | undefined;
+  private moved = 1;           // of the way from `from` to the pose
+  private opacity = 0;
   private drawn = -1;
-  private wanted = -1;
   private pose: Pose = 'waits';
   private served = false;
   /** Where it waits, and where it is served. */
   private readonly places = [new Vector3(), new Vector3()] as const;
 
-  constructor() { this.root.visible = false; }
+  constructor(private readonly quality: Quality) {
+    this.layers = { skin: new Layer(quality, FINISHES.skin), cloth: new Layer(quality, FINISHES.cloth), gloss: new Layer(quality, FINISHES.gloss) };
+    for (const { mesh, veil } of Object.values(this.layers)) this.root.add(mesh, veil);
+    this.root.visible = false;
+  }
 
   /** Behind the counter, facing the picture as the room does. @param lift_m over what stands on it */
   place(camera: PerspectiveCamera, { right, counter_y, row_z }: CameraPlace, bottles: readonly Vector3[], lift_m = 0): void {
     const turn_rad = turnOf(right);
-    const ahead = new Vector3(0, 0, 1).applyAxisAngle(new Vector3(0, 1, 0), turn_rad);
-    const wall = new Plane().setFromNormalAndCoplanarPoint(ahead, new Vector3(0, counter_y, row_z).addScaledVector(ahead, -BEHIND_M));
+    const ahead = new Vector3(0, 0, 1).applyAxisAngle(new Vector3(0, 1, 0), turn_rad), row = new Vector3(0, counter_y, row_z);
+    const plane = new Plane().setFromNormalAndCoplanarPoint(ahead, row.clone().addScaledVector(ahead, -BEHIND_M));
     this.places.forEach((place, served) => {
-      const at = atPlane(camera, freeAcross(camera, right, bottles, served === 1), wall);
-      if (at) place.set(at.x, counter_y + SIZE_M / 2 + lift_m, at.z);
+      const at = atPlane(camera, freeAcross(camera, right, bottles, served === 1), plane);
+      if (at) place.set(at.x, counter_y + lift_m, at.z);
     });
     this.root.position.copy(this.places[Number(this.served)]);
     this.root.rotation.y = turn_rad;
+    placeCounterEnd(this.counterEnd, row.addScaledVector(ahead, -COUNTER_END_M), turn_rad);
   }
 
   get servedAt(): Vector3 { return this.places[1]; }
 
-  /** @param guest which one: a number of its own for every drink; -1: nobody */
-  update(guest: number, pose: Pose, served: boolean, dt_s: number): void {
-    const material = this.root.material as ReturnType<typeof flat>;
-    const same = guest === this.wanted && pose === this.pose && served === this.served && guest === this.drawn;
-    const step = dt_s / (FADE_S / 2);
-    if (!same && material.opacity > 0) material.opacity = Math.max(0, material.opacity - step);
-    else if (!same) this.change(guest, pose, served);
-    else material.opacity = Math.min(1, material.opacity + step);
-    this.root.visible = this.drawn >= 0 && material.opacity > 0;
+  /**
+   * @param guest which one: a number of its own for every drink; -1: nobody
+   * @param drink colours of what it gets, the lowest first; @param still nothing moves, poses change at once
+   */
+  update(guest: number, drink: readonly string[], pose: Pose, served: boolean, dt_s: number, still: boolean): void {
+    const stays = guest === this.drawn && served === this.served, step = dt_s / (FADE_S / 2);
+    if (stays) this.opacity = Math.min(1, this.opacity + step);
+    else {
+      this.opacity = Math.max(0, this.opacity - step);
+      if (this.isMade(guest, drink) && this.opacity === 0) this.change(guest, pose, served);
+    }
+    if (stays && pose !== this.pose) this.take(pose);
+    if (this.moved < 1) this.move(still ? 1 : Math.min(1, this.moved + dt_s / MOVE_S));
+    for (const stuff of STUFFS) this.layers[stuff].fade(this.opacity);
+    this.root.visible = this.figure !== undefined && this.opacity > 0;
   }
 
-  private change(guest: number, pose: Pose, served: boolean): void {
-    const material = this.root.material as ReturnType<typeof flat>;
-    if (guest >= 0 && guest !== this.drawn) {
-      material.map?.dispose();
-      const had = material.map !== null;
-      material.map = sheet(guest);
-      if (!had) material.needsUpdate = true;
+  /** Goes on with making a guest, while the one before it leaves. */
+  private isMade(guest: number, drink: readonly string[]): boolean {
+    if (guest < 0 || guest === this.drawn) return true;
+    if (this.making?.guest !== guest) this.making = { guest, steps: makeFigure(guest, drink.map((color) => new Color(color)), FINENESS[this.quality]) };
+    const { making } = this, begun_ms = performance.now();
+    while (!making.figure && performance.now() - begun_ms < MAKING_MS) {
+      const made = making.steps.next();
+      if (made.done) making.figure = made.value;
     }
-    this.drawn = this.wanted = guest;
-    this.pose = pose;
+    return making.figure !== undefined;
+  }
+
+  /** Unseen: another guest, or the same one elsewhere. */
+  private change(guest: number, pose: Pose, served: boolean): void {
+    if (guest !== this.drawn) {
+      this.figure = this.making?.figure;
+      this.making = undefined;
+      for (const stuff of STUFFS) if (this.figure) this.layers[stuff].wear(this.figure.geometry[stuff]);
+    }
+    this.drawn = guest;
     this.served = served;
     this.root.position.copy(this.places[Number(served)]);
-    material.map?.offset.set(poseOffset(pose), 0);
+    this.take(pose);
+    this.move(1);
   }
-}
 
-function sheet(guest: number): Texture {
-  const texture = picture(SHEET_PX.width, SHEET_PX.height, (pen) => drawGuest(pen, guest));
-  texture.repeat.set(SHEET_PX.height / SHEET_PX.width, 1);
-  return texture;
+  private take(pose: Pose): void {
+    this.pose = pose;
+    this.moved = 0;
+    const { figure } = this;
+    if (!figure) return;
+    const now = (stuff: Stuff): Shape => {
+      const { position, normal } = figure.geometry[stuff].attributes;
+      return { position: Float32Array.from(position.array), normal: Float32Array.from(normal.array) };
+    };
+    this.from = { skin: now('skin'), cloth: now('cloth'), gloss: now('gloss') };
+  }
+
+  private move(moved: number): void {
+    this.moved = moved;
+    const { figure, from, pose } = this, share = smooth(0, 1, moved);
+    if (!figure || !from) return;
+    for (const stuff of STUFFS) {
+      for (const name of ['position', 'normal'] as const) {
+        const attribute = figure.geometry[stuff].attributes[name] as BufferAttribute, to = attribute.array, a = from[stuff][name], b = figure.poses[pose][stuff][name];
+        for (let i = 0; i < to.length; i++) to[i] = a[i] + (b[i] - a[i]) * share;
+        attribute.needsUpdate = true;
+      }
+    }
+  }
 }
 
 /** The part of the picture's width that is farthest from every bottle. */

@@ -1,137 +1,88 @@
-// The guests at the bar, drawn flat: who waits, drinks and thanks. Coordinates of a square of 320.
+// A guest, modelled: who waits, drinks and thanks. Frame: on the counter, y up, z ahead [m].
 
+import { Color, Matrix4, Vector3, type BufferGeometry } from 'three';
+import { Clay, geometryOf, shapeOf, type Lumps, type Shape } from './clay';
+import { addArm, addTrunk, type ArmPlace } from './guest_body';
+import { addHair } from './guest_hair';
+import { addFace, addGlasses, addHead, addMoustache } from './guest_head';
+import { lookOf } from './guest_looks';
 import type { Pose } from './serving';
 
-type Pen = CanvasRenderingContext2D;
-type Hair = 'short' | 'bun' | 'curls' | 'bald' | 'long' | 'bob';
+/** What of a guest wears which material. */
+export const STUFFS = ['skin', 'cloth', 'gloss'] as const;
+export type Stuff = (typeof STUFFS)[number];
+export const POSES: readonly Pose[] = ['waits', 'drinks', 'thanks'];
 
-interface Look { readonly skin: string; readonly hair: Hair; readonly hairColor: string; readonly shirt: string; readonly glasses: boolean; readonly moustache: boolean }
+export interface Figure {
+  readonly geometry: Readonly<Record<Stuff, BufferGeometry>>;
+  readonly poses: Readonly<Record<Pose, Readonly<Record<Stuff, Shape>>>>;
+}
 
-/** One for every drink, in turn. */
-const GUESTS: readonly Look[] = [
-  { skin: '#E0AE8A', hair: 'bun', hairColor: '#B9B2A8', shirt: '#A8503C', glasses: true, moustache: false },
-  { skin: '#8A5638', hair: 'short', hairColor: '#2B211C', shirt: '#C9A25A', glasses: false, moustache: false },
-  { skin: '#EBC3A6', hair: 'bald', hairColor: '#CFC8BD', shirt: '#54708C', glasses: false, moustache: true },
-  { skin: '#6E4430', hair: 'curls', hairColor: '#241913', shirt: '#8A5A86', glasses: false, moustache: false },
-  { skin: '#CF9F80', hair: 'bob', hairColor: '#4A2A1A', shirt: '#4F7F6C', glasses: false, moustache: false },
-  { skin: '#DDB08C', hair: 'long', hairColor: '#8A4B22', shirt: '#D8C5A0', glasses: true, moustache: false },
+const v = (x: number, y: number, z: number): Vector3 => new Vector3(x, y, z);
+
+/** Right and left of the picture. */
+const REST: readonly [ArmPlace, ArmPlace] = [
+  { elbow: v(0.110, 0.037, 0.034), wrist: v(0.052, 0.031, 0.082), ahead: v(-0.95, -0.08, 0.3), palm: v(0, -1, 0.1), curl: 0.3, spread: 0.05 },
+  { elbow: v(-0.110, 0.037, 0.034), wrist: v(-0.045, 0.0235, 0.089), ahead: v(0.95, -0.14, 0.3), palm: v(0, -1, 0.1), curl: 0.25, spread: 0.06 },
 ];
+const RIGHT: Readonly<Record<Pose, ArmPlace>> = {
+  waits: REST[0],
+  drinks: { elbow: v(0.118, 0.048, 0.055), wrist: v(0.062, 0.128, 0.088), ahead: v(-0.55, 0.62, 0.25), palm: v(-0.75, -0.3, -0.35), curl: 0.75, spread: 0.02 },
+  thanks: { elbow: v(0.128, 0.050, 0.025), wrist: v(0.128, 0.128, 0.040), ahead: v(0.10, 1, 0.05), palm: v(-0.15, 0, 1), curl: 0.06, spread: 0.2 },
+};
+/** Of the head: nod back and lean aside [rad]. */
+const HEAD_TURN: Readonly<Record<Pose, readonly [number, number]>> = { waits: [0.02, 0], drinks: [-0.12, 0.02], thanks: [0.05, -0.09] };
+const HEAD_AT = v(0, 0.203, 0.004), NECK_AT = v(0, 0.150, -0.006);
 
-const INK = '#2A1C14';
-const SIDE = 320;
-const POSES: readonly Pose[] = ['waits', 'drinks', 'thanks'];
-
-/** Size of the picture that drawGuest() fills: the poses side by side [px]. */
-export const SHEET_PX = { width: SIDE * POSES.length, height: SIDE } as const;
-/** Where a pose begins in it, as a part of its width. */
-export const poseOffset = (pose: Pose): number => POSES.indexOf(pose) / POSES.length;
-
-function shape(pen: Pen, path: string, fill: string, line = 5): void {
-  const outline = new Path2D(path);
-  pen.fillStyle = fill;
-  pen.fill(outline);
-  if (line > 0) { pen.lineWidth = line; pen.strokeStyle = INK; pen.stroke(outline); }
+function headFrame(pose: Pose): Matrix4 {
+  const [nod, lean] = HEAD_TURN[pose];
+  return new Matrix4().makeTranslation(NECK_AT).multiply(new Matrix4().makeRotationZ(lean)).multiply(new Matrix4().makeRotationX(nod))
+    .multiply(new Matrix4().makeTranslation(HEAD_AT.clone().sub(NECK_AT)));
 }
 
-/** A limb: a wide line in ink under a narrower one. */
-function limb(pen: Pen, path: string, color: string, width: number): void {
-  const line = new Path2D(path);
-  for (const [style, wide] of [[INK, width + 9], [color, width]] as const) { pen.strokeStyle = style; pen.lineWidth = wide; pen.stroke(line); }
+/** What is drunk, tipped to the mouth; in other poses nothing of it, where it stood on the counter. */
+function addGlass(gloss: Clay, pose: Pose, drink: readonly Color[]): void {
+  const held = pose === 'drinks', rim = held ? v(0.004, 0.180, 0.058) : v(0, 0.0301, 0.14), foot = held ? v(0.040, 0.165, 0.104) : v(0, 0.03, 0.14);
+  const size = held ? 1 : 1e-3, axis = rim.clone().sub(foot), radius = (t: number) => size * (0.0150 + 0.0035 * t);
+  const clear = new Color('#dfeeed'), paint = (_: number, t: number, to: Color) => to.copy(t < 0.12 || t > 0.72 ? clear : drink[Math.floor((t - 0.12) / 0.6001 * drink.length)] ?? clear);
+  gloss.tube((t, to) => to.copy(foot).addScaledVector(axis, t), radius, paint, [24, 24]);
+  const x = new Vector3(1, 0, 0).cross(axis).normalize(), y = axis.clone().cross(x).normalize();
+  for (const [t, color] of [[0.02, clear], [0.94, clear.clone().multiplyScalar(0.7)]] as const)
+    gloss.ball(new Matrix4().makeBasis(x.clone().multiplyScalar(radius(t)), axis.clone().multiplyScalar(0.04), y.clone().multiplyScalar(-radius(t))).setPosition(foot.clone().addScaledVector(axis, t)), color, [20, 8]);
 }
 
-function backHair(pen: Pen, { hair, hairColor }: Look): void {
-  if (hair === 'long') shape(pen, 'M104 112Q98 40 160 38T216 112L226 206Q160 232 94 206Z', hairColor);
-  if (hair === 'bob') shape(pen, 'M102 112Q98 38 160 38T218 112L222 160Q160 182 98 160Z', hairColor);
-  if (hair === 'bun') shape(pen, 'M160 12a24 22 0 1 0 .1 0Z', hairColor);
-  if (hair === 'curls') for (const [x, y] of [[110, 96], [112, 66], [134, 44], [160, 36], [186, 44], [208, 66], [210, 96]]) shape(pen, `M${x} ${y - 21}a21 21 0 1 0 .1 0Z`, hairColor, 5);
-}
+type Kneaded = Readonly<Record<Stuff, Clay>>;
 
-function frontHair(pen: Pen, { hair, hairColor }: Look): void {
-  if (hair === 'bald') {
-    shape(pen, 'M113 118Q106 102 116 88L122 110Z', hairColor, 4);
-    shape(pen, 'M207 118Q214 102 204 88L198 110Z', hairColor, 4);
-  } else if (hair === 'curls') shape(pen, 'M114 92Q118 52 160 52T206 92Q184 66 160 70T114 92Z', hairColor, 0);
-  else if (hair === 'short') shape(pen, 'M112 98Q108 46 160 46T208 98Q200 74 180 72T140 76 112 98Z', hairColor);
-  else shape(pen, 'M111 102Q108 46 160 46T209 102Q204 76 166 68 150 92 111 102Z', hairColor);
-}
+const of = <T>(make: (stuff: Stuff) => T): Record<Stuff, T> => ({ skin: make('skin'), cloth: make('cloth'), gloss: make('gloss') });
 
-function face(pen: Pen, look: Look, pose: Pose): void {
-  pen.strokeStyle = pen.fillStyle = INK;
-  pen.lineWidth = 5;
-  const stroke = (path: string) => pen.stroke(new Path2D(path));
-  if (pose === 'waits') for (const x of [142, 178]) { pen.beginPath(); pen.ellipse(x, 112, 4.6, 6, 0, 0, 2 * Math.PI); pen.fill(); }
-  else stroke('M133 114Q142 104 151 114M169 114Q178 104 187 114');
-  pen.lineWidth = 4;
-  stroke('M133 96Q142 91 151 95M169 95Q178 91 187 96M160 116Q156 128 162 130');
-  if (look.glasses) stroke('M142 96a16 16 0 1 0 .1 0ZM178 96a16 16 0 1 0 .1 0ZM158 110Q160 108 162 110');
-  if (look.moustache) shape(pen, 'M160 136Q138 132 130 146 150 152 160 142 170 152 190 146 182 132 160 136Z', look.hairColor, 3);
-  pen.lineWidth = 5;
-  pen.strokeStyle = INK;
-  if (pose === 'waits') stroke('M146 147Q160 156 174 147');
-  if (pose === 'thanks') shape(pen, 'M140 144Q160 150 180 144 176 166 160 166T140 144Z', '#FFF6E6', 4);
-}
-
-function body(pen: Pen, { skin, shirt }: Look): void {
-  shape(pen, 'M38 330Q40 232 92 212 128 200 138 190H182Q192 200 228 212 280 232 282 330Z', shirt);
-  shape(pen, 'M140 160V192Q160 216 180 192V160Z', skin);
-  shape(pen, 'M138 190L160 216 146 230 124 198ZM182 190L160 216 174 230 196 198Z', '#FFF6E6', 4);
-}
-
-function head(pen: Pen, { skin }: Look): void {
-  shape(pen, 'M110 112a10 13 0 1 0 2 24ZM210 112a10 13 0 1 1-2 24Z', skin, 4);
-  shape(pen, 'M110 108Q108 48 160 48T210 108Q210 180 160 180T110 108Z', skin);
-}
-
-/** The glass in the hand, tipped to the mouth. */
-function glass(pen: Pen): void {
-  pen.save();
-  pen.translate(186, 166);
-  pen.rotate(-0.95);
-  shape(pen, 'M-20-30H20L16 34H-16Z', 'rgba(234,246,245,.82)', 4);
-  shape(pen, 'M-16-2L16-14 13 31H-13Z', '#E8A13C', 0);
-  pen.restore();
-}
-
-function arms(pen: Pen, { skin, shirt }: Look, pose: Pose): void {
-  if (pose === 'waits') {
-    limb(pen, 'M66 300Q110 312 150 304', shirt, 34);
-    limb(pen, 'M254 304Q210 316 170 308', shirt, 34);
-    limb(pen, 'M150 304H166', skin, 24);
-    limb(pen, 'M174 308H156', skin, 24);
-    return;
+/**
+ * One guest in every pose: the same triangles, other places. Made piece by piece, so that a page can go on between them.
+ * @param drink colours of its layers, the lowest first; @param fineness 1 in full
+ */
+export function* makeFigure(guest: number, drink: readonly Color[], fineness: number): Generator<undefined, Figure> {
+  const look = lookOf(guest), kneaded = (): Kneaded => of(() => new Clay(fineness)), body = kneaded(), head = kneaded(), still = new Matrix4();
+  addTrunk(body.cloth, body.skin, look);
+  yield;
+  addArm(body.cloth, body.skin, look, -1, REST[1]);
+  yield;
+  addHead(head.skin, look);
+  yield;
+  addHair(head.cloth, look);
+  if (look.glasses) addGlasses(head.gloss, look);
+  if (look.moustache) addMoustache(head.cloth, look);
+  const poses: Partial<Record<Pose, Record<Stuff, Shape>>> = {};
+  let first: Record<Stuff, Lumps> | undefined;
+  for (const pose of POSES) {
+    yield;
+    const arm = kneaded(), face = kneaded(), frame = headFrame(pose);
+    addArm(arm.cloth, arm.skin, look, 1, RIGHT[pose]);
+    addGlass(arm.gloss, pose, drink);
+    yield;
+    addFace(face.skin, face.cloth, face.gloss, look, pose);
+    const lumps = of((stuff): Lumps => [[body[stuff], still], [arm[stuff], still], [head[stuff], frame], [face[stuff], frame]]);
+    poses[pose] = of((stuff) => shapeOf(lumps[stuff]));
+    first ??= lumps;
   }
-  limb(pen, 'M66 302Q104 314 138 308', shirt, 34);
-  limb(pen, 'M140 308H154', skin, 24);
-  if (pose === 'drinks') {
-    glass(pen);
-    limb(pen, 'M258 300Q276 268 240 226', shirt, 34);
-    limb(pen, 'M226 206L212 184', skin, 24);
-    return;
-  }
-  limb(pen, 'M252 306Q296 270 278 206', shirt, 34);
-  limb(pen, 'M274 182L272 168', skin, 30);
-  for (const finger of ['M258 160L250 132', 'M268 154L266 122', 'M279 155L284 124', 'M288 164L299 140', 'M256 176L238 166']) limb(pen, finger, skin, 11);
-  pen.strokeStyle = skin;
-  pen.lineWidth = 28;
-  pen.stroke(new Path2D('M272 178V164'));
-}
-
-/** All poses of one guest. Draws nothing where the browser has no Path2D. */
-export function drawGuest(pen: Pen, guest: number): void {
-  const look = GUESTS[((guest % GUESTS.length) + GUESTS.length) % GUESTS.length];
-  pen.lineCap = pen.lineJoin = 'round';
-  POSES.forEach((pose, i) => {
-    pen.save();
-    pen.beginPath();
-    pen.rect(i * SIDE, 0, SIDE, SIDE);
-    pen.clip();
-    pen.translate(i * SIDE, 0);
-    backHair(pen, look);
-    body(pen, look);
-    head(pen, look);
-    frontHair(pen, look);
-    face(pen, look, pose);
-    arms(pen, look, pose);
-    pen.restore();
-  });
+  yield;
+  return { geometry: of((stuff) => geometryOf(first![stuff])), poses: poses as Figure['poses'] };
 }
