@@ -17,6 +17,7 @@ import { besideAConsole, costOf } from './cost_checks.mjs';
 import { drinksByEveryWay } from './drink_checks.mjs';
 import { FULL, Harness } from './harness.mjs';
 import { hourOfPlayIsFlat } from './hour_checks.mjs';
+import { newcomerFinds } from './newcomer_checks.mjs';
 import * as panels from './panel_checks.mjs';
 import { lostPictureIsSaid } from './picture_checks.mjs';
 import { takePictures } from './pictures.mjs';
@@ -77,6 +78,7 @@ const TESTS = [
   ['report says what is wrong with it', reports.badReportsAreSaid],
   ['charts are one file', chartsAreOneFile],
   // Minutes where pages are drawn in software; every combination plays on the simulated clock in tests/every_drink.test.ts.
+  ['a newcomer finds what she needs_slow', newcomerFinds, PACED],
   ['drinks by every way_slow', drinksByEveryWay, PACED],
   ['an hour of play leaves nothing behind_slow', hourOfPlayIsFlat],
 ];
