@@ -129,6 +129,7 @@ export async function reconnects(t) {
   for (const page of [game, watcher.page]) await page.waitForSelector('text=/Connection lost/');
   expect(await watcher.page.locator('[data-testid=emergency-stop]').isEnabled(), 'a stop that is pressed now would vanish');
   await game.waitForSelector('body[data-state=lost] .message');
+  expect(await game.locator('[data-testid=stop-waits]').isVisible(), 'the game does not say that Stop waits for the line');
   await game.evaluate(() => { window.firstCard = document.querySelector('.message'); });
   const lit = () => game.locator('.dots .on').count();
   const first = await lit();
