@@ -1,7 +1,8 @@
 // What a therapist reads of a session, and sets with one touch.
-import { describe, expect, it } from 'vitest';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { readFileSync } from 'node:fs';
 import { stepped } from '../src/console/big_controls';
+import { readKeptTally } from '../src/console/kept_tally';
 import { Tally } from '../src/console/tally';
 import { RunState } from '../src/protocol';
 
@@ -26,6 +27,79 @@ describe('a session', () => {
     const tally = new Tally();
     for (const event of ['touched', 'level_done']) tally.count(event, ['touched', 'level_done']);
     expect(tally.repetitions).toBe(1);
+  });
+});
+
+describe('a reload of the page', () => {
+  const at = (minute: number): Date => new Date(2026, 0, 1, 14, minute);
+  const state = (timeS: number, session = 3, runState = RunState.Rendering) => ({ session, timeS, runState });
+  const figures = ({ active_s, repetitions, from, ended }: Tally) => [active_s, repetitions, from, ended];
+  let stored: Map<string, string>;
+
+  /** A session of a minute with two repetitions, as far as the page sees it before it is loaded again. */
+  function aMinute(recording: string): void {
+    const tally = new Tally();
+    for (let s = 0; s <= 60; s += 1) tally.look(state(s), false, at(0), recording);
+    for (let k = 0; k < 2; k += 1) tally.count('step_done', ['step_done']);
+  }
+
+  beforeEach(() => {
+    stored = new Map();
+    vi.stubGlobal('sessionStorage', { getItem: (key: string) => stored.get(key) ?? null, setItem: (key: string, text: string) => { stored.set(key, text); } });
+  });
+  afterEach(() => vi.unstubAllGlobals());
+
+  it.each(['a.h5', ''])('leaves the counters of the session that goes on, recorded as "%s"', (recording) => {
+    aMinute(recording);
+    const again = new Tally();
+    again.look(state(63), false, at(9), recording);
+    expect(figures(again)).toEqual([63, 2, at(0), undefined]);
+    again.count('step_done', ['step_done']);
+    again.look(state(64, 3, RunState.Stopping), false, at(10), recording);
+    const afterTheEnd = new Tally();
+    afterTheEnd.look(state(0, 3, RunState.Stopped), false, at(20), '');
+    expect(figures(afterTheEnd)).toEqual([63, 3, at(0), at(10)]);
+  });
+
+  it.each([
+    ['another session', state(70, 4), 'a.h5'], ['another recording, of a program that began anew', state(70), 'b.h5'],
+    ['none, of a program that began anew', state(70), ''], ['an earlier time, of a program that began anew', state(2), 'a.h5'],
+  ] as const)('begins anew with %s', (_what, now, recording) => {
+    aMinute('a.h5');
+    const again = new Tally();
+    again.look(now, false, at(9), recording);
+    expect(figures(again)).toEqual([0, 0, at(9), undefined]);
+  });
+
+  it('keeps one session, and stores once a second at most', () => {
+    const written = vi.spyOn(sessionStorage, 'setItem'), tally = new Tally();
+    for (let k = 0; k <= 600; k += 1) tally.look(state(k / 60), false, at(0), 'a.h5');
+    expect(written.mock.calls.length).toBeLessThanOrEqual(11);
+    for (let session = 4; session < 20; session += 1) tally.look(state(0, session), false, at(1), `${session}.h5`);
+    expect(stored.size).toBe(1);
+  });
+
+  it('refuses what is damaged', () => {
+    aMinute('a.h5');
+    const [whole] = stored.values(), kept = readKeptTally(whole);
+    expect(kept).toMatchObject({ session: 3, recording: 'a.h5', active_s: 60, repetitions: 2 });
+    const damaged = [
+      null, '', 'null', '[]', '7', whole.slice(0, -1), `${whole}${' '.repeat(1000)}`,
+      ...Object.entries({ session: [-1, 1.5, '3'], recording: [null, 7], time_s: [-1, null, '60'], active_s: [61, -1, null], repetitions: [-1, 0.5, 1e300], from_ms: [null, 1e300, '1'], ended_ms: [0, '1', 1e300] })
+        .flatMap(([name, values]) => [undefined, ...values].map((value) => JSON.stringify({ ...kept, [name]: value }))),
+    ];
+    for (const text of damaged) expect(readKeptTally(text), String(text)).toBeNull();
+    stored.set([...stored.keys()][0], '{');
+    const again = new Tally();
+    again.look(state(63), false, at(9), 'a.h5');
+    expect(figures(again)).toEqual([0, 0, at(9), undefined]);
+  });
+
+  it('begins anew where the browser keeps nothing', () => {
+    vi.stubGlobal('sessionStorage', { getItem: () => { throw new Error('denied'); }, setItem: () => { throw new Error('denied'); } });
+    const tally = new Tally();
+    for (let s = 0; s <= 60; s += 1) tally.look(state(s), false, at(0), 'a.h5');
+    expect(tally.active_s).toBe(60);
   });
 });
 

@@ -159,7 +159,7 @@ export function showAttempts(within: ParentNode, attempts: number): void {
 
 /** `hardware`: the device is real, and has a stop button that the card names. */
 export function lostCard(attempts: number, hardware: boolean): HTMLElement {
-  return messageCard(plugPicture(), text('lost.title'), text('lost.what'), text('lost.soft'), dots(attempts),
+  return messageCard(plugPicture(), text('lost.title'), text('lost.what'), text('lost.soft'), dots(attempts), h('p', { class: 'waits t-s', 'data-testid': 'stop-waits' }, text('lost.stop')),
     hardware ? h('p', { class: 'hardware t-s', 'data-testid': 'hardware' }, buttonPicture(), text('lost.button')) : null);
 }
 

@@ -7,6 +7,7 @@ import type { WorldStateT } from '../protocol';
 import { h } from '../shared/dom';
 import { tellHowUsed } from '../shared/a11y';
 import { onLanguage, startLanguage } from '../shared/i18n';
+import { growWithZoom } from '../scene/zoomed_text';
 import { noPictureCard } from './dialogs';
 import { ClockOffset, FrameStats, type WholehandStats } from './frame_stats';
 import { Game } from './game';
@@ -24,6 +25,9 @@ const clock = new ClockOffset();
 
 startLanguage();
 tellHowUsed(document);
+const followZoom = (): void => growWithZoom(document.documentElement);
+followZoom();
+addEventListener('resize', followZoom);
 document.title = FIRST.pageTitle();
 
 const canvas = document.querySelector<HTMLCanvasElement>('#picture')!;

@@ -7,6 +7,7 @@
 // hand's left and right are the picture's.
 
 import { PerspectiveCamera, Vector3 } from 'three';
+import { textZoom } from '../shared/zoom';
 
 export type View = 'game' | 'console';
 
@@ -47,24 +48,33 @@ const LEAST_U_PX = 0.65;
 const LEAST_T_PX = 0.6;
 const isUpright = (width: number, height: number): boolean => width / height <= 1.1;
 
+/** 1u of game.css by the window alone. */
+const scaleOf = (width: number, height: number): number => isUpright(width, height) ? width / 740 : Math.min(width / WIDTH_PX, height / HEIGHT_PX);
+
 /** 1u of game.css. */
 export function unitOf(width: number, height: number): number {
-  return isUpright(width, height) ? width / 740 : Math.max(LEAST_U_PX, Math.min(width / WIDTH_PX, height / HEIGHT_PX));
+  return isUpright(width, height) ? scaleOf(width, height) : Math.max(LEAST_U_PX, scaleOf(width, height));
+}
+
+/** 1t of game.css where the page is zoomed by `zoom`; undefined: it is not [px]. */
+export function zoomedTextOf(width: number, height: number, zoom: number): number | undefined {
+  const scale_px = scaleOf(width, height), grown = textZoom(scale_px, zoom, isUpright(width, height));
+  return grown === 1 ? undefined : Math.max(unitOf(width, height), grown * scale_px);
 }
 
 /** Part of the picture that no card covers (game.css), and its size against the designed one's [px]. */
-function freeOf(view: View, width: number, height: number): Free {
+function freeOf(view: View, width: number, height: number, text_px: number | undefined): Free {
   if (view === 'console') return { x: 0, y: 0, width, height, scale: Math.min(width / WIDTH_PX, height / HEIGHT_PX) };
-  const upright = isUpright(width, height), u = unitOf(width, height);
-  const strip = upright ? Math.max(190 * u, 112 * Math.max(u, LEAST_T_PX) + 78) : Math.max(104 * u, 80);
-  const [left, top] = upright ? [0, 256 * u] : [336 * u, 0];
+  const upright = isUpright(width, height), u = unitOf(width, height), zoomed = text_px !== undefined;
+  const strip = zoomed ? 92 * text_px + 82 : upright ? Math.max(190 * u, 112 * Math.max(u, LEAST_T_PX) + 78) : Math.max(104 * u, 80);
+  const [left, top] = zoomed ? [0, 66 * text_px] : upright ? [0, 256 * u] : [336 * u, 0];
   const free = { x: left, y: top, width: Math.max(40, width - left), height: Math.max(40, height - top - strip) };
   return { ...free, scale: Math.min(free.width / (WIDTH_PX - 336), free.height / (HEIGHT_PX - 104)) };
 }
 
 /** Where the designed picture has what is looked at, in this one. */
 function lookIn(view: View, free: Free): { x: number; y: number } {
-  const designed = freeOf(view, WIDTH_PX, HEIGHT_PX), at = LOOK_PX[view];
+  const designed = freeOf(view, WIDTH_PX, HEIGHT_PX, undefined), at = LOOK_PX[view];
   return {
     x: free.x + free.width / 2 + (at.x - designed.x - designed.width / 2) * free.scale,
     y: free.y + free.height / 2 + (at.y - designed.y - designed.height / 2) * free.scale,
@@ -76,8 +86,11 @@ function into(low: number, high: number, from: number, to: number): number {
   return high - low > to - from ? (from + to - low - high) / 2 : Math.max(0, from - low) - Math.max(0, high - to);
 }
 
-/** @param seen points that must be in the free part of the picture, three.js's frame [m] */
-export function placeCamera(camera: PerspectiveCamera, view: View, at: CameraPlace, seen: readonly Vector3[], width_px: number, height_px: number): void {
+/**
+ * @param seen points that must be in the free part of the picture, three.js's frame [m]
+ * @param text_px 1t of game.css where the page is zoomed
+ */
+export function placeCamera(camera: PerspectiveCamera, view: View, at: CameraPlace, seen: readonly Vector3[], width_px: number, height_px: number, text_px?: number): void {
   const side = at.right ? 1 : -1;
   const look = new Vector3(-side * LOOK_ASIDE_M, at.counter_y + LOOK_HEIGHT_M, at.row_z);
   camera.position.set(look.x + side * DEPTH_M * Math.tan(AZIMUTH_RAD), look.y + DEPTH_M * Math.tan(ELEVATION_RAD), look.z + DEPTH_M);
@@ -85,7 +98,7 @@ export function placeCamera(camera: PerspectiveCamera, view: View, at: CameraPla
   camera.updateMatrixWorld(true);
   const flat = (p: Vector3) => { const c = p.clone().applyMatrix4(camera.matrixWorldInverse); return { x: c.x / -c.z, y: c.y / c.z }; };   // y down
   const all = seen.map(flat), xs = all.map((p) => p.x), ys = all.map((p) => p.y);
-  const free = freeOf(view, width_px, height_px), margin = MARGIN_PX * free.scale;
+  const free = freeOf(view, width_px, height_px, text_px), margin = MARGIN_PX * free.scale;
   const room = { x: free.width - 2 * margin, y: free.height - 2 * margin };
   const focal = all.length === 0 ? FOCAL_PX * free.scale
     : Math.min(FOCAL_PX * free.scale, room.x / (Math.max(...xs) - Math.min(...xs)), room.y / (Math.max(...ys) - Math.min(...ys)));

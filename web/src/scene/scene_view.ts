@@ -9,6 +9,7 @@ import { viewOf, type ExerciseView } from '../exercises/exercise_view';
 import type { GameBodyShown } from '../net/game_bodies';
 import type { SceneT, WorldStateT } from '../protocol';
 import { Backdrop } from './backdrop';
+import { zoomedText_px } from './zoomed_text';
 import { DEFAULT_PLACE, placeCamera, pointInRow, turnOf, type CameraPlace, type View } from './camera';
 import { ContactGlow } from './contacts';
 import { compiled } from './compile';
@@ -161,7 +162,7 @@ export class SceneView {
     const device = Math.min(MOST_PIXELS, window.devicePixelRatio || 1);
     this.renderer.setPixelRatio(this.quality === 'high' ? device : Math.min(1, Math.sqrt(LOW_PIXELS / (width * height))));
     this.renderer.setSize(width, height, false);
-    placeCamera(this.camera, this.options.view, this.place, this.outline, width, height);
+    placeCamera(this.camera, this.options.view, this.place, this.outline, width, height, zoomedText_px());
     this.exercise?.placeBehind(this.camera, this.place);
     if (this.compiled) this.takeBackdrop();
     else this.renderer.clear();

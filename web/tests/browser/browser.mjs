@@ -114,6 +114,15 @@ export async function expectAccessible(page, words = '') {
   expect(faults.length === 0, `${words} ${faults.join('\n')}`);
 }
 
+/** In a window of 320 px, which is 1280 px zoomed four times, nothing is scrolled sideways (WCAG 2.2, SC 1.4.10). */
+export async function expectNothingScrollsSideways(page, words) {
+  const before = page.viewportSize();
+  await page.setViewportSize({ width: 320, height: 640 });
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  expect(wide <= 320, `${words} is ${wide} px wide in a window of 320`);
+  await page.setViewportSize(before);
+}
+
 /** Faults that keep somebody out: serious and critical ones, by axe-core. */
 async function accessibilityFaults(page) {
   await page.evaluate(AXE);

@@ -1,5 +1,5 @@
 // What a person could do at the pages, one function each.
-import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
+import { expect, expectAccessible, expectNothingScrollsSideways, openPage, pageUrl, until } from './browser.mjs';
 import { playOneDrink } from './key_player.mjs';
 import { startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
@@ -129,6 +129,7 @@ export async function reconnects(t) {
   for (const page of [game, watcher.page]) await page.waitForSelector('text=/Connection lost/');
   expect(await watcher.page.locator('[data-testid=emergency-stop]').isEnabled(), 'a stop that is pressed now would vanish');
   await game.waitForSelector('body[data-state=lost] .message');
+  expect(await game.locator('[data-testid=stop-waits]').isVisible(), 'the game does not say that Stop waits for the line');
   await game.evaluate(() => { window.firstCard = document.querySelector('.message'); });
   const lit = () => game.locator('.dots .on').count();
   const first = await lit();
@@ -155,6 +156,41 @@ async function expectAllOfTheTherapistsViewAtOnce(page) {
   expect(/Only A to Z/.test(await page.locator('.profile label').innerText()), 'a name that is refused says why');
 }
 
+/** The smallest screen that the pages are made for [CSS px], and the same one in a browser that zooms twice: its pixels count double. */
+const SCREEN = { width: 1280, height: 720 };
+const ZOOMED_TWICE = { width: SCREEN.width / 2, height: SCREEN.height / 2 };
+
+/** Every text that is seen, and its size [px]: a page that is built anew for its size says the same again. */
+const SIZES_OF_TEXT = () => {
+  const count = {};
+  const saysText = ({ nodeType, data }) => nodeType === Node.TEXT_NODE && data.trim() !== '';
+  const seen = [...document.body.querySelectorAll('*')].filter((one) => [...one.childNodes].some(saysText) && one.checkVisibility({ visibilityProperty: true }) && !one.closest('.sr'));
+  return Object.fromEntries(seen.map((one) => {
+    const words = `${one.tagName} ${one.textContent.trim().slice(0, 40)}`;
+    count[words] = (count[words] ?? 0) + 1;
+    return [`${words} ${count[words]}`, parseFloat(getComputedStyle(one).fontSize)];
+  }));
+};
+
+/** Text of a page that is zoomed twice is twice as large (WCAG 2.2, SC 1.4.4), and reaches over no edge. @return how many texts */
+async function expectTextGrowsWithZoom(page, name) {
+  const sizesAt = async (screen) => {
+    await page.setViewportSize(screen);
+    // Two frames: the page has heard of its size.
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    return page.evaluate(SIZES_OF_TEXT);
+  };
+  const whole = await sizesAt(SCREEN), zoomed = await sizesAt(ZOOMED_TWICE);
+  const both = Object.keys(zoomed).filter((words) => words in whole).map((words) => ({ words, ratio: 2 * zoomed[words] / whole[words] }));
+  const less = both.filter(({ ratio }) => ratio < 1.99).map(({ words, ratio }) => `"${words}" is ${ratio.toFixed(2)} times as large`);
+  expect(both.length > 5, `${name}: only ${both.length} texts are seen where the page is zoomed`);
+  expect(less.length === 0, `${name}, zoomed twice: ${less.join('; ')}`);
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  expect(wide <= 0, `${name}, zoomed twice, is scrolled sideways by ${wide} px`);
+  await page.setViewportSize(SCREEN);
+  return both.length;
+}
+
 /** Views of the pages, none with a serious or critical fault. */
 export async function pagesAreAccessible(t) {
   const { url } = await t.watcher();
@@ -165,16 +201,21 @@ export async function pagesAreAccessible(t) {
     ['console, the therapist’s view', '/console', { theme: 'light' }, null, '[data-testid=big-controls] output'],
     ['console, light', '/console', { theme: 'light', view: 'engineer' }, null, '.plot canvas'],
     ['console, dark, German, tables', '/console', { theme: 'dark', lang: 'de', view: 'engineer' }, '[data-testid=tables]', '[data-testid=tables][aria-pressed=true]'],
+    ['replay, of nothing', '/replay', {}, null, '.problem'],
+    ['commissioning', '/commission', {}, null, 'main.commission'],
   ];
+  let texts = 0;
   for (const [name, path, query, click, shown] of views) {
     const page = await openPage(t.plain, pageUrl(url, path, { lang: 'en', quality: 'low', ...query }));
     if (click) await page.click(click);
     await page.waitForSelector(shown);
     if (name.includes('therapist')) await expectAllOfTheTherapistsViewAtOnce(page);
     await expectAccessible(page, name);
+    if (/^game|therapist/.test(name)) texts += await expectTextGrowsWithZoom(page, name);
+    if (path !== '/') await expectNothingScrollsSideways(page, name);
     await page.context().close();
   }
-  return `${views.length} views, no serious or critical fault`;
+  return `${views.length} views, no serious or critical fault; ${texts} texts grow with the zoom`;
 }
 
 /** One finger drags the hand, the large button squeezes. */

@@ -8,6 +8,10 @@ import { openWatcher, RENDERING } from './watcher.mjs';
 export const FULL = process.env.WHOLEHAND_FULL === '1';
 /** A test of real time is not judged where it fails and a thread that only sleeps was kept waiting for longer. */
 const DISTURBED_MS = 20;
+/** After so much silence a game is let go of (docs/safety.md). */
+const LETS_GO_MS = 200;
+/** A page that waits for ever was let go of, perhaps: half of that silence explains it. A shorter pause does not: such a hang is judged. */
+const EXPLAINS_A_HANG_MS = LETS_GO_MS / 2;
 /** Nor is any other on a machine that stood still for so long: every end of waiting may have passed meanwhile. */
 const STOOD_STILL_MS = HANGS_MS / 3;
 
@@ -74,9 +78,9 @@ export class Harness {
       console.log(`ok    ${name} (${((Date.now() - began_ms) / 1000).toFixed(1)} s) ${words}`);
       return 'ok';
     } catch (error) {
-      const kept_ms = this.#sleeper();
+      const kept_ms = this.#sleeper(), hung = Date.now() - began_ms >= HANGS_MS;
       await this.close();
-      const judged = kept_ms <= (paced ? DISTURBED_MS : STOOD_STILL_MS);
+      const judged = kept_ms <= (!paced ? STOOD_STILL_MS : hung ? EXPLAINS_A_HANG_MS : DISTURBED_MS);
       console.log(judged ? `FAIL  ${name}: ${error.message.slice(0, 3000)}` : `not judged: ${name}: this machine kept a sleeper waiting for ${kept_ms.toFixed(0)} ms (${error.message.split('\n')[0]})`);
       return judged ? 'FAIL' : 'not judged';
     }

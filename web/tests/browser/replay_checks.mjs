@@ -1,7 +1,7 @@
 // The replay of recordings, against the program as `replay --web`.
 import { copyFileSync, existsSync, readFileSync, truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { expect, expectAccessible, openPage, until } from './browser.mjs';
+import { expect, expectAccessible, expectNothingScrollsSideways, openPage, until } from './browser.mjs';
 import { letProgram, startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
@@ -68,6 +68,7 @@ export async function recordingIsReplayed(t) {
     await t.picture(page, `replay_${lang}`);
     if (lang !== 'fr') await plotsAreComplete(page, lang);
   }
+  await expectNothingScrollsSideways(page, 'replay');
   const { scrub_ms } = await replayed(page);
   await pictureIsDrawn(t, url);
   return `${scrub_ms.length} looks, the fastest answered within ${Math.min(...scrub_ms).toFixed(0)} ms`;

@@ -1,7 +1,7 @@
 // A report of the program, opened as the file that it is: from the disk, without the program.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { expect, expectAccessible, expectNoFaults, openFile, sheetsOf, until } from './browser.mjs';
+import { expect, expectAccessible, expectNothingScrollsSideways, expectNoFaults, openFile, sheetsOf, until } from './browser.mjs';
 import { letProgram } from './program.mjs';
 import { recording } from './replay_checks.mjs';
 
@@ -39,6 +39,7 @@ export async function reportIsOneFile(t) {
     expect(said.includes(differs), said);
     await t.picture(page, `report-${language}`);
   }
+  await expectNothingScrollsSideways(page, 'the report');
   await viewerShows(page);
   expect(asked.length === 1, `it asked for nothing but itself: ${asked.join(' ')}`);
 }

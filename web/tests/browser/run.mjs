@@ -1,9 +1,9 @@
 // Tests in a real browser against the real program:
-//   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [--dist FOLDER] [part of a test's name ...]
-// FILE: build/release/wholehand. FOLDER: where pictures and figures go, web/test-output/browser; with
-// --dist, other built pages than the program's own. CHROMIUM names another browser than /usr/bin/chromium.
+//   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [part of a test's name ...]
+// FILE: build/release/wholehand. FOLDER: where pictures and figures go, web/test-output/browser. The pages are those that
+// the program finds, WHOLEHAND_PAGES names others. CHROMIUM names another browser than /usr/bin/chromium.
 // WHOLEHAND_FULL=1 runs those that end in _slow, too, and keeps pictures.
-import { mkdirSync, mkdtempSync, rmSync, symlinkSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -17,6 +17,7 @@ import { besideAConsole, costOf } from './cost_checks.mjs';
 import { drinksByEveryWay } from './drink_checks.mjs';
 import { FULL, Harness } from './harness.mjs';
 import { hourOfPlayIsFlat } from './hour_checks.mjs';
+import { newcomerFinds } from './newcomer_checks.mjs';
 import * as panels from './panel_checks.mjs';
 import { lostPictureIsSaid } from './picture_checks.mjs';
 import { takePictures } from './pictures.mjs';
@@ -77,13 +78,14 @@ const TESTS = [
   ['report says what is wrong with it', reports.badReportsAreSaid],
   ['charts are one file', chartsAreOneFile],
   // Minutes where pages are drawn in software; every combination plays on the simulated clock in tests/every_drink.test.ts.
+  ['a newcomer finds what she needs_slow', newcomerFinds, PACED],
   ['drinks by every way_slow', drinksByEveryWay, PACED],
   ['an hour of play leaves nothing behind_slow', hourOfPlayIsFlat],
 ];
 
 const WEB = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
 const { values: options, positionals: wanted } = parseArgs({
-  options: { program: { type: 'string' }, out: { type: 'string' }, dist: { type: 'string' } }, allowPositionals: true,
+  options: { program: { type: 'string' }, out: { type: 'string' } }, allowPositionals: true,
 });
 const output = resolve(options.out ?? join(WEB, 'test-output', 'browser'));
 mkdirSync(output, { recursive: true });
@@ -91,10 +93,6 @@ mkdirSync(output, { recursive: true });
 const folder = mkdtempSync(join(tmpdir(), 'wholehand-browser-'));
 process.once('exit', () => rmSync(folder, { recursive: true, force: true }));
 for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.once(signal, () => process.exit(1));
-if (options.dist) {
-  mkdirSync(join(folder, 'web'));
-  symlinkSync(resolve(options.dist), join(folder, 'web', 'dist'));
-}
 const harness = new Harness({ file: resolve(options.program ?? join(WEB, '..', 'build', 'release', 'wholehand')), folder, output });
 const count = { ok: 0, FAIL: 0, 'not judged': 0 };
 try {

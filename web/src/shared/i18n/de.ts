@@ -96,6 +96,7 @@ export const de: Texts = {
   'lost.what': 'Diese Seite hört den Roboter nicht mehr.',
   'lost.soft': 'Wenn sein Programm läuft, lässt er von selbst sanft los.',
   'lost.retry': 'Neuer Versuch …',
+  'lost.stop': 'Stopp wird gesendet, sobald der Roboter wieder zu hören ist.',
   'lost.button': 'Der rote Knopf am Roboter wirkt immer.',
   'stop.unconfirmed': 'Stopp nicht bestätigt: roten Knopf drücken',
   'stop.unconfirmedMore': 'Diese Seite sendet den Stopp weiter.',

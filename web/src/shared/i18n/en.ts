@@ -100,6 +100,7 @@ export const en = {
   'lost.what': 'This page no longer hears the robot.',
   'lost.soft': 'If its program runs, it lets go gently by itself.',
   'lost.retry': 'Trying again …',
+  'lost.stop': 'Stop is sent as soon as the robot is heard again.',
   'lost.button': 'The red button on the robot always works.',
   'stop.unconfirmed': 'Stop not confirmed: use the red button',
   'stop.unconfirmedMore': 'This page goes on sending the stop.',

@@ -96,6 +96,7 @@ export const fr: Texts = {
   'lost.what': 'Cette page n’entend plus le robot.',
   'lost.soft': 'Si son programme tourne, il relâche doucement de lui-même.',
   'lost.retry': 'Nouvel essai …',
+  'lost.stop': 'Stop est envoyé dès que le robot est de nouveau entendu.',
   'lost.button': 'Le bouton rouge du robot agit toujours.',
   'stop.unconfirmed': 'Arrêt non confirmé : bouton rouge',
   'stop.unconfirmedMore': 'Cette page continue d’envoyer l’arrêt.',

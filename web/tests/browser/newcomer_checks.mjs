@@ -1,0 +1,55 @@
+// A person who sees the pages for the first time: she finds things by the words that she sees, and by nothing else.
+import { expect, openPage, pageUrl } from './browser.mjs';
+
+/** Who looks for longer asks somebody [s]. */
+const PATIENCE_S = 10;
+
+/** Larger text, rest, stop, her own recording, the other hand: each by the visible words of a button, link or choice. */
+export async function newcomerFinds(t) {
+  const program = await t.program();
+  const took = [];
+  const find = async (what, look) => {
+    const began_ms = Date.now();
+    await look();
+    const took_s = (Date.now() - began_ms) / 1000;
+    took.push(`${what} ${took_s.toFixed(1)} s`);
+    expect(took_s <= PATIENCE_S, `it took ${took_s.toFixed(1)} s to find ${what}`);
+  };
+  const game = await openPage(t.plain, pageUrl(program.url, '/', { lang: 'en', quality: 'low' }));
+  const button = (page, name) => page.getByRole('button', { name, exact: true });
+  const words_px = () => game.getByText('Mix a drink', { exact: false }).evaluate((words) => parseFloat(getComputedStyle(words).fontSize));
+  await button(game, 'Start').waitFor();
+
+  const before_px = await words_px();
+  await find('larger text', () => button(game, 'Text: Large').click());
+  expect(await words_px() > before_px, 'the text is no larger');
+
+  await button(game, 'Start').click();
+  await button(game, 'Start').waitFor({ state: 'hidden' });
+  await find('rest', async () => {
+    await button(game, 'Rest').click();
+    await game.getByRole('heading', { name: 'Take a rest' }).waitFor();
+  });
+  await button(game, 'Go on').click();
+  await game.getByRole('heading', { name: 'Take a rest' }).waitFor({ state: 'hidden' });
+  await find('stop', async () => {
+    await button(game, 'Stop').click();
+    await game.getByRole('heading', { name: 'Stopped' }).waitFor();
+  });
+
+  await game.getByRole('link', { name: 'open the console' }).click();
+  await game.getByRole('heading', { name: 'Recordings' }).waitFor();
+  await find('her own recording', async () => {
+    const opened = game.waitForEvent('popup');
+    // The newest is the first; its name says whose it is.
+    await game.getByRole('link', { name: 'Replay' }).first().click();
+    await (await opened).getByRole('button', { name: /^Play/ }).waitFor();
+  });
+
+  await find('the other hand', async () => {
+    await game.getByRole('combobox', { name: 'Hand', exact: true }).selectOption({ label: 'Median, left' });
+    await button(game, 'Load').click();
+    await game.getByText('left hand').first().waitFor();
+  });
+  return took.join(', ');
+}
