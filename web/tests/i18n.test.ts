@@ -6,6 +6,12 @@ import { fr as consoleFr } from '../src/console/i18n/fr';
 import { de as barDe } from '../src/exercises/cocktail_bar/i18n/de';
 import { en as barEn } from '../src/exercises/cocktail_bar/i18n/en';
 import { fr as barFr } from '../src/exercises/cocktail_bar/i18n/fr';
+import { de as graspDe } from '../src/exercises/free_grasping/i18n/de';
+import { en as graspEn } from '../src/exercises/free_grasping/i18n/en';
+import { fr as graspFr } from '../src/exercises/free_grasping/i18n/fr';
+import { de as levelDe } from '../src/exercises/squeeze_to_level/i18n/de';
+import { en as levelEn } from '../src/exercises/squeeze_to_level/i18n/en';
+import { fr as levelFr } from '../src/exercises/squeeze_to_level/i18n/fr';
 import { chooseLanguage, fill } from '../src/shared/i18n';
 import { de } from '../src/shared/i18n/de';
 import { en } from '../src/shared/i18n/en';
@@ -13,7 +19,10 @@ import { fr } from '../src/shared/i18n/fr';
 
 const places = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
 
-test.each([['de', de, en], ['fr', fr, en], ['de, of the bar', barDe, barEn], ['fr, of the bar', barFr, barEn]])('Texts_In_%s_HaveTheKeysAndPlacesOfEnglish', (_name, texts, english) => {
+test.each([
+  ['de', de, en], ['fr', fr, en], ['de, of the bar', barDe, barEn], ['fr, of the bar', barFr, barEn], ['de, of free grasping', graspDe, graspEn],
+  ['fr, of free grasping', graspFr, graspEn], ['de, of the levels', levelDe, levelEn], ['fr, of the levels', levelFr, levelEn],
+])('Texts_In_%s_HaveTheKeysAndPlacesOfEnglish', (_name, texts, english) => {
   expect(Object.keys(texts).sort()).toEqual(Object.keys(english).sort());
   for (const [key, value] of Object.entries(english)) {
     const translated = (texts as Record<string, string>)[key];

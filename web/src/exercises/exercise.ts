@@ -85,7 +85,17 @@ export interface ExerciseWords {
   oneButton(): { readonly press: string; readonly point: string } | undefined;
 }
 
-export type Chime = 'line' | 'step' | 'done';
+/** Tones one after the other [Hz], and how far apart [s]. */
+export interface Bells { readonly tones_hz: readonly number[]; readonly apart_s: number }
+
+/** One of the game's own, or the exercise's. */
+export type Chime = 'line' | 'step' | 'done' | Bells;
+
+/** What a flow sounds like: a thin stream, warm air, a soft tone. */
+export type FlowSound = 'stream' | 'air' | 'tone';
+
+/** What the page remembers of things that the person is to hold: which is proposed (-1: none), and which were held. */
+export interface Marks { readonly proposed: number; readonly held: readonly boolean[] }
 
 /** An exercise in the game. Made for a scene; follows the states. */
 export interface Play {
@@ -112,5 +122,9 @@ export interface Play {
   /** @param ownGrip the person's own hand squeezed, not the page's help */
   praise(state: WorldStateT, ownGrip: boolean): Praise | null;
   /** What flows, and how full it makes what it flows into, each 0 .. 1. */
-  flow(state: WorldStateT): { readonly rate: number; readonly level: number };
+  flow(state: WorldStateT): { readonly rate: number; readonly level: number; readonly sound?: FlowSound };
+  /** What is to be heard though the program reports no event; once. */
+  heard?(): Chime | undefined;
+  /** What the picture is to show beside the program's values. */
+  marks?(): Marks;
 }

@@ -5,8 +5,14 @@ import type { SkinUniforms } from '../hand/skin_shader';
 import type { SceneT, WorldStateT } from '../protocol';
 import type { CameraPlace } from '../scene/camera';
 import type { Quality } from '../scene/quality';
+import type { Setting } from '../scene/stage';
 import { barOf } from './cocktail_bar/bar';
 import { BarView } from './cocktail_bar/bar_view';
+import type { Marks } from './exercise';
+import { thingsOf } from './free_grasping/things';
+import { CabinView } from './free_grasping/cabin_view';
+import { gripOf } from './squeeze_to_level/grip';
+import { HutView } from './squeeze_to_level/hut_view';
 
 /** Points that words of the page stand at, three.js's frame [m]. */
 export interface Anchors {
@@ -16,8 +22,10 @@ export interface Anchors {
 
 export interface ExerciseView {
   readonly root: Group;
-  /** Height of the rail over the counter [m]. */
-  readonly rail_m: number;
+  /** Height of the rail over the counter [m]; undefined: no rail. */
+  readonly rail_m: number | undefined;
+  /** Where the exercise takes place; undefined: before the fluted wall. */
+  readonly setting?: Setting;
   /** Whether this view draws a body of the scene: nothing else does then. */
   owns(body: string): boolean;
   /** Where the row stands, and the corners of what must be seen at once; before the first state, as far as it is known. */
@@ -33,10 +41,14 @@ export interface ExerciseView {
   /** Where the rail is, three.js's frame; undefined where the program has none. */
   railZ(state: WorldStateT): number | undefined;
   anchors(camera: PerspectiveCamera): Anchors;
+  /** Takes what the page remembers. */
+  mark?(marks: Marks): void;
 }
 
 /** The view of a scene's exercise; undefined where its bodies are all there is to see. */
 export function viewOf(scene: SceneT, quality: Quality): ExerciseView | undefined {
-  const bar = barOf(scene);
-  return bar && new BarView(bar, scene, quality);
+  const bar = barOf(scene), grip = gripOf(scene), things = thingsOf(scene);
+  if (bar) return new BarView(bar, scene, quality);
+  if (grip) return new HutView(grip, scene, quality);
+  return things && new CabinView(things, scene, quality);
 }

@@ -6,8 +6,12 @@ import { barTargets } from './cocktail_bar/targets';
 import { barWords } from './cocktail_bar/words';
 import { text } from './cocktail_bar/i18n';
 import type { GraspTargets, Play } from './exercise';
+import { GraspPlay } from './free_grasping/play';
+import { thingsOf } from './free_grasping/things';
 import { ExercisePanel } from './panel';
 import { PanelPlay } from './panel_play';
+import { gripOf } from './squeeze_to_level/grip';
+import { LevelPlay } from './squeeze_to_level/play';
 
 const NO_TARGETS: GraspTargets = { grips: [], counter_z_m: undefined, wanted: () => -1, letGo: () => false };
 
@@ -21,7 +25,9 @@ export function targetsOf(scene: SceneT): GraspTargets {
 export function playOf(scene: SceneT, before: Play | null): Play | null {
   const bar = barOf(scene);
   if (bar) return new BarPlay(bar, scene, before instanceof BarPlay ? before : undefined);
-  const panel = ExercisePanel.of(scene);
+  const panel = ExercisePanel.of(scene), things = thingsOf(scene);
+  if (panel && gripOf(scene)) return new LevelPlay(panel, scene);
+  if (panel && things) return new GraspPlay(things, panel);
   return panel && new PanelPlay(panel, scene);
 }
 

@@ -11,7 +11,7 @@ import { Screen } from './screen';
 import { Sound } from './sound';
 import { pageState } from './page_state';
 
-/** What events of any exercise sound like; others are the exercise's own. */
+/** What events of any exercise sound like, where the exercise has no sound of its own. */
 const CHIMES: Readonly<Record<string, Chime>> = { step_done: 'step', level_done: 'done' };
 
 /** What flowed is not heard any more when the program has been silent for so long [ms]. */
@@ -75,8 +75,11 @@ export class Game {
     this.memory.takeState(state);
     if (this.controls.help !== this.memory.help) this.controls.help = this.memory.help;
     this.screen.setState(state);
-    const { rate, level } = this.memory.play?.flow(state) ?? { rate: 0, level: 0 };
-    this.sound.flow(state.runState === RunState.Rendering ? rate : 0, level);
+    const { play } = this.memory;
+    const { rate, level, sound } = play?.flow(state) ?? { rate: 0, level: 0 };
+    this.sound.flow(state.runState === RunState.Rendering ? rate : 0, level, sound);
+    const chime = play?.heard?.();
+    if (chime) this.sound.chime(chime);
   }
 
   private takeEvents(events: readonly EventT[]): void {
@@ -84,7 +87,7 @@ export class Game {
       const name = String(this.connection.scene?.eventNames[event.type] ?? '');
       const words = this.memory.play?.panel?.event(event.type);
       if (words) this.screen.hud.panel.tell(words, performance.now());
-      const chime = CHIMES[name] ?? this.memory.play?.chimes[name];
+      const chime = this.memory.play?.chimes[name] ?? CHIMES[name];
       if (chime) this.sound.chime(chime);
     }
   }

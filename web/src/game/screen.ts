@@ -74,7 +74,10 @@ export class Screen {
 
   setBodies(bodies: readonly GameBodyShown[]): void { this.picture?.setBodies(bodies); }
 
-  setState(state: WorldStateT): void { this.picture?.setState(state); }
+  setState(state: WorldStateT): void {
+    this.picture?.setState(state);
+    this.picture?.setMarks(this.behind.memory.play?.marks?.());
+  }
 
   show(now: PageState, state: WorldStateT | null): void {
     this.enter(now);

@@ -1,6 +1,6 @@
 // Gentle sounds, made here: a trickle while something flows, bells for what is reached or done, and music once a person
 // turns it on.
-import type { Chime } from '../exercises/exercise';
+import type { Bells, Chime, FlowSound } from '../exercises/exercise';
 import { store, stored } from '../shared/i18n';
 import { Music } from './music';
 
@@ -13,8 +13,16 @@ export const MUSIC_VOLUMES = ['off', 'soft', 'medium', 'loud'] as const;
 export type MusicVolume = typeof MUSIC_VOLUMES[number];
 const MUSIC_GAIN: Readonly<Record<MusicVolume, number>> = { off: 0, soft: 0.03, medium: 0.06, loud: 0.12 };
 
-/** Tones one after the other [Hz], and how far apart [s]. */
-const CHIMES: Readonly<Record<Chime, readonly [readonly number[], number]>> = { line: [[880], 0.12], step: [[659, 880], 0.16], done: [[523, 659, 784], 0.18] };
+const CHIMES: Readonly<Record<Exclude<Chime, Bells>, Bells>> = {
+  line: { tones_hz: [880], apart_s: 0.12 }, step: { tones_hz: [659, 880], apart_s: 0.16 }, done: { tones_hz: [523, 659, 784], apart_s: 0.18 },
+};
+
+/** Of what flows: its pitch at the lowest level and at the highest [Hz], how narrow its band is, and how loud it is. */
+const FLOWS: Readonly<Record<FlowSound, { readonly low_hz: number; readonly high_hz: number; readonly narrow: number; readonly loud: number }>> = {
+  stream: { low_hz: 500, high_hz: 1400, narrow: 1.2, loud: 0.8 },
+  air: { low_hz: 140, high_hz: 420, narrow: 0.6, loud: 1 },
+  tone: { low_hz: 220, high_hz: 330, narrow: 40, loud: 6 },
+};
 
 export class Sound {
   on = stored(STORED) !== 'off';
@@ -58,20 +66,16 @@ export class Sound {
   }
 
   /** While something flows, 0 .. 1; the pitch rises with the level of what it fills, 0 .. 1. */
-  flow(rate: number, level: number): void {
+  flow(rate: number, level: number, sound: FlowSound = 'stream'): void {
     if (!this.context || !this.trickle) return;
-    const now = this.context.currentTime;
-    this.trickle.gain.gain.setTargetAtTime(Math.min(1, rate) * 0.8, now, 0.08);
-    this.trickle.filter.frequency.setTargetAtTime(500 + 900 * Math.min(1, Math.max(0, level)), now, 0.1);
+    const now = this.context.currentTime, { low_hz, high_hz, narrow, loud } = FLOWS[sound];
+    this.trickle.gain.gain.setTargetAtTime(Math.min(1, rate) * loud, now, 0.08);
+    this.trickle.filter.frequency.setTargetAtTime(low_hz + (high_hz - low_hz) * Math.min(1, Math.max(0, level)), now, 0.1);
+    this.trickle.filter.Q.value = narrow;
   }
 
   chime(chime: Chime): void {
-    const [tones_hz, apart_s] = CHIMES[chime];
-    this.bell(tones_hz, apart_s);
-  }
-
-  private bell(tones_hz: readonly number[], apart_s: number): void {
-    const { context, master } = this;
+    const { context, master } = this, { tones_hz, apart_s } = typeof chime === 'string' ? CHIMES[chime] : chime;
     if (!context || !master || !this.on) return;
     tones_hz.forEach((tone_hz, i) => {
       const at = context.currentTime + i * apart_s;
@@ -101,7 +105,7 @@ export class Sound {
     document.addEventListener('visibilitychange', () => { void (document.hidden ? context.suspend() : context.resume()); });
   }
 
-  /** Two seconds of noise, round and round, through a band that sounds like a thin stream. */
+  /** Two seconds of noise, round and round, through a band that makes it a stream, air or a tone. */
   private makeTrickle(context: AudioContext, master: GainNode): { gain: GainNode; filter: BiquadFilterNode } {
     const noise = context.createBuffer(1, 2 * context.sampleRate, context.sampleRate);
     const samples = noise.getChannelData(0);

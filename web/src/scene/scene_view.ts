@@ -7,6 +7,7 @@ import { HandView, SKIN_STEP_M } from '../hand/hand_view';
 import { madeSkin } from '../hand/skin_maker';
 import { viewOf, type ExerciseView } from '../exercises/exercise_view';
 import type { GameBodyShown } from '../net/game_bodies';
+import type { Marks } from '../exercises/exercise';
 import type { SceneT, WorldStateT } from '../protocol';
 import { Backdrop } from './backdrop';
 import { zoomedText_px } from './zoomed_text';
@@ -62,6 +63,7 @@ export class SceneView {
   private reported: SceneT | undefined;
   private state: WorldStateT | undefined;
   private exercise: ExerciseView | undefined;
+  private marks: Marks | undefined;
   private place: CameraPlace = DEFAULT_PLACE;
   private outline: Vector3[] = [];   // of what must be seen at once
   private stage: Stage | undefined;
@@ -121,6 +123,12 @@ export class SceneView {
     this.ofGame = bodies;
     this.gameBodies?.take(bodies);
     this.fresh = true;
+  }
+
+  /** Takes what the page remembers of the exercise, and the program does not report. */
+  setMarks(marks: Marks | undefined): void {
+    this.marks = marks;
+    if (marks) this.exercise?.mark?.(marks);
   }
 
   setLook(look: Partial<Look>): void {
@@ -219,9 +227,10 @@ export class SceneView {
     // Where no exercise draws the scene, nothing stands there but what can be touched.
     const counter = !this.reported || this.exercise !== undefined;
     this.canvas.classList.toggle('whole', !counter);   // its edges are not cut off (console.css)
-    this.stage = makeStage(this.renderer, this.scene, this.quality, { counter, rail_m: this.reported ? this.exercise?.rail_m : EMPTY_RAIL_M });
+    this.stage = makeStage(this.renderer, this.scene, this.quality, { counter, rail_m: this.reported ? this.exercise?.rail_m : EMPTY_RAIL_M, setting: this.exercise?.setting });
     if (this.quality === 'low') this.scene.add((this.backdrop = new Backdrop()).mesh);
     if (this.exercise) this.scene.add(this.exercise.root);
+    this.setMarks(this.marks);
     this.bodies = this.reported?.bodies.map((body) => {
       if (this.exercise?.owns(String(body.name))) return undefined;
       const group = makeBody(body, this.quality);

@@ -3,7 +3,7 @@
 
 import {
   BoxGeometry, Color, CylinderGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight, InstancedMesh, Matrix4,
-  Mesh, MeshBasicMaterial, PCFShadowMap, PlaneGeometry, PMREMGenerator, RepeatWrapping, Scene, SphereGeometry, SpotLight,
+  Mesh, MeshBasicMaterial, type Object3D, PCFShadowMap, PlaneGeometry, PMREMGenerator, RepeatWrapping, Scene, SphereGeometry, SpotLight,
   type WebGLRenderer, type WebGLRenderTarget,
 } from 'three';
 import { disposeTree, surface } from './materials';
@@ -12,6 +12,27 @@ import type { Quality } from './quality';
 
 /** Colour of the background. */
 export const ROOM = '#142726';
+
+/** Colours of the light. */
+export interface Mood {
+  readonly key: string;
+  readonly rim: string;
+  readonly lamps: string | undefined;   // on the wall; undefined: none
+  readonly sky: string;
+  readonly ground: string;
+  readonly groundLow: string;           // in low quality, which has no light but this and the key
+}
+
+/** What stands around the things, in the stage's frame. */
+export interface Setting {
+  readonly mood: Mood;
+  /** The wall and all that belongs to it. It does not move. */
+  wall(quality: Quality): Object3D;
+  /** Colour over the counter's wood; undefined: no counter. */
+  readonly counter: Color | undefined;
+}
+
+const EVENING: Mood = { key: '#fff0dc', rim: '#cfe6ea', lamps: '#ffd9a6', sky: '#fff3e2', ground: '#5a4334', groundLow: '#7a6354' };
 const WALL_Z = -0.62;
 const FLUTE = 0.05;
 /** Size of wall and counter, which reach beyond every picture, upright and very wide ones too (camera.test.ts) [m]. */
@@ -65,8 +86,8 @@ function spot(color: string, candela: number, half: number, soft: number, from: 
   return light;
 }
 
-function highLights(root: Group): SpotLight {
-  const key = spot('#fff0dc', 11.5, 0.46, 0.9, [-0.42, 1.42, 1.0], [0.05, 0.16, 0]);
+function highLights(root: Group, mood: Mood): SpotLight {
+  const key = spot(mood.key, 11.5, 0.46, 0.9, [-0.42, 1.42, 1.0], [0.05, 0.16, 0]);
   key.castShadow = true;
   key.shadow.mapSize.set(4096, 4096);
   key.shadow.radius = 9;
@@ -75,21 +96,21 @@ function highLights(root: Group): SpotLight {
   key.shadow.intensity = 0.62;
   key.shadow.camera.near = 0.4;
   key.shadow.camera.far = 3;
-  const rim = spot('#cfe6ea', 5, 0.6, 1, [1.1, 0.9, -0.35], [0.1, 0.25, 0.05]);
+  const rim = spot(mood.rim, 5, 0.6, 1, [1.1, 0.9, -0.35], [0.1, 0.25, 0.05]);
   const target = spot('#fff2d6', 2.6, 0.13, 0.9, [0, 1.05, 0.75], [0, 0.2, 0]);
   for (const light of [key, rim, target]) root.add(light, light.target);
-  for (const x of [-0.42, 0.42]) {   // a calm pool of lamp light on the wall
-    const lamp = spot('#ffd9a6', 5.5, 0.8, 1, [x, 1.0, -0.12], [x, 0.22, WALL_Z]);
+  for (const x of mood.lamps === undefined ? [] : [-0.42, 0.42]) {   // a calm pool of lamp light on the wall
+    const lamp = spot(mood.lamps!, 5.5, 0.8, 1, [x, 1.0, -0.12], [x, 0.22, WALL_Z]);
     root.add(lamp, lamp.target);
   }
-  root.add(new HemisphereLight('#fff3e2', '#5a4334', 0.55));
+  root.add(new HemisphereLight(mood.sky, mood.ground, 0.55));
   return target;
 }
 
-function lowLights(root: Group): void {
-  const key = new DirectionalLight('#fff0dc', 2.4);
+function lowLights(root: Group, mood: Mood): void {
+  const key = new DirectionalLight(mood.key, 2.4);
   key.position.set(-0.42, 1.26, 1.0);
-  root.add(key, new HemisphereLight('#fff3e2', '#7a6354', 1.7));
+  root.add(key, new HemisphereLight(mood.sky, mood.groundLow, 1.7));
 }
 
 function flutedWall(): Mesh {
@@ -127,15 +148,17 @@ function paintedWall(): Mesh {
   return wall;
 }
 
-function counter(quality: Quality): Group {
+const WOOD = new Color('#fff');
+
+function counter(quality: Quality, tint: Color): Group {
   const root = new Group(), wood = woodTexture();
   wood.repeat.set(3.2, 0.9);   // as fine over its whole width
   const low = quality === 'low';
   const top = new Mesh(new BoxGeometry(WIDTH, 0.045, 0.86), low
-    ? new MeshBasicMaterial({ map: wood, color: new Color(1.9, 1.45, 1.05) })
-    : surface('high', { map: wood, roughness: 0.48, clearcoat: 0.35, clearcoatRoughness: 0.35 }));
+    ? new MeshBasicMaterial({ map: wood, color: new Color(1.9, 1.45, 1.05).multiply(tint) })
+    : surface('high', { map: wood, color: tint, roughness: 0.48, clearcoat: 0.35, clearcoatRoughness: 0.35 }));
   top.position.set(0, -0.0225, -0.2);
-  const edge = new Mesh(new CylinderGeometry(0.0225, 0.0225, WIDTH, 24), surface(quality, { map: wood, roughness: 0.42, clearcoat: 0.4, clearcoatRoughness: 0.3 }));
+  const edge = new Mesh(new CylinderGeometry(0.0225, 0.0225, WIDTH, 24), surface(quality, { map: wood, color: tint, roughness: 0.42, clearcoat: 0.4, clearcoatRoughness: 0.3 }));
   edge.rotation.z = Math.PI / 2;
   edge.position.set(0, -0.0225, 0.23);
   const front = new Mesh(new PlaneGeometry(WIDTH, COUNTER.front_m - 0.04), new MeshBasicMaterial({ color: '#15100d' }));
@@ -153,9 +176,24 @@ function rail(quality: Quality, height: number): Mesh {
   return mesh;
 }
 
-/** @param furniture a counter or not; the height of the rail's underside over its top [m], undefined: no rail */
-export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Quality, furniture: { counter: boolean; rail_m: number | undefined }): Stage {
+export interface Furniture {
+  readonly counter: boolean;
+  /** Height of the rail's underside over the counter's top [m]; undefined: no rail. */
+  readonly rail_m: number | undefined;
+  /** The exercise's own setting, instead of the fluted wall and its counter. */
+  readonly setting?: Setting;
+}
+
+/** The fluted wall. Without a counter it goes on below. */
+function plainWall(quality: Quality, hasCounter: boolean): Mesh {
+  const wall = quality === 'high' ? flutedWall() : paintedWall();
+  if (!hasCounter) wall.position.y -= HEIGHT / 2;
+  return wall;
+}
+
+export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Quality, furniture: Furniture): Stage {
   const room = new Group(), railing = new Group(), light = new Group(), all = [room, railing, light];
+  const { setting } = furniture;
   scene.background = new Color(ROOM);
   renderer.shadowMap.enabled = quality === 'high';
   renderer.shadowMap.type = PCFShadowMap;
@@ -165,12 +203,11 @@ export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Qualit
     mirrored = softbox(renderer);
     scene.environment = mirrored.texture;
     scene.environmentIntensity = 0.62;
-    target = highLights(light);
-  } else lowLights(light);
-  const wall = quality === 'high' ? flutedWall() : paintedWall();
-  room.add(wall);
-  if (furniture.counter) room.add(counter(quality));
-  else wall.position.y -= HEIGHT / 2;   // it goes on below
+    target = highLights(light, setting?.mood ?? EVENING);
+  } else lowLights(light, setting?.mood ?? EVENING);
+  const wood = setting ? setting.counter : furniture.counter ? WOOD : undefined;
+  room.add(setting?.wall(quality) ?? plainWall(quality, wood !== undefined));
+  if (wood) room.add(counter(quality, wood));
   if (furniture.rail_m !== undefined) railing.add(rail(quality, furniture.rail_m));
   scene.add(...all);
   return {

@@ -16,7 +16,7 @@ export function picture(width: number, height: number, draw: (pen: Pen) => void)
 }
 
 /** Numbers that look random and are the same every time. */
-function numbers(seed: number): () => number {
+export function numbers(seed: number): () => number {
   let state = seed;
   return () => (state = (state * 16807) % 2147483647) / 2147483647;
 }

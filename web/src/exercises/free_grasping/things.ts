@@ -1,0 +1,30 @@
+// The weightless things of this exercise: cube, cylinder, sphere, disk.
+import { ShapeType, type SceneT, type ShapeT } from '../../protocol';
+
+export type ThingKind = 'cube' | 'cylinder' | 'sphere' | 'disk';
+
+export interface Thing { readonly body: number; readonly name: string; readonly kind: ThingKind; readonly shape: ShapeT; readonly color: string }
+
+const isOfKind = (json: string): boolean => {
+  try {
+    return (JSON.parse(json) as { kind?: unknown } | null)?.kind === 'free_grasping';
+  } catch {
+    return false;
+  }
+};
+
+function kindOf({ type, radiusM, lengthM }: ShapeT): ThingKind | undefined {
+  if (type === ShapeType.Box) return 'cube';
+  if (type === ShapeType.Sphere) return 'sphere';
+  return type !== ShapeType.Cylinder ? undefined : lengthM < radiusM ? 'disk' : 'cylinder';
+}
+
+/** Undefined where the exercise is another one, or its scene another than things that float. */
+export function thingsOf(scene: Pick<SceneT, 'exerciseJson' | 'bodies'> | null | undefined): Thing[] | undefined {
+  if (!scene || scene.bodies.length === 0 || !isOfKind(String(scene.exerciseJson ?? ''))) return undefined;
+  const things = scene.bodies.flatMap(({ name, fixed, shapes, color }, body): Thing[] => {
+    const shape = shapes[0], kind = shape && kindOf(shape);
+    return fixed || shapes.length !== 1 || !kind ? [] : [{ body, name: String(name), kind, shape: shape!, color: String(color ?? '') || '#b9a98f' }];
+  });
+  return things.length === scene.bodies.length && new Set(things.map(({ kind }) => kind)).size === things.length ? things : undefined;
+}

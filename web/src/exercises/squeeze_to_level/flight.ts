@@ -1,0 +1,40 @@
+// How the balloon shows the task: its basket's height is the squeeze, and two ribbons are the band. Pure.
+import type { WorldStateT } from '../../protocol';
+import type { ExerciseValues } from '../values';
+import { Instruction } from './grip';
+
+/** Squeeze at which the balloon is at its highest [N]. The strongest band ends below. */
+const FULL_N = 8;
+
+/** 0 .. 1 of the balloon's way up. */
+export const heightOf = (force_n: number): number => Math.min(1, Math.max(0, force_n / FULL_N));
+
+/** Where to go: to the grip, up, down, stay, open the hand; 'none' when all is done. */
+export type Cue = 'grip' | 'up' | 'down' | 'stay' | 'open' | 'none';
+
+const CUES: Readonly<Record<number, Cue>> = {
+  [Instruction.Reach]: 'grip', [Instruction.More]: 'up', [Instruction.Hold]: 'stay', [Instruction.Less]: 'down',
+  [Instruction.LetGo]: 'open', [Instruction.Done]: 'none',
+};
+
+export interface Flight {
+  readonly cue: Cue;
+  readonly height: number;                                                  // of the balloon, 0 .. 1
+  readonly band: { readonly low: number; readonly high: number } | null;    // where it is to be held
+  readonly held: number;                                                    // share of the band's time, 0 .. 1
+  readonly lit: number;                                                     // bands that are done
+  readonly bands: number;
+}
+
+/** @param hold_s how long a band is to be held */
+export function flightOf(values: ExerciseValues, state: Pick<WorldStateT, 'values'>, hold_s: number): Flight {
+  const cue = CUES[values.get(state, 'instruction')] ?? 'none';
+  // While the hand is to open, the goal is no squeeze at all.
+  const banded = cue !== 'open' && cue !== 'none';
+  return {
+    cue, height: heightOf(values.get(state, 'squeeze_n')),
+    band: banded ? { low: heightOf(values.get(state, 'goal_low_n')), high: heightOf(values.get(state, 'goal_high_n')) } : null,
+    held: Math.min(1, values.get(state, 'held_s') / Math.max(hold_s, 1e-6)),
+    lit: values.get(state, 'bands_done'), bands: values.get(state, 'bands'),
+  };
+}

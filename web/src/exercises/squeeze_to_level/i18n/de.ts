@@ -1,0 +1,25 @@
+import type { LevelTexts } from './index';
+
+export const de: LevelTexts = {
+  'sign.grip': 'Hier greifen',
+  'sign.open': 'Hand öffnen',
+  'more.grip': 'Die Hand um den blauen Griff schliessen',
+  'more.up': 'Der Ballon steigt, wenn Sie drücken',
+  'more.stay': 'Den Korb zwischen den zwei Bändern halten',
+  'more.down': 'Der Ballon ist zu hoch: etwas weniger drücken',
+  'more.open': 'Die Hand öffnen: der Ballon sinkt',
+  'more.none': 'Alle Laternen leuchten',
+  height: 'Höhe {n}',
+  hold: '{a} s halten',
+  heldOf: '{a} von {b} s',
+  count: '{n} von {m} geschafft',
+  'done.title': 'Das ganze Tal fliegt',
+  'done.effort': 'Sie haben jede Höhe gehalten.',
+  'welcome.lead': 'Ihre Hand hebt einen Ballon über das Tal. Nehmen Sie sich alle Zeit.',
+  'welcome.step1': 'Greifen',
+  'welcome.step1More': 'Die Hand um den Griff schliessen.',
+  'welcome.step2': 'Drücken',
+  'welcome.step2More': 'Der Korb steigt zwischen die Bänder.',
+  'welcome.step3': 'Halten',
+  'welcome.step3More': 'Dort halten, bis die Laterne leuchtet.',
+};

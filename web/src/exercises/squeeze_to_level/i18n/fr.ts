@@ -1,0 +1,25 @@
+import type { LevelTexts } from './index';
+
+export const fr: LevelTexts = {
+  'sign.grip': 'Prenez ici',
+  'sign.open': 'Ouvrez la main',
+  'more.grip': 'Fermez la main sur la poignée bleue',
+  'more.up': 'Le ballon monte quand vous serrez',
+  'more.stay': 'Gardez la nacelle entre les deux rubans',
+  'more.down': 'Le ballon est trop haut : serrez un peu moins',
+  'more.open': 'Ouvrez la main : le ballon descend',
+  'more.none': 'Toutes les lanternes sont allumées',
+  height: 'Hauteur {n}',
+  hold: 'tenir {a} s',
+  heldOf: '{a} sur {b} s',
+  count: '{n} sur {m} tenues',
+  'done.title': 'Toute la vallée vole',
+  'done.effort': 'Vous avez tenu chaque hauteur.',
+  'welcome.lead': 'Votre main soulève un ballon au-dessus de la vallée. Prenez tout votre temps.',
+  'welcome.step1': 'Prenez',
+  'welcome.step1More': 'Fermez la main sur la poignée.',
+  'welcome.step2': 'Serrez',
+  'welcome.step2More': 'La nacelle monte entre les rubans.',
+  'welcome.step3': 'Tenez',
+  'welcome.step3More': 'Gardez-le là jusqu’à ce que la lanterne s’allume.',
+};
