@@ -16,7 +16,6 @@ const PLACE = /\b(the|die|der|zur|le|du|au|un) bar\b/i;
 const MAY: readonly (readonly [file: RegExp, only: RegExp, why: string])[] = [
   [/^src\/exercises\/(index|info|exercise_view)\.ts$/, /from '\.\/cocktail_bar\//, 'they join the folders: imports alone'],
   [/^src\/net\/fake_(program|recordings)\.ts$/, /./, 'the stand-in program, of development and tests, plays the bar'],
-  [/^src\/exercises\/squeeze_to_level\/hut_view\.ts$/, /^import .*\/cocktail_bar\/dent'/, 'what is soft yields in the same way'],
   [/^src\/charts\/i18n\//, /exercise\.|chart\.|figure\./, 'words of the charts that the program draws of the bar'],
 ];
 

@@ -2,7 +2,7 @@ import { CylinderGeometry, Matrix3, Matrix4, Quaternion, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { ContactPointT } from '../src/protocol';
 import { ContactFilter } from '../src/scene/contacts';
-import { Dent, depthIn } from '../src/exercises/cocktail_bar/dent';
+import { Dent, depthIn } from '../src/scene/dent';
 import { barOf } from '../src/exercises/cocktail_bar/bar';
 import { arrowsOf } from '../src/scene/force_arrows';
 import { FrameClock } from '../src/scene/frame_clock';

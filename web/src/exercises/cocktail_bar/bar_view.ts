@@ -9,7 +9,7 @@ import type { Quality } from '../../scene/quality';
 import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { Stage, type Bar } from './bar';
-import { Dent, pressingOn } from './dent';
+import { Dent, pressingOn } from '../../scene/dent';
 import { Sign, makeDispenser } from './dispenser';
 import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
 import { GuestView } from './guest';

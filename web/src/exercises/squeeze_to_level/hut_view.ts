@@ -8,7 +8,7 @@ import { outlineOfScene } from '../../scene/outline';
 import type { Quality } from '../../scene/quality';
 import { Sign } from '../../scene/sign';
 import type { Setting } from '../../scene/stage';
-import { Dent, pressingOn } from '../cocktail_bar/dent';
+import { Dent, pressingOn } from '../../scene/dent';
 import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { BASKET_Y, makeBalloon } from './balloon';

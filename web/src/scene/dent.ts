@@ -1,11 +1,11 @@
-// Squeezed plastic yields to the skin: where a finger is inside the bottle, the bottle's wall goes in
+// Squeezed plastic yields to the skin: where a finger is inside a soft thing, its wall goes in
 // as far as the finger does. So the hand is never seen sunk into what it holds.
 
 import { Vector3, type BufferGeometry, type Object3D } from 'three';
-import type { SkinUniforms } from '../../hand/skin_shader';
-import { toThree } from '../../scene/frames';
+import type { SkinUniforms } from '../hand/skin_shader';
+import { toThree } from './frames';
 
-/** A capsule of the skin in the bottle's own frame, y along its axis [m]. */
+/** A capsule of the skin in the thing's own frame, y along its axis [m]. */
 export interface Pressing { readonly a: Vector3; readonly b: Vector3; readonly radiusA: number; readonly radiusB: number }
 
 /** Vertices nearer to the axis than this share of the radius belong to the ends and stay. */
