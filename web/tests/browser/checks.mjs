@@ -45,13 +45,13 @@ const DRAWN_BACK_M = -0.06;
 /** What the cursor is on in the picture is what the palm goes in front of: the one game here that needs its picture. */
 export async function mouseMovesTheHand(t) {
   const watcher = await t.watcher();
-  const game = await openGame(t.drawing, watcher.url, {}, { width: 640, height: 400, init: GOES_ON });
+  const game = await openGame(t.drawing, watcher.url, {}, { width: 960, height: 600, init: GOES_ON });
   const { width, height } = game.viewportSize();
   const box = await game.locator('#play').boundingBox();
   const to = (part) => game.mouse.move(box.x + box.width * part, box.y + box.height / 2, { steps: 12 });
   expect(box && box.width > width / 2 && box.height > height / 2, 'the picture does not fill the page');
-  // Left in the picture is left of the person, y positive. The order's card leaves the hand the right half of this window.
-  const right_part = 0.8, left_part = 0.55;
+  // Left in the picture is left of the person, y positive. Both are left of the bottle, in front of which help puts the hand.
+  const right_part = 0.5, left_part = 0.3;
   await to(right_part);
   await watcher.steered();
   // The wheel counts from where the hand is. Taken over, the hand may stand at a bottle, which it leaves towards the
