@@ -94,9 +94,11 @@ it(`what is pointed at and pressed is gripped (seed ${SEED})`, async () => {
   let gripped = 0, tried = 0, slowest_s = 0;
   for (let round = 0; round < rounds; round += 1) {
     const level = 2 + (round % 3);
-    const player = new Player(await start(level), 'full');
-    const { hand } = player;
+    const hand = await start(level);
     for (let k = 0; k < grips; k += 1) {
+      // The level begins anew, with an open hand: what pours goes on, whatever is pressed.
+      const player = new Player(hand, 'full');
+      for (let s = 0; s < 2; s += LOOK_S) await player.look(restingWish(), s === 0);
       // Somewhere else first, as a hand comes from somewhere; then on a bottle within reach, at any height.
       const elsewhere = { ...restingWish(), ...pointed(hand, draw(), draw()) };
       for (let t = 0; t < between(0, 1.5); t += LOOK_S) await player.look(elsewhere);
@@ -112,8 +114,6 @@ it(`what is pointed at and pressed is gripped (seed ${SEED})`, async () => {
       tried += 1;
       if (t < 10) gripped += 1;
       slowest_s = Math.max(slowest_s, t);
-      for (let s = 0; s < 0.3; s += LOOK_S) await player.look({ ...at, squeeze: tap && s < 0.2 });
-      for (let s = 0; s < 0.6; s += LOOK_S) await player.look({ ...at, squeeze: false }, s === 0);
     }
     open.pop()?.stop();
   }
