@@ -138,7 +138,7 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
 
 /** A message: a large picture, a title, what happened, and what it means for the person. */
 function messageCard(picture: SVGElement, title: string, what: string, soft: string, ...more: (HTMLElement | null)[]): HTMLElement {
-  return h('section', { class: 'card message', role: 'alertdialog', 'aria-labelledby': 'message-title', 'aria-describedby': 'message-what', tabindex: -1 },
+  return h('section', { class: 'card message', role: 'alertdialog', 'aria-labelledby': 'message-title', 'aria-describedby': 'message-what', tabindex: 0 },
     picture, h('div', {}, h('h1', { id: 'message-title', class: 't-xl' }, title), h('p', { id: 'message-what', class: 't-m' }, what), h('p', { class: 't-m soft' }, soft)),
     ...more);
 }
