@@ -1,5 +1,5 @@
 // A person who sees the pages for the first time: she finds things by the words that she sees, and by nothing else.
-import { expect, openPage, pageUrl } from './browser.mjs';
+import { expect, openPage, pageUrl, until } from './browser.mjs';
 
 /** Who looks for longer asks somebody [s]. */
 const PATIENCE_S = 10;
@@ -17,12 +17,12 @@ export async function newcomerFinds(t) {
   };
   const game = await openPage(t.plain, pageUrl(program.url, '/', { lang: 'en', quality: 'low' }));
   const button = (page, name) => page.getByRole('button', { name, exact: true });
-  const words_px = () => game.getByText('Mix a drink', { exact: false }).evaluate((words) => parseFloat(getComputedStyle(words).fontSize));
+  const words_px = () => game.locator('body *:visible').evaluateAll((all) => all.reduce((sum, words) => sum + parseFloat(getComputedStyle(words).fontSize), 0) / all.length);
   await button(game, 'Start').waitFor();
 
   const before_px = await words_px();
   await find('larger text', () => button(game, 'Text: Large').click());
-  expect(await words_px() > before_px, 'the text is no larger');
+  await until('larger text', async () => (await words_px()) > before_px, { within_ms: 5000 });
 
   await button(game, 'Start').click();
   await button(game, 'Start').waitFor({ state: 'hidden' });
