@@ -17,6 +17,8 @@ constexpr double kFlush_m = 3e-5;      // a step of this height stops nothing
 constexpr double kAlike = 0.7;         // cosine: two normals of one surface
 constexpr double kSame = 1.0 - 1e-10;  // cosine: a capsule lies on both
 constexpr double kBeside_m = 5e-3;
+// A hand that touches more pieces at once feels the edges of the rest: the tick stays bounded.
+constexpr std::size_t kMostPieces = 64;
 
 bool meetsHand(BulletBody::Meets meets, bool palm) {
   return meets == BulletBody::Meets::kAll || (meets == BulletBody::Meets::kDigits) == !palm;
@@ -106,7 +108,7 @@ ColliderPairs::ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand
   for (std::vector<BodyPair>* list : {&body_pairs_, &before_}) list->reserve(most);
   near_.reserve(most);
   around_colliders_.reserve(targets_.size());
-  touched_.reserve(targets_.size());
+  touched_.reserve(kMostPieces);
 }
 
 ColliderPairs::~ColliderPairs() {
@@ -173,22 +175,26 @@ void ColliderPairs::find(double step_s) noexcept {
 void ColliderPairs::removeInnerEdges() noexcept {
   touched_.clear();
   for (const int c : around_colliders_) {
+    if (touched_.size() == kMostPieces) break;
     if (targets_[c].kept > 0) touched_.push_back(c);
   }
   for (const int c : touched_) {
-    for (const int d : touched_) {
-      if (c == d || !ofOneSurface(c, d)) continue;
-      const Target &at = targets_[c], &beside = targets_[d];
-      for (std::size_t i = 0; i < at.capsules.size(); ++i) {
-        if (at.pairs[i] == nullptr) continue;
-        const auto same =
-            std::lower_bound(beside.capsules.begin(), beside.capsules.end(), at.capsules[i]);
-        if (same == beside.capsules.end() || *same != at.capsules[i]) continue;
-        const Pair other = beside.pairs[same - beside.capsules.begin()];
-        if (other != nullptr) removeEdges(*at.pairs[i], *other);
+    const Target& at = targets_[c];
+    for (std::size_t i = 0; i < at.capsules.size(); ++i) {
+      if (at.pairs[i] == nullptr) continue;
+      for (const int d : touched_) {
+        if (c == d || !ofOneSurface(c, d)) continue;
+        const Pair beside = targets_[d].pairWith(at.capsules[i]);
+        if (beside != nullptr) removeEdges(*at.pairs[i], *beside);
       }
     }
   }
+}
+
+ColliderPairs::Pair ColliderPairs::Target::pairWith(int capsule) const noexcept {
+  const auto found = std::lower_bound(capsules.begin(), capsules.end(), capsule);
+  if (found == capsules.end() || *found != capsule) return nullptr;
+  return pairs[found - capsules.begin()];
 }
 
 bool ColliderPairs::ofOneSurface(int a, int b) const noexcept {

@@ -64,6 +64,8 @@ class ColliderPairs {
     std::vector<int> capsules;
     std::vector<Pair> pairs;  ///< one per capsule
     int kept = 0;             ///< pairs with kept data
+    /// Of a capsule of the hand; null where none is kept.
+    [[nodiscard]] Pair pairWith(int capsule) const noexcept;
   };
   /// Two colliders of bodies whose boxes overlap; the lower index first.
   struct BodyPair {
