@@ -76,7 +76,7 @@ CertificateInput certificateInput(const Models& models, double period_s) {
   input.inertias = std::move(inertia.samples);
   input.period_s = period_s;
   for (const ExerciseWall& wall : models.exercise_walls) {
-    input.walls.push_back({wall.axis, {wall.stiffness, wall.damping}});
+    input.walls.push_back({wall.axis, {wall.stiffness, wall.damping, wall.resistance}});
   }
   input.hand = models.hand.name;
   if (models.exercise) {

@@ -1,6 +1,7 @@
 #include "control/passivity.hpp"
 
 #include "control/coupling_gains.hpp"
+#include "control/viscoelastic.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -40,7 +41,7 @@ double requiredAt(const AxisLoop& l, double angle_rad) {
       hold * (l.k_pm + l.wall_stiffness + (reciprocal + l.phi_k_dm + l.wall_damping) * derivative);
   const Complex round_trip = hold * (l.k_pm * t / (z - 1.0) + reciprocal / z) *
                              (l.k_ps_per_s2 + l.k_ds_per_s * derivative);
-  return -felt.real() + realPlusModulus(round_trip) / (2.0 * avatar);
+  return l.wall_late - felt.real() + realPlusModulus(round_trip) / (2.0 * avatar);
 }
 
 /// The limit φ → 0, where the sweep would lose precision.
@@ -50,7 +51,7 @@ double requiredAtRest(const AxisLoop& l) {
   const double reciprocal = l.gamma * l.k_pm * l.k_ds_per_s / l.k_ps_per_s2;
   const double lag = (1.0 + l.gamma) * l.k_ds_per_s - (1.0 + l.delay_ticks) * l.k_ps_per_s2 * t;
   const double passive = (l.k_pm + l.wall_stiffness) * t * (0.5 + l.delay_ticks) - reciprocal -
-                         l.phi_k_dm - l.wall_damping;
+                         l.phi_k_dm - l.wall_damping + l.wall_late;
   return passive + l.k_pm * lag * lag / (4.0 * l.k_ps_per_s2 * drive);
 }
 
@@ -105,7 +106,8 @@ double leastFree(const AxisCase& c, double weight, Complex held, Complex late, C
   double least = c.gains.k_pm * spring + felt_damping * damper + c.gains.k_dm * adaptive;
   double wall = 0.0;
   for (const WallCase& w : c.walls) {
-    wall = std::min(wall, w.stiffness * spring + w.damping * damper);
+    wall = std::min(wall, w.stiffness * spring + w.damping * damper -
+                              lateDamping(w.stiffness, w.resistance, c.delay_ticks, c.period_s));
   }
   return least + wall;
 }

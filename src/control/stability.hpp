@@ -32,6 +32,7 @@ struct AxisLoop {
   double spring_per_s2 = 0.0;  ///< kObject: the object's spring over the avatar's inertia
   /// αk and αd of an exercise's wall, Eq. (15), with the finger in it. Acts on the device only.
   double wall_stiffness = 0.0, wall_damping = 0.0;
+  double wall_late = 0.0;  ///< α of what a cushion's liquid asks for under delay, lateDamping()
 };
 
 /// The loop of one axis from the files, at Φ = 1.

@@ -7,6 +7,7 @@
 #include "patient/player.hpp"
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -80,6 +81,8 @@ struct ExerciseWall {
   int axis = 0;            ///< index into DeviceModel::axes
   double stiffness = 0.0;  ///< [N/m or N·m/rad]
   double damping = 0.0;    ///< [N·s/m or N·m·s/rad]
+  /// Least resistance of a liquid in series; +inf: none [N·s/m or N·m·s/rad]
+  double resistance = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace wholehand

@@ -77,7 +77,16 @@ constexpr AxisQuantity kDamping{
 /// Share of an axis's effort limit available to a wall.
 constexpr double kCapShare = 0.9;
 
-void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig& walls) {
+void readWallAxis(NamedAxis& named, const DeviceModel& device, WallDamping damping,
+                  FingerWallConfig& walls) {
+  const bool in_series = damping == WallDamping::kInSeries;
+  for (const std::string_view key :
+       {kDamping.tip_key, kDamping.rotation_key, kDamping.translation_key}) {
+    if (in_series && named.table.allowKey(key)) {
+      named.table.fail(key, "has no place beside a liquid",
+                       "remove it; viscosity_pa_s in [bottle] says how fast the wall gives way");
+    }
+  }
   const int i = device.axisIndex(named.name);
   if (i < 0) {
     const std::optional<AxisKind> kind = knownAxisKind(named.name);
@@ -86,7 +95,7 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig&
                        "take a device that has it; every device plays a motion: "
                        "--scene F --motion F");
       (void)readAxisQuantity(named.table, kStiffness, *kind, 1.0);
-      (void)readAxisQuantity(named.table, kDamping, *kind, 1.0);
+      if (!in_series) (void)readAxisQuantity(named.table, kDamping, *kind, 1.0);
     } else {
       named.table.fail(
           "name",
@@ -104,6 +113,7 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig&
     return;
   }
   walls.stiffness[i] = readAxisQuantity(named.table, kStiffness, axis.kind, axis.lever_arm_m);
+  if (in_series) return;
   walls.damping[i] = readAxisQuantity(named.table, kDamping, axis.kind, axis.lever_arm_m);
 }
 
@@ -186,7 +196,7 @@ AxisEffort fingerWallEffort(const FingerWallState& state, const AxisPosition& q_
   return effort;
 }
 
-FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device) {
+FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device, WallDamping damping) {
   FingerWallFile out;
   out.lead_in_m = wall.number("lead_in_m", between(0.0, kLargestLeadIn_m, "m"));
   TransitionConfig& t = out.transition;
@@ -211,7 +221,7 @@ FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device) {
     out.walls.effort_cap[i] = kCapShare * axis.effort_limit;
   }
   out.walls.follow_m_s = wall.number("follow_m_s", above(0.0, 1.0, "m/s"), out.walls.follow_m_s);
-  for (NamedAxis& named : readAxisNames(wall)) readWallAxis(named, device, out.walls);
+  for (NamedAxis& named : readAxisNames(wall)) readWallAxis(named, device, damping, out.walls);
   return out;
 }
 

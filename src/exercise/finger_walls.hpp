@@ -94,9 +94,13 @@ struct FingerWallFile {
   AxisEffort effort_limit;  ///< limit of the device, per axis [N or N·m]
 };
 
+/// Whether a wall's damping stands beside its stiffness, or a liquid in series behind it.
+enum class WallDamping { kBeside, kInSeries };
+
 /// Reads [wall] and its [[wall.axes]]; reports faults to the file, an axis that the device lacks by
 /// its name. Not real-time safe.
-[[nodiscard]] FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device);
+[[nodiscard]] FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device,
+                                             WallDamping damping = WallDamping::kBeside);
 
 /// The walls with both live ratios at their upper ends, as covered by the certificate.
 /// @param stiffest, thickest largest factors of the exercise on the file's gains

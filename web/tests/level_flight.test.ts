@@ -7,7 +7,7 @@ import { flightOf, heightOf } from '../src/exercises/squeeze_to_level/flight';
 import { gripOf, Instruction } from '../src/exercises/squeeze_to_level/grip';
 import { ExerciseValues } from '../src/exercises/values';
 
-const NAMES = ['instruction', 'score', 'done', 'bands_done', 'bands', 'squeeze_n', 'goal_low_n', 'goal_high_n', 'held_s', 'paused'];
+const NAMES = ['instruction', 'score', 'done', 'bands_done', 'bands', 'squeeze_n', 'goal_low_n', 'goal_high_n', 'held_s', 'flow_ml_s', 'paused'];
 const values = new ExerciseValues(NAMES);
 const HOLD_S = 2;
 
@@ -41,6 +41,11 @@ describe('the balloon', () => {
 
   it('never leaves its course', () => {
     expect([heightOf(-1), heightOf(0), heightOf(1e3)]).toEqual([0, 0, 1]);
+  });
+
+  // The area of the flame is as the flow.
+  it('burns as high as what flows out, and not while air flows back', () => {
+    expect([-1, 0, 0.5, 2, 9].map((flow_ml_s) => flight({ flow_ml_s }).flame)).toEqual([0, 0, 0.5, 1, 1]);
   });
 
   it('fills the band with the time that was held', () => {

@@ -3,6 +3,7 @@
 #include "control/coupling_gains.hpp"
 #include "control/passivity.hpp"
 #include "control/stability.hpp"
+#include "control/viscoelastic.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -167,6 +168,7 @@ AxisLoop AxisCase::loopIn(const WallCase& wall, double alpha, double phi) const 
   AxisLoop l = loop(phi);
   l.wall_stiffness = alpha * wall.stiffness;
   l.wall_damping = alpha * wall.damping;
+  l.wall_late = alpha * lateDamping(wall.stiffness, wall.resistance, delay_ticks, period_s);
   return l;
 }
 
@@ -315,7 +317,7 @@ WallCertificate certifyWall(const AxisCase& c, const WallCase& wall) {
   if (needed.damping > 0.0) out.margin = std::min(out.margin, c.axis.damping / needed.damping);
   if (!out.worst.stable()) {
     const double share = largestAllowed(1.0, [&](double s) {
-      return worstInWall(c, {s * wall.stiffness, s * wall.damping}).stable();
+      return worstInWall(c, {s * wall.stiffness, s * wall.damping, wall.resistance}).stable();
     });
     out.margin = std::min(out.margin, share);
   }

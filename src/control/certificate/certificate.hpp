@@ -41,6 +41,10 @@ inline constexpr int kContactCriteria = 4;      ///< kFree .. kSpring, judged by
 struct WallCase {
   double stiffness = 0.0;  ///< [N/m or N·m/rad]
   double damping = 0.0;    ///< [N·s/m or N·m·s/rad]
+  /// Of a cushion: the least resistance of liquid and air; +inf: none [N·s/m or N·m·s/rad]
+  double resistance = std::numeric_limits<double>::infinity();
+
+  bool operator==(const WallCase&) const = default;
 };
 
 /// One axis with everything its certificate depends on.

@@ -225,13 +225,8 @@ bool sameCase(const AxisCase& a, const AxisCase& b) {
                       c.axis.speed_limit, c.axis.effort_slew_limit);
   };
   // Reflected masses along x, y and z differ by millionths.
-  const auto same_wall = [](const WallCase& one, const WallCase& other) {
-    return one.stiffness == other.stiffness && one.damping == other.damping;
-  };
-  if (!std::equal(a.walls.begin(), a.walls.end(), b.walls.begin(), b.walls.end(), same_wall)) {
-    return false;
-  }
-  return key(a) == key(b) && std::abs(a.inertia - b.inertia) <= 1e-4 * a.inertia;
+  return a.walls == b.walls && key(a) == key(b) &&
+         std::abs(a.inertia - b.inertia) <= 1e-4 * a.inertia;
 }
 
 std::vector<ZWidthPoint> zWidth(const AxisCase& c, int points) {

@@ -64,7 +64,8 @@ CertificateFingerprint fingerprintOf(const CertificateInput& input) {
   addInertia(hand, input.inertia_at_reference);
   for (const AxisMatrix& m : input.inertias) addInertia(hand, m);
   for (const CertificateInput::Wall& w : input.walls) {
-    for (const double value : {static_cast<double>(w.axis), w.wall.stiffness, w.wall.damping}) {
+    for (const double value :
+         {static_cast<double>(w.axis), w.wall.stiffness, w.wall.damping, w.wall.resistance}) {
       add(walls, value);
     }
   }

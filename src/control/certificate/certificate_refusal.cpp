@@ -218,7 +218,8 @@ double bearableWallShare(const AxisCase& c) {
   const auto bears = [&c](double share) {
     AxisCase softer = c;
     for (WallCase& wall : softer.walls) {
-      wall = {share * wall.stiffness, share * wall.damping};
+      wall.stiffness *= share;
+      wall.damping *= share;
     }
     return holds(softer);
   };

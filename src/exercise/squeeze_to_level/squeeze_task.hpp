@@ -1,5 +1,6 @@
 #pragma once
 
+#include "exercise/finger_cushions.hpp"
 #include "exercise/finger_walls.hpp"
 #include "exercise/squeeze_to_level/band_steps.hpp"
 #include "model/scene/scene_model.hpp"
@@ -18,6 +19,7 @@ struct SqueezeTask {
   double filter_hz = 5.0;  ///< low-pass of the squeeze
   BandRules rules;
   FingerWallFile wall;
+  Bottle bottle;  ///< what is squeezed
 };
 
 /// Indices of ExerciseRecord::values; kValueNames are their names.
@@ -31,12 +33,13 @@ enum Value : std::int32_t {
   kGoalLow,
   kGoalHigh,
   kHeld,
+  kFlow,
   kPaused,
   kValues
 };
 inline constexpr const char* kValueNames[] = {
-    "instruction", "score",      "done",        "bands_done", "bands",
-    "squeeze_n",   "goal_low_n", "goal_high_n", "held_s",     "paused"};
+    "instruction", "score",       "done",   "bands_done", "bands", "squeeze_n",
+    "goal_low_n",  "goal_high_n", "held_s", "flow_ml_s",  "paused"};
 static_assert(std::size(kValueNames) == kValues);
 
 }  // namespace wholehand::squeeze_to_level

@@ -14,7 +14,7 @@
 namespace wholehand::squeeze_to_level {
 namespace {
 
-enum Parameter : std::int32_t { kWallStiffness, kWallDamping, kLeadIn, kLevelRatio };
+enum Parameter : std::int32_t { kWallStiffness, kViscosity, kLeadIn, kLevelRatio };
 enum Event : std::int32_t { kEntered, kBandHeld, kLevelDone, kRestarted };
 
 /// The fingers' closure on the object is queried when the palm is nearer than release_m plus this.
@@ -28,12 +28,13 @@ class SqueezeToLevel final : public Exercise {
         hand_(hand),
         axes_of_capsule_(axesOfCapsules(hand)),
         posture_(hand_),
+        cushions_(cushionsOf(task_.bottle, task_.wall.walls)),
         steps_(task_.rules) {
     description_.name = task_.name;
     description_.fade_out_s = task_.wall.transition.release_s;
     description_.parameters = {
         {"wall_stiffness_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
-        {"wall_damping_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
+        {"viscosity_ratio", "1", kThinnestRatio, kThickestRatio, 1.0, 0.5},
         {"lead_in_m", "m", 0.0, kLargestLeadIn_m, task_.wall.lead_in_m, 0.005},
         {"level_ratio", "1", 0.25, 1.5, 1.0, 0.5}};
     description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
@@ -52,7 +53,8 @@ class SqueezeToLevel final : public Exercise {
     steps_.reset();
     transition_ = TransitionState{};
     walls_ = FingerWallState{};
-    squeeze_n_ = 0.0;
+    travel_ = AxisPosition{};
+    squeeze_n_ = flow_ml_s_ = 0.0;
     near_ = paused_ = false;
   }
 
@@ -115,6 +117,7 @@ class SqueezeToLevel final : public Exercise {
                                     task_.wall.transition, static_cast<int>(seen.elapsed_periods),
                                     input.period_s);
     FingerWallInput sight{{}, seen.q_m, seen.q_s, 0, 0};
+    std::uint32_t open = 0;  // only what presses from the palmar side squeezes
     touches_ = SoftTouches{};
     if (near_) {  // the closure is valid for this object
       sight.closure = seen.closure;
@@ -122,19 +125,27 @@ class SqueezeToLevel final : public Exercise {
       touches_ = posture_.softTouches(seen.bodies[task_.body], task_.radius_m, task_.height_m,
                                       axes_of_capsule_);
       for (int a = 0; a < task_.wall.walls.axes; ++a) {
-        const bool soft = task_.soft_m > 0.0 && touches_[a].presses;
-        if (soft) sight.inside |= 1U << static_cast<unsigned>(a);
+        const std::uint32_t bit = 1U << static_cast<unsigned>(a);
+        if (task_.soft_m > 0.0 && touches_[a].presses) sight.inside |= bit;
+        if (touches_[a].palmar_depth_m > 0.0) open |= bit;
       }
     }
     near_ = transition_.u > 0.0 || distance_m < task_.wall.transition.release_m + kApproach_m;
     out.alpha = transitionAlpha(transition_);
     walls_ = followClosure(walls_, sight, input.parameters[kLeadIn], out.alpha, task_.wall.walls,
                            elapsed_s);
-    const WallRatios ratios{input.parameters[kWallStiffness], input.parameters[kWallDamping]};
-    out.effort =
-        fingerWallEffort(walls_, seen.q_m, seen.qd_mf, out.alpha, ratios, task_.wall.walls);
-    out.wall = walls_.position;
+    const CushionRatios ratios{input.parameters[kWallStiffness], input.parameters[kViscosity]};
+    const BottlePress press =
+        pressBottle(travel_, walls_, seen.q_m, open, out.alpha, ratios, cushions_,
+                    task_.bottle.area_m2, task_.wall.walls, elapsed_s);
+    travel_ = press.travel;
+    flow_ml_s_ = 1e6 * press.displaced_m3 / elapsed_s;
+    out.effort = press.effort;
     out.wall_active = walls_.known;
+    out.wall = walls_.position;  // the shell stands where the liquid has gone
+    for (int a = 0; a < out.wall.size(); ++a) {
+      if (walls_.known[a]) out.wall[a] += travel_[a];
+    }
   }
 
   /// Low-passes the squeeze at the fingertips (docs/exercises.md).
@@ -165,6 +176,7 @@ class SqueezeToLevel final : public Exercise {
     out.values[kGoalLow] = goal.low_n;
     out.values[kGoalHigh] = goal.high_n;
     out.values[kHeld] = std::min(steps_.held_s(), task_.rules.hold_s);
+    out.values[kFlow] = flow_ml_s_;
     out.values[kPaused] = paused_ ? 1.0 : 0.0;
     out.value_count = kValues;
   }
@@ -174,12 +186,14 @@ class SqueezeToLevel final : public Exercise {
   const HandModel hand_;
   const std::vector<std::uint32_t> axes_of_capsule_;
   HandPosture posture_;
+  const std::vector<Cushion> cushions_;
   BandSteps steps_;
   ExerciseDescription description_;
   TransitionState transition_;
   FingerWallState walls_;
+  AxisPosition travel_;  ///< of the cushions
   SoftTouches touches_{};
-  double squeeze_n_ = 0.0;
+  double squeeze_n_ = 0.0, flow_ml_s_ = 0.0;
   bool near_ = false;  ///< the next observation includes the closure on the object
   bool paused_ = false;
 };
@@ -235,7 +249,9 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   const std::string object = root.text("object");
   readBands(root, task.rules);
   TomlTable wall = root.table("wall");
-  task.wall = readFingerWalls(wall, *source.device);
+  task.wall = readFingerWalls(wall, *source.device, WallDamping::kInSeries);
+  TomlTable bottle = root.table("bottle");
+  task.bottle = readBottle(bottle);
 
   LoadedExercise out;
   Diagnostics scene_faults;
@@ -253,7 +269,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   faults.insert(faults.end(), scene_faults.begin(), scene_faults.end());
   if (!faults.empty()) return faults;
   out.files = {source.path, out.scene.path};
-  out.walls = stiffestWalls(task.wall.walls);
+  out.walls = stiffestCushions(task.bottle, task.wall.walls);
   out.exercise = std::make_unique<SqueezeToLevel>(std::move(task), *source.device, *source.hand);
   return out;
 }

@@ -6,6 +6,9 @@ import { Instruction } from './grip';
 /** Squeeze at which the balloon is at its highest [N]. The strongest band ends below. */
 const FULL_N = 8;
 
+/** Flow at which the burner's flame is as high as it is modelled [ml/s]. */
+const FULL_ML_S = 2;
+
 /** 0 .. 1 of the balloon's way up. */
 export const heightOf = (force_n: number): number => Math.min(1, Math.max(0, force_n / FULL_N));
 
@@ -21,6 +24,7 @@ export interface Flight {
   readonly cue: Cue;
   readonly height: number;                                                  // of the balloon, 0 .. 1
   readonly band: { readonly low: number; readonly high: number } | null;    // where it is to be held
+  readonly flame: number;                                                   // of the burner, 0 .. 1: the flow out of the grip
   readonly held: number;                                                    // share of the band's time, 0 .. 1
   readonly lit: number;                                                     // bands that are done
   readonly bands: number;
@@ -34,6 +38,7 @@ export function flightOf(values: ExerciseValues, state: Pick<WorldStateT, 'value
   return {
     cue, height: heightOf(values.get(state, 'squeeze_n')),
     band: banded ? { low: heightOf(values.get(state, 'goal_low_n')), high: heightOf(values.get(state, 'goal_high_n')) } : null,
+    flame: Math.sqrt(Math.min(1, Math.max(0, values.get(state, 'flow_ml_s') / FULL_ML_S))),
     held: Math.min(1, values.get(state, 'held_s') / Math.max(hold_s, 1e-6)),
     lit: values.get(state, 'bands_done'), bands: values.get(state, 'bands'),
   };

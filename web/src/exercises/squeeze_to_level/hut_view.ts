@@ -11,7 +11,7 @@ import type { Setting } from '../../scene/stage';
 import { Dent, pressingOn } from '../../scene/dent';
 import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
-import { BASKET_Y, makeBalloon } from './balloon';
+import { BASKET_Y, makeBalloon, makeFlame } from './balloon';
 import { Course, overCounter } from './course';
 import { Fleet } from './fleet';
 import { flightOf } from './flight';
@@ -42,6 +42,7 @@ export class HutView implements ExerciseView {
   private readonly dent: Dent | undefined;
   private readonly outside = new Group();   // stands as the room does
   private readonly balloon: Group;
+  private readonly flame = makeFlame();
   private readonly course = new Course();
   private readonly fleet: Fleet;
   private readonly lanterns: Lantern[] = [];
@@ -49,6 +50,7 @@ export class HutView implements ExerciseView {
   private readonly side: 1 | -1;
   private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
   private height = 0;
+  private burns = 0;
 
   constructor(private readonly grip: Grip, private readonly scene: SceneT, private readonly quality: Quality) {
     this.side = scene.rightHand ? 1 : -1;
@@ -60,6 +62,7 @@ export class HutView implements ExerciseView {
     // Plain materials do without, as a finger is at most a few millimetres inside.
     this.dent = quality === 'high' ? new Dent(side, grip.radius_m) : undefined;
     this.balloon = makeBalloon(BALLOON_M, { main: '#C8452F', stripe: '#FFE3A3' }, quality);
+    this.balloon.add(this.flame);
     this.fleet = new Fleet(this.side, quality);
     this.fleet.root.position.z = COURSE_Z_M - 0.02;
     this.course.root.position.set(this.side * COURSE_X_M, 0, COURSE_Z_M);
@@ -88,7 +91,11 @@ export class HutView implements ExerciseView {
     this.placeHandle(state, eye);
     this.sign.show(flight.cue === 'open' ? text('sign.open') : text('sign.grip'), flight.cue === 'grip' || flight.cue === 'open');
     this.sign.root.visible = flight.cue !== 'none';
-    this.height += (flight.height - this.height) * (dt_s > 0 ? 1 - Math.exp(-dt_s / FOLLOW_S) : 0);
+    const follow = dt_s > 0 ? 1 - Math.exp(-dt_s / FOLLOW_S) : 0;
+    this.height += (flight.height - this.height) * follow;
+    this.burns += (flight.flame - this.burns) * follow;
+    this.flame.visible = this.burns > 0.02;
+    this.flame.scale.set(0.6 + 0.4 * this.burns, Math.max(this.burns, 0.02), 0.6 + 0.4 * this.burns);
     // The basket is what stands between the ribbons.
     this.balloon.position.set(this.side * COURSE_X_M, overCounter(this.height) - BASKET_Y * BALLOON_M, COURSE_Z_M + 0.03);
     this.course.update({ ...flight, height: this.height });

@@ -84,10 +84,10 @@ export class LevelPlay implements Play {
     };
   }
 
-  /** The burner's warm air. */
+  /** The burner: as loud as what flows out of the grip. */
   flow(state: WorldStateT): { rate: number; level: number; sound: FlowSound } {
-    const { height } = this.flight(state);
-    return { rate: 2 * height, level: height, sound: 'air' };
+    const { flame, height } = this.flight(state);
+    return { rate: 2 * flame, level: height, sound: 'air' };
   }
 
   private flight(state: WorldStateT): Flight { return flightOf(this.values, state, this.hold_s); }

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "control/viscoelastic.hpp"
+#include "core/axis_array.hpp"
+#include "core/real_time.hpp"
+#include "exercise/exercise.hpp"
+#include "exercise/finger_walls.hpp"
+#include "model/toml/toml_file.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace wholehand {
+
+/// A squeeze bottle: behind every finger wall a cushion of its own, all on one nozzle.
+struct Bottle {
+  double area_m2 = 0.0;     ///< A: a digit's, on the liquid
+  double return_n_m = 0.0;  ///< k_s at the tip
+  double opening_n = 0.0;   ///< p₀ A: the valve's, of each digit
+  double air_s = 0.3;       ///< time constant of the air that flows back
+  Nozzle nozzle;
+
+  /// d at the tip [N·s/m].
+  [[nodiscard]] double resistance() const { return nozzleResistance(nozzle, area_m2); }
+};
+
+/// Upper and lower end of the live factor on the liquid's viscosity.
+inline constexpr double kThinnestRatio = 0.1, kThickestRatio = 2.0;
+/// A liquid of less resistance at the tip is not felt [N·s/m].
+inline constexpr double kLeastFelt_n_s_m = 1.0;
+
+/// Reads [bottle]; reports faults to the file. Not real-time safe.
+[[nodiscard]] Bottle readBottle(TomlTable& table);
+
+/// The cushion of each axis, in the axis's units; no stiffness where it has no wall.
+[[nodiscard]] std::vector<Cushion> cushionsOf(const Bottle& bottle, const FingerWallConfig& walls);
+
+/// The walls as covered by the certificate: every liquid from the thinnest to a closed nozzle.
+[[nodiscard]] std::vector<ExerciseWall> stiffestCushions(const Bottle& bottle,
+                                                         const FingerWallConfig& walls);
+
+/// Factors on the file's numbers.
+struct CushionRatios {
+  double stiffness = 1.0, viscosity = 1.0;
+};
+
+/// What the digits do to a bottle in a tick.
+struct BottlePress {
+  AxisPosition travel;        ///< y of each axis
+  AxisEffort effort;          ///< f_e of each axis, against closing
+  double displaced_m3 = 0.0;  ///< liquid out of the nozzle; negative: air into it
+};
+
+/// Advances the cushions behind the walls by one tick. α scales the effort and the liquid alike. An
+/// axis without a wall has let its cushion go. Pure, real-time safe.
+/// @param travel y a tick before; size 0: none
+/// @param open bit a: the nozzle is open to axis a
+[[nodiscard]] WHOLEHAND_RT BottlePress pressBottle(const AxisPosition& travel,
+                                                   const FingerWallState& walls,
+                                                   const AxisPosition& q_m, std::uint32_t open,
+                                                   double alpha, const CushionRatios& ratios,
+                                                   const std::vector<Cushion>& cushions,
+                                                   double area_m2, const FingerWallConfig& config,
+                                                   double elapsed_s) noexcept;
+
+}  // namespace wholehand

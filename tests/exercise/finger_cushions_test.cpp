@@ -1,0 +1,127 @@
+#include "exercise/finger_cushions.hpp"
+
+#include "exercise/bar_table.hpp"
+#include "support/file_bytes.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
+#include "support/seed.hpp"
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+constexpr Bottle kBottle{4e-4, 25.0, 0.25, 0.3, {0.2, 0.02, 2e-3}};
+
+/// Two fingers, lever arms of 8 and 5 cm, 280 N/m at the tip.
+FingerWallConfig twoFingers() {
+  FingerWallConfig walls;
+  walls.axes = 2;
+  walls.lever_arm_m = AxisLength(2, 0.08);
+  walls.lever_arm_m[1] = 0.05;
+  walls.stiffness = AxisStiffness(2);
+  for (int i = 0; i < 2; ++i) {
+    walls.stiffness[i] = 280.0 * walls.lever_arm_m[i] * walls.lever_arm_m[i];
+  }
+  walls.damping = AxisDamping(2);
+  walls.effort_cap = AxisEffort(2, 1.0);
+  return walls;
+}
+
+/// Whatever the fingers do, whichever way the nozzle is open: A Σ l Δy, with no loss in 10^-12 l.
+TEST(FingerCushions, WhatLeavesTheNozzle_IsWhatTheDigitsDisplaced) {
+  auto random = seededRandom(3911);
+  const FingerWallConfig config = twoFingers();
+  const std::vector<Cushion> cushions = cushionsOf(kBottle, config);
+  FingerWallState walls{AxisPosition(2), AxisFlag(2, true), AxisPosition(2)};
+  AxisPosition travel, q(2);
+  double left_m3 = 0.0;
+  for (int i = 0; i < 20'000; ++i) {
+    for (int a = 0; a < 2; ++a) {
+      q[a] = std::max(-0.01, q[a] + uniform(random, -2e-3, 2.05e-3));
+      walls.known[a] = random() % 500 != 0;
+    }
+    const CushionRatios ratios{1.0, uniform(random, kThinnestRatio, kThickestRatio)};
+    const BottlePress press =
+        pressBottle(travel, walls, q, static_cast<std::uint32_t>(random() % 4), 1.0, ratios,
+                    cushions, kBottle.area_m2, config, kPeriod_s);
+    travel = press.travel;
+    left_m3 += press.displaced_m3;
+    EXPECT_NEAR(left_m3, 4e-4 * (0.08 * travel[0] + 0.05 * travel[1]), 1e-15);
+    for (int a = 0; a < 2; ++a) EXPECT_LE(press.effort[a], 0.0);
+  }
+  EXPECT_GT(left_m3, 1e-7);
+}
+
+/// At the tip every digit feels the same bottle: after t at x the shell holds
+/// k k_s x/(k + k_s) + (k x - ...) e^{-(k + k_s) t/d}, p0 apart.
+TEST(FingerCushions, DigitsOfOtherLeverArms_FeelTheSameBottle) {
+  const FingerWallConfig config = twoFingers();
+  const std::vector<Cushion> cushions = cushionsOf(kBottle, config);
+  const FingerWallState walls{AxisPosition(2), AxisFlag(2, true), AxisPosition(2)};
+  AxisPosition q(2), travel;
+  q[0] = 0.01 / 0.08;
+  q[1] = 0.01 / 0.05;
+  BottlePress press;
+  for (int i = 0; i < 500; ++i) {
+    press =
+        pressBottle(travel, walls, q, 3U, 1.0, {}, cushions, kBottle.area_m2, config, kPeriod_s);
+    travel = press.travel;
+  }
+  const double d = 8.0 * 0.2 * 0.02 * 16e-8 / (kPi * 16e-12);        // 101.9 N·s/m
+  const double rest = (280.0 * 0.25 + 280.0 * 25.0 * 0.01) / 305.0;  // q = p0
+  const double exact = rest + (2.8 - rest) * std::exp(-305.0 * 0.5 / d);
+  EXPECT_NEAR(-press.effort[0] / 0.08, exact, 2e-3);
+  EXPECT_NEAR(-press.effort[1] / 0.05, exact, 2e-3);
+}
+
+TEST(FingerCushions, AxisWithoutAWall_LetsItGo) {
+  const FingerWallConfig config = twoFingers();
+  const FingerWallState none{AxisPosition(2), AxisFlag(2), AxisPosition(2)};
+  AxisPosition travel(2, 0.1), q(2, 0.3);
+  for (int i = 0; i < 300; ++i) {
+    const BottlePress press = pressBottle(travel, none, q, 3U, 1.0, {}, cushionsOf(kBottle, config),
+                                          kBottle.area_m2, config, kPeriod_s);
+    EXPECT_EQ(press.effort[0], 0.0);
+    travel = press.travel;
+  }
+  EXPECT_NEAR(travel[0], 0.1 * std::exp(-1.0), 2e-4);  // air_s
+}
+
+struct Fault {
+  std::string find, with, key, says;
+};
+
+TEST(BottleFile, EveryFault_NamesKeyValueAndRemedy) {
+  const std::vector<Fault> faults = {
+      {"viscosity_pa_s = 2.0", "viscosity_pa_s = 0.0", "bottle.viscosity_pa_s", "(0, 1000] Pa·s"},
+      {"viscosity_pa_s = 2.0", "viscosity_pa_s = nan", "bottle.viscosity_pa_s", "nan"},
+      {"nozzle_radius_m = 0.002", "nozzle_radius_m = -0.002", "bottle.nozzle_radius_m", "-0.002"},
+      {"nozzle_length_m = 0.02", "nozzle_length_m = 0", "bottle.nozzle_length_m", "(0, 1] m"},
+      {"area_m2 = 4.0e-4", "area_m2 = 0.0", "bottle.area_m2", "(0, 0.01] m²"},
+      {"opening_n = 0.25", "opening_n = -1.0", "bottle.opening_n", "[0, 10] N"},
+      {"stiffness_tip_n_m = 280.0", "stiffness_tip_n_m = 280.0\ndamping_tip_n_s_m = 0.2",
+       "wall.axes[finger_flexion].damping_tip_n_s_m", "viscosity_pa_s in [bottle]"},
+      {"[bottle]", "[bottel]", "bottle", "missing"},
+      {"nozzle_radius_m = 0.002", "nozzle_radius_m = 0.02", "bottle", "not felt"},
+  };
+  for (const Fault& fault : faults) {
+    SCOPED_TRACE(fault.find + " -> " + fault.with);
+    const Folder folder;
+    folder.write("scenes/squeeze-to-level.toml",
+                 bytesOfFile(config("scenes/squeeze-to-level.toml")));
+    std::string text = bytesOfFile(config("exercises/squeeze-to-level.toml"));
+    const std::size_t at = text.find(fault.find);
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, fault.find.size(), fault.with);
+    const std::string path = folder.write("exercises/squeeze.toml", text);
+    const auto loaded = loadExercise(path, 1, shippedDevice(), shippedHand());
+    ASSERT_FALSE(loaded.ok());
+    const std::string words = format(loaded.errors());
+    EXPECT_TRUE(says(words, fault.key)) << words;
+    EXPECT_TRUE(says(words, fault.says)) << words;
+  }
+}
+
+}  // namespace
+}  // namespace wholehand::test
