@@ -102,7 +102,7 @@ TEST(BottleFile, EveryFault_NamesKeyValueAndRemedy) {
       {"opening_n = 0.25", "opening_n = -1.0", "bottle.opening_n", "[0, 10] N"},
       {"stiffness_tip_n_m = 280.0", "stiffness_tip_n_m = 280.0\ndamping_tip_n_s_m = 0.2",
        "wall.axes[finger_flexion].damping_tip_n_s_m", "viscosity_pa_s in [bottle]"},
-      {"[bottle]", "[bottel]", "bottle", "missing"},
+      {"[bottle]", "[bottel]", "bottel", "did you mean bottle?"},
       {"nozzle_radius_m = 0.002", "nozzle_radius_m = 0.02", "bottle", "not felt"},
   };
   for (const Fault& fault : faults) {

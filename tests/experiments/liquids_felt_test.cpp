@@ -1,11 +1,8 @@
 // What the person feels of every liquid, device included: a slow and a fast squeeze of the shipped
 // dispenser by a device that follows a script, through the whole renderer.
-#include "exercise/finger_walls.hpp"
-#include "patient/scripted_player.hpp"
-#include "support/constants.hpp"
+#include "experiments/felt_squeeze.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
-#include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
 
 #include <nlohmann/json.hpp>
@@ -15,9 +12,6 @@
 
 namespace wholehand::test {
 namespace {
-
-constexpr int kFingerAxis = 3, kTurnAxis = 4,
-              kThumbAxis = 5;  // axes of lambda-pride, after x, y, z
 
 struct Liquid {
   std::string name;
@@ -47,70 +41,6 @@ Models barWith(const Liquid& liquid, const Folder& folder) {
   return load(files);
 }
 
-/// One tick of a squeeze: how far an axis has gone, and what the person feels there.
-struct Sample {
-  double path_m = 0.0, felt_n = 0.0;
-};
-struct Squeeze {
-  std::vector<Sample> samples;  ///< from where the wall begins to where the core is met
-  double core_m = 0.0;          ///< path at which it is met
-};
-
-/// The hand about the dispenser, palm against it, closes one axis at a speed of the fingertip.
-Squeeze squeeze(Models models, int axis, double speed_m_s) {
-  const int body = models.scene.bodyIndex("dispenser_lemon");
-  const Eigen::Vector3d at_m = models.scene.bodies[body].pose.translation_m;
-  const DeviceAxis device = models.device.axes[axis];
-  const double lever_m = device.lever_arm_m;
-  const auto pose = [&](double x, double y, double fingers, double turn, double thumb) {
-    AxisPosition q(6);
-    q[0] = x, q[1] = y, q[2] = 0.0, q[kFingerAxis] = fingers, q[kTurnAxis] = turn,
-    q[kThumbAxis] = thumb;
-    return q;
-  };
-  // A power grasp of an upright cylinder: its axis 49 mm before, 41 mm beside the hand's base.
-  const double x = at_m.x() - 0.049, y = at_m.y() - 0.041;
-  const AxisPosition back = pose(-0.08, y - 0.024, 0.2, 0.1, 0.0);
-  const AxisPosition beside = pose(x, y - 0.024, 0.2, 0.1, 0.0);
-  const AxisPosition open = pose(x, y, 50.0 * kDeg, 20.0 * kDeg, 0.0);
-  const double most = axis == kFingerAxis ? 170.0 * kDeg : 70.0 * kDeg;
-  const double from_s = 4.0;
-  auto player = std::make_shared<ScriptedPlayer>(
-      Intention::throughWaypoints({{0.0, back}, {0.8, beside}, {1.6, open}, {from_s, open}}));
-  AxisPosition q = back;
-  AxisVelocity qd(6);
-  const auto rig = buildScripted(std::move(models), [=](int read) mutable {
-    if (read == 0) {
-      player->reset();
-      return back;
-    }
-    player->advance(1e-3, q, qd);
-    AxisPosition at = q;
-    const double closing_s = 1e-3 * read - from_s;
-    if (closing_s > 0.0) at[axis] = std::min(open[axis] + closing_s * speed_m_s / lever_m, most);
-    return at;
-  });
-  Squeeze out;
-  if (auto armed = rig->renderer->arm(); !armed) {
-    ADD_FAILURE() << format(armed.errors());
-    return out;
-  }
-  const auto capsules = axesOfCapsules(rig->models.hand);
-  double wall = 0.0;
-  const int ticks = static_cast<int>(1e3 * (from_s + (most - open[axis]) * lever_m / speed_m_s));
-  runTicks(*rig->renderer, ticks, [&](const TickRecord& r) {
-    if (r.time_s < from_s || out.core_m > 0.0) return;
-    EXPECT_EQ(r.exercise.alpha, 1.0) << r.time_s;
-    if (!(r.exercise.effort[axis] < 0.0)) return;
-    if (out.samples.empty()) wall = r.exercise.wall[axis];
-    const double path_m = lever_m * (r.q_m[axis] - wall);
-    const double own_n = (device.damping * speed_m_s / lever_m + device.coulomb) / lever_m;
-    out.samples.push_back({path_m, -r.sent[axis] / lever_m + own_n});
-    if ((touchingAxes(r, body, capsules) >> axis & 1U) != 0U) out.core_m = path_m;
-  });
-  return out;
-}
-
 /// Least squares over a stretch of path: felt = a + k path.
 struct Line {
   double at_middle_n = 0.0, slope_n_m = 0.0;
@@ -135,8 +65,8 @@ struct Total {
 };
 
 Total feel(const Liquid& liquid, int axis, const Folder& folder) {
-  const Squeeze slow = squeeze(barWith(liquid, folder), axis, kSlow_m_s);
-  const Squeeze fast = squeeze(barWith(liquid, folder), axis, kFast_m_s);
+  const Squeeze slow = squeeze(barWith(liquid, folder), "dispenser_lemon", axis, kSlow_m_s);
+  const Squeeze fast = squeeze(barWith(liquid, folder), "dispenser_lemon", axis, kFast_m_s);
   figure("path before the core, " + liquid.name + ", axis " + std::to_string(axis),
          1e3 * slow.core_m, "mm");
   EXPECT_GE(slow.core_m, 0.010);
@@ -161,6 +91,56 @@ TEST(Liquids, FeltInTotal_NeighboursDifferInStiffness) {
         EXPECT_GE(now.stiffness / before.stiffness, 1.25);
         figure("ratio of stiffness to the one before" + of, now.stiffness / before.stiffness, "");
         figure("ratio of damping to the one before" + of, now.damping / before.damping, "");
+      }
+      before = now;
+    }
+  }
+}
+
+/// The grip of squeeze-to-level on a liquid of a viscosity, in place of honey.
+Models gripOn(double viscosity_pa_s, const Folder& folder) {
+  const std::string text =
+      replaced(bytesOfFile(kConfig + "exercises/squeeze-to-level.toml"), "viscosity_pa_s = 2.0",
+               "viscosity_pa_s = " + std::to_string(viscosity_pa_s));
+  folder.write("scenes/squeeze-to-level.toml",
+               bytesOfFile(kConfig + "scenes/squeeze-to-level.toml"));
+  ModelFiles files = shippedFiles();
+  files.scene.clear();
+  files.exercise = folder.write("exercises/grip.toml", text);
+  return load(files);
+}
+
+/// Felt force over speed where the shell gives way steadily [N·s/m]. The speed is the one that
+/// 1.5 N has through valve and liquid, so that every liquid is pressed alike.
+double feltViscosity(double resistance, int axis, const Folder& folder) {
+  const double per_pa_s = 8.0 * 0.02 * 16e-8 / (kPi * 16e-12);  // 8 L A²/(π r⁴)
+  const double speed_m_s = (1.5 - 0.25) / resistance;
+  const Squeeze s = squeeze(gripOn(resistance / per_pa_s, folder), "grip", axis, speed_m_s);
+  double sum_n = 0.0;
+  int count = 0;
+  for (const Sample& p : s.samples) {
+    if (p.path_m < 0.0105 || p.path_m > 0.0125) continue;
+    sum_n += p.felt_n;
+    ++count;
+  }
+  EXPECT_GT(count, 20);
+  return sum_n / count / speed_m_s;
+}
+
+/// The figure: neighbours 1.6 apart by the file are felt at least 1.55 apart, device included
+/// (threshold 1.34, Jones 1997), on both axes.
+TEST(Liquids, BehindTheirShell_NeighboursDifferInViscosity) {
+  const Folder folder;
+  for (const int axis : {kFingerAxis, kThumbAxis}) {
+    double before = 0.0;
+    for (const double resistance : {80.0, 128.0, 205.0, 328.0}) {
+      const double now = feltViscosity(resistance, axis, folder);
+      const std::string of = ", " + std::to_string(static_cast<int>(resistance)) + " N·s/m, axis " +
+                             std::to_string(axis);
+      figure("force over speed felt in series" + of, now, "N·s/m");
+      if (before > 0.0) {
+        EXPECT_GE(now / before, 1.55);
+        figure("ratio of it to the one before" + of, now / before, "");
       }
       before = now;
     }
