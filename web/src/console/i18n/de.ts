@@ -154,7 +154,7 @@ export const de: ConsoleTexts = {
       damping_decay_s: 'Dämpfung klingt ab in',
       wall_stiffness_ratio: 'Steifigkeit der Wand',
       wall_damping_ratio: 'Dämpfung der Wand',
-      viscosity_ratio: 'Zähigkeit der Flüssigkeit',
+      viscosity_ratio: 'Zähigkeit',
       lead_in_m: 'Wand vor dem Kontakt',
       level_ratio: 'Verlangte Kraft',
       squeeze_threshold_ratio: 'Nötiger Druck',

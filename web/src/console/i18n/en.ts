@@ -154,7 +154,7 @@ export const en = {
       damping_decay_s: 'Damping fades out in',
       wall_stiffness_ratio: 'Wall stiffness',
       wall_damping_ratio: 'Wall damping',
-      viscosity_ratio: 'Viscosity of the liquid',
+      viscosity_ratio: 'Viscosity',
       lead_in_m: 'Wall before contact',
       level_ratio: 'Force asked for',
       squeeze_threshold_ratio: 'Squeeze needed',
