@@ -4,6 +4,7 @@
 #include "support/seed.hpp"
 
 #include <cmath>
+#include <ctime>
 
 namespace wholehand::test {
 namespace {
@@ -45,6 +46,12 @@ FeltSlide slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
     out.largest_jolt = std::max(out.largest_jolt, changed_n / force_n[now - jolt].norm());
   });
   return out;
+}
+
+double threadCpu_s() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 /// How a plate is cut into flush pieces.
@@ -117,6 +124,36 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
   figure("hand over flush planks against one plate, most that is felt apart", most_n, "N");
   EXPECT_LE(most_n, 0.02);
   EXPECT_GT(judged, 0);
+}
+
+/// Processor seconds of a tick in which the whole hand presses on so many pieces at one place.
+double costAmong(int pieces) {
+  Slide slide;
+  slide.models = load(shippedFiles("lambda-pride", "empty", "adult-median-right"));
+  slide.from = AxisPosition(slide.models.device.axisCount());
+  const Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
+  SceneBody floor = wall(down, reach(slide.models.hand, slide.from, down) + 0.003);
+  floor.shapes.assign(static_cast<std::size_t>(pieces), floor.shapes[0]);
+  slide.models.scene.bodies = {floor};
+  slide.pressed = slide.from;
+  slide.pressed[2] -= 0.008;
+  constexpr int kTicks = 60;
+  const auto rig =
+      buildScripted(std::move(slide.models), moveAndHold(slide.from, slide.pressed, 20));
+  EXPECT_TRUE(rig->renderer->arm());
+  int contacts = 0;
+  const double before_s = threadCpu_s();
+  runTicks(*rig->renderer, kTicks, [&](const TickRecord& r) { contacts += r.contact_count; });
+  EXPECT_GT(contacts, 0);
+  return (threadCpu_s() - before_s) / kTicks;
+}
+
+/// Four times as many cost four times as much where the work is in proportion, and sixteen times
+/// where each piece is compared with each.
+TEST(Seams, HandOnManyPiecesAtOnce_CostsInProportion) {
+  const double ratio = costAmong(1200) / costAmong(300);
+  figure("tick of a hand on 1,200 pieces over one on 300", ratio, "");
+  EXPECT_LT(ratio, 8.0);
 }
 
 }  // namespace
