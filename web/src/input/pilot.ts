@@ -175,7 +175,7 @@ export class Pilot {
       this.leaving = true;
     } else if (this.showing && this.meant === undefined && sight.target >= 0) this.meant = sight.target;
     const pointed = this.stale === undefined ? this.cursor : undefined;
-    // What is squeezed out of another one is spilt: a press asks for what the task asks for, wherever the cursor is.
+    // A press asks for what the task asks for, wherever the cursor is: help that does everything does the right thing.
     const asked = sight.target >= 0 ? sight.target : pointed ?? own;
     const wanted = squeezes ? asked : pointed ?? asked;
     this.tooFar = help === 'full' && squeezes && !sight.reachable(sight.grips[wanted]!);
