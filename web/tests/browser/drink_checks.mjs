@@ -45,10 +45,9 @@ const PRESSES = {
   trembling: async (page, { x, y }) => {
     const shake = async (k) => page.mouse.move(x + 14 * Math.sin(7 * k), y + 14 * Math.cos(5 * k));
     for (let k = 0; k < 10; k += 1) await shake(k);
-    await page.mouse.down();
-    for (let k = 10; k < 16; k += 1) await shake(k);
-    await page.mouse.up();
-    for (let k = 16; k < 26; k += 1) await shake(k);
+    // Sent at once: a page that draws in software answers each move after a frame, and the press would be a long one.
+    await Promise.all([page.mouse.down(), shake(10), shake(11), page.mouse.up()]);
+    for (let k = 12; k < 22; k += 1) await shake(k);
   },
   tap: async (page, { x, y }) => { await page.touchscreen.tap(x, y); },
   key: async (page) => { await page.keyboard.down('Space'); await wait(150); await page.keyboard.up('Space'); },
