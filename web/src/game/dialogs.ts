@@ -215,10 +215,10 @@ export function praiseCard(praise: Praise, more: boolean, starsSoFar: number, ac
   const button = (kind: string, words: string, testid: string, onclick: () => void) => h('button', { type: 'button', class: `button ${kind} t-m`, 'data-testid': testid, onclick }, words);
   const first = !praise.levelDone ? button('go', praise.next, 'next', actions.next)
     : more ? button('go', text('success.nextLevel'), 'next-level', actions.nextLevel) : button('go', text('success.again'), 'again', actions.again);
-  const card = h('section', { class: 'card praise', role: 'dialog', 'aria-labelledby': 'praise-title', tabindex: -1, 'data-testid': 'success' },
+  const card = h('section', { class: 'card praise', role: 'dialog', 'aria-labelledby': 'praise-title', 'aria-describedby': 'praise-lead', tabindex: -1, 'data-testid': 'success' },
     praise.stars === undefined ? null : starsHeader(praise.stars, starsSoFar),
     h('h1', { id: 'praise-title', class: 't-xl' }, text('success.title')),
-    h('p', { class: 't-m soft' }, praise.lead),
+    h('p', { id: 'praise-lead', class: 't-m soft' }, praise.lead),
     praise.effort ? h('p', { class: 't-s effort', 'data-testid': 'effort' }, praise.effort) : null,
     h('dl', {}, ...praise.figures.map(({ key, label, shown }) => h('div', {}, h('dt', { class: 't-s' }, label), h('dd', { class: 't-m', 'data-testid': key }, shown)))),
     h('div', { class: 'actions' }, first, button('plain', text('success.rest'), 'rest', actions.rest)));

@@ -118,7 +118,7 @@ export class Pilot {
     }
     if (help === 'full' && sight.letGo && !this.over) this.finish(asked, inside);
     this.over = sight.letGo;
-    const same = this.meant !== undefined && this.meant === sight.target && (asked.pointed === undefined || asked.pointed === this.meant);
+    const same = this.meant !== undefined && this.meant === sight.target;
     const pressed = { taps: help === 'full', closed: sight.closed, same, well: same && isWell(sight) };
     const wish = { ...asked, squeeze: this.trigger.step(asked.squeeze, pressed, dt_s) };
     this.look(asked.pointed, dt_s);
@@ -175,10 +175,12 @@ export class Pilot {
       this.leaving = true;
     } else if (this.showing && this.meant === undefined && sight.target >= 0) this.meant = sight.target;
     const pointed = this.stale === undefined ? this.cursor : undefined;
-    this.tooFar = help === 'full' && pointed !== undefined && squeezes && !sight.reachable(sight.grips[pointed]!);
+    // A press asks for what the task asks for, wherever the cursor is: help that does everything does the right thing.
+    const asked = sight.target >= 0 ? sight.target : pointed ?? own;
+    const wanted = squeezes ? asked : pointed ?? asked;
+    this.tooFar = help === 'full' && squeezes && !sight.reachable(sight.grips[wanted]!);
     if (help === 'none' || sight.letGo) this.meant = undefined;
     else if (help === 'full') {
-      const wanted = pointed ?? (sight.target >= 0 ? sight.target : own);
       const dwelt = pointed !== undefined && this.cursor_s >= DWELL_S;
       const says = squeezes ? !before || this.meant === undefined : dwelt;
       if (says && sight.reachable(sight.grips[wanted]!)) this.meant = wanted;

@@ -17,6 +17,8 @@ export async function newcomerFinds(t) {
   };
   const game = await openPage(t.plain, pageUrl(program.url, '/', { lang: 'en', quality: 'low' }));
   const button = (page, name) => page.getByRole('button', { name, exact: true });
+  // A start may be on its way: what is pressed meanwhile ends it.
+  const plays = () => game.getByText('One moment …').waitFor({ state: 'hidden' });
   const words_px = () => game.locator('body *:visible').evaluateAll((all) => all.reduce((sum, words) => sum + parseFloat(getComputedStyle(words).fontSize), 0) / all.length);
   await button(game, 'Start').waitFor();
 
@@ -25,13 +27,13 @@ export async function newcomerFinds(t) {
   await until('larger text', async () => (await words_px()) > before_px, { within_ms: 5000 });
 
   await button(game, 'Start').click();
-  await button(game, 'Start').waitFor({ state: 'hidden' });
+  await plays();
   await find('rest', async () => {
     await button(game, 'Rest').click();
     await game.getByRole('heading', { name: 'Take a rest' }).waitFor();
   });
   await button(game, 'Go on').click();
-  await game.getByRole('heading', { name: 'Take a rest' }).waitFor({ state: 'hidden' });
+  await plays();
   await find('stop', async () => {
     await button(game, 'Stop').click();
     await game.getByRole('heading', { name: 'Stopped' }).waitFor();

@@ -28,6 +28,7 @@ import * as replays from './replay_checks.mjs';
 import * as reports from './report_checks.mjs';
 import * as roles from './role_checks.mjs';
 import * as stops from './stop_checks.mjs';
+import * as trouble from './trouble_checks.mjs';
 
 // What must see real time, as a page that plays or holds a button is let go of after 200 ms of silence: where it fails it is
 // judged only if the machine let a sleeper beside it run.
@@ -65,6 +66,12 @@ const TESTS = [
   ['stop while a level is loaded starts nothing', stops.stopWhileLoadingStartsNothing],
   ['pause after a stop starts nothing', stops.pauseAfterAStopStartsNothing],
   ['stops at random moments are followed by nothing', stopsAtRandomMoments],
+  ['a page that is loaded anew plays on', trouble.reloadedPagePlaysOn, PACED],
+  ['two players do not fight', trouble.twoPlayersDoNotFight, PACED],
+  ['a level is changed while it pours', trouble.levelChangedWhileItPours, PACED],
+  ['a screen reader hears a drink', trouble.screenReaderHearsADrink, PACED],
+  ['a window of 320 px plays', trouble.narrowWindowPlays, PACED],
+  ['names of any kind', trouble.namesOfAnyKind],
   ['any exercise shows its panel', panels.anyExerciseShowsItsPanel],
   ['profiles are kept', panels.profilesAreKept],
   ['a device is commissioned through its page', commissionedThroughThePage, PACED],
@@ -80,6 +87,8 @@ const TESTS = [
   // Minutes where pages are drawn in software; every combination plays on the simulated clock in tests/every_drink.test.ts.
   ['a newcomer finds what she needs_slow', newcomerFinds, PACED],
   ['drinks by every way_slow', drinksByEveryWay, PACED],
+  // Not paced: the machine is kept busy on purpose.
+  ['controls are kept_slow', trouble.controlsAreKept],
   ['an hour of play leaves nothing behind_slow', hourOfPlayIsFlat],
 ];
 

@@ -1,0 +1,199 @@
+// What a person, a page or a machine does that nobody asked for: play and Stop go on, and every refusal has words.
+import { loadavg } from 'node:os';
+import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
+import { GOES_ON, openGame } from './checks.mjs';
+import { playOneDrink } from './key_player.mjs';
+import { start } from './program.mjs';
+import { openWatcher } from './watcher.mjs';
+
+const said = (page) => page.locator('.say').first().innerText();
+/** The first card again or the play: what a page shows that has just been loaded. */
+const begin = async (page) => {
+  await page.waitForSelector('[data-testid=start]:enabled');
+  await page.click('[data-testid=start]');
+};
+
+/** Loaded anew while the person plays, again and again: a press plays on, and Stop stops. */
+export async function reloadedPagePlaysOn(t) {
+  const watcher = await t.watcher();
+  const game = await openGame(t.plain, watcher.url, {}, { init: GOES_ON });
+  for (let k = 0; k < 5; k += 1) {
+    await watcher.steered();
+    await watcher.pass(2000);
+    await game.reload({ waitUntil: 'commit' });
+    await begin(game);
+  }
+  await watcher.steered();
+  await game.click('[data-testid=stop]');
+  await watcher.neutral();
+  await game.waitForSelector('body[data-state=stopped]');
+  return 'loaded anew five times while it played: Start played on, Stop stopped';
+}
+
+/** The second player is told, presses on, and takes nothing; both may stop. */
+export async function twoPlayersDoNotFight(t) {
+  const watcher = await t.watcher();
+  const first = await openGame(t.plain, watcher.url, {}, { init: GOES_ON });
+  await watcher.steered();
+  const second = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'en', quality: 'low' }));
+  await begin(second);
+  for (let k = 0; k < 5; k += 1) {
+    await second.waitForSelector('body[data-state=watching]');
+    expect(/Another screen has the controls/.test(await said(second)), `the second player is told "${await said(second)}"`);
+    await second.click('[data-testid=play]');
+  }
+  const lost = await first.evaluate(() => window.wentOn);
+  expect(await first.getAttribute('body', 'data-state') !== 'watching', 'the first player was put aside');
+  await second.click('[data-testid=stop]');
+  await watcher.neutral();
+  for (const page of [first, second]) await page.waitForSelector('body[data-state=stopped]');
+  return `the second player pressed five times and was told; the first lost the controls ${lost} times; the second one's Stop stopped both`;
+}
+
+/** A therapist loads another level while it pours: nothing flows on, the page says what is, and a press plays the new level. */
+export async function levelChangedWhileItPours(t) {
+  const watcher = await openWatcher(t.plain, (await t.program()).url);
+  await watcher.page.selectOption('[data-testid=level]', '1');
+  await watcher.page.click('[data-testid=arm]:enabled');
+  await watcher.rendering();
+  const game = await openGame(t.plain, watcher.url, {}, { init: GOES_ON });
+  await watcher.steered();
+  let due_tick = 0;
+  await watcher.until('it pours', async (now) => {
+    if (now.values.flow_l_s > 0) return true;
+    if (now.tick > due_tick && now.values.squeeze_n === 0) {
+      due_tick = now.tick + 10_000;
+      await game.keyboard.press('Space', { delay: 150 });
+    }
+    return false;
+  });
+  await watcher.page.selectOption('[data-testid=level]', '2');
+  await watcher.page.click('[data-testid=load]');
+  await watcher.until('level 2, and nothing flows', (now) => now.level === 2 && now.values.flow_l_s === 0 && now.values.glass_l === 0);
+  const shown = await until('the page shows what is', async () => {
+    const state = await game.getAttribute('body', 'data-state');
+    return ['loading', 'welcome'].includes(state) ? '' : state;
+  });
+  const words = shown === 'stopped' || shown === 'left' ? await game.locator('.overlay').innerText() : await said(game);
+  expect(words.trim() !== '', `the page shows "${shown}" without a word`);
+  if (shown === 'watching') await game.click('[data-testid=play]');
+  await watcher.steered();
+  await game.click('[data-testid=stop]');
+  await watcher.neutral();
+  return `the page said "${words.replace(/\s+/g, ' ').slice(0, 80)}"; a press played level 2, Stop stopped`;
+}
+
+/** Notes what a screen reader says by itself: live regions that change, and dialogs that get the focus, by their names. */
+const LISTENS = () => {
+  window.heard = [];
+  const hear = (words) => { if (words && window.heard.at(-1) !== words) window.heard.push(words); };
+  const textOf = (ids) => (ids ?? '').split(' ').map((id) => document.getElementById(id)?.textContent ?? '').join(' ').trim();
+  addEventListener('DOMContentLoaded', () => {
+    new MutationObserver((changes) => {
+      const live = new Set(changes.map(({ target }) => (target.nodeType === Node.TEXT_NODE ? target.parentElement : target)?.closest('[aria-live], [role=status], [role=alert]')));
+      for (const region of live) if (region) hear(region.innerText.replace(/\s+/g, ' ').trim());
+    }).observe(document.body, { childList: true, subtree: true, characterData: true });
+    document.addEventListener('focusin', ({ target }) => {
+      const dialog = target.closest('[role=dialog], [role=alertdialog]');
+      if (dialog) hear(`${dialog.getAttribute('role')}: ${textOf(dialog.getAttribute('aria-labelledby'))} ${textOf(dialog.getAttribute('aria-describedby'))}`.trim());
+    });
+  });
+};
+
+/** A whole drink, and a stop, by ear. */
+export async function screenReaderHearsADrink(t) {
+  const watcher = await openWatcher(t.plain, (await t.program()).url, { role: 'watcher' });
+  const game = await openGame(t.plain, watcher.url, {}, { init: [GOES_ON, LISTENS] });
+  await playOneDrink(game, watcher);
+  await game.waitForSelector('[data-testid=success]');
+  await expectAccessible(game, 'a drink that is done');
+  await game.click('[data-testid=stop]');
+  await game.waitForSelector('body[data-state=stopped]');
+  await expectAccessible(game, 'stopped');
+  const heard = await game.evaluate(() => window.heard);
+  let at = 0;
+  for (const words of [/^dialog: Welcome to the bar/, /Reach for the/, /Squeeze gently/, /Let go/, /^dialog: Well done! .+ ready/, /^alertdialog: Stopped The robot no longer pushes/]) {
+    const found = heard.findIndex((one, i) => i >= at && words.test(one));
+    expect(found >= 0, `a screen reader does not say ${words} in its turn: ${heard.join(' | ')}`);
+    at = found + 1;
+  }
+  return heard.join(' | ').slice(0, 600);
+}
+
+/** In a window of 320 px: every card and the play have all their buttons within it, and Stop is pressed there. */
+export async function narrowWindowPlays(t) {
+  const watcher = await t.watcher();
+  const game = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'de', quality: 'low' }), { width: 320, height: 640, init: GOES_ON });
+  const fits = async (what) => {
+    const beyond = await game.evaluate(() => [...document.querySelectorAll('button, a')].filter((one) => one.checkVisibility()).filter((one) => { const { left, right } = one.getBoundingClientRect(); return left < 0 || right > innerWidth; }).map((one) => one.outerHTML.slice(0, 90)));
+    expect(beyond.length === 0, `${what}: beyond the edge of 320 px: ${beyond.join(' ')}`);
+    expect(await game.evaluate(() => document.documentElement.scrollWidth) <= 320, `${what} is scrolled sideways`);
+  };
+  await game.waitForSelector('[data-testid=start]:enabled');
+  await fits('the first card');
+  await begin(game);
+  await watcher.steered();
+  await fits('the play');
+  await game.click('[data-testid=help]');
+  await game.waitForSelector('[data-testid=help-card]');
+  await fits('the help');
+  await game.keyboard.press('Escape');
+  await game.click('[data-testid=rest-now]');
+  await game.waitForSelector('[data-testid=go-on]:enabled');
+  await fits('the rest');
+  await game.click('[data-testid=go-on]');
+  await watcher.steered();
+  await game.click('[data-testid=stop]');
+  await game.waitForSelector('body[data-state=stopped]');
+  await fits('the stop');
+  return 'first card, play, help, rest and stop in 320 px';
+}
+
+/** Names of 60 letters are kept; those of other alphabets are refused by words, before anything is sent. */
+export async function namesOfAnyKind(t) {
+  const { page } = await openWatcher(t.plain, (await t.program()).url);
+  const name = page.locator('[data-testid=profile]');
+  const long = 'Wolfeschlegelsteinhausenbergerdorff-Rosenquist-Hunderttausend'.slice(0, 60);
+  await name.fill(long);
+  await page.click('[data-testid=save-profile]');
+  await page.getByText(long).first().waitFor();
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  expect(wide <= 0, `a name of 60 letters scrolls the console sideways by ${wide} px`);
+  for (const other of ['Ольга Иванова', '山田太郎', 'محمد', '👩‍🦽', '../../etc/passwd', '<b>x</b>']) {
+    await name.fill(other);
+    await page.getByText(/Only A to Z/).waitFor();
+    expect(await page.isDisabled('[data-testid=save-profile]'), `"${other}" can be saved`);
+  }
+  return 'a name of 60 letters is kept and shown; six others are refused by words';
+}
+
+const KEPT_MIN = Number(process.env.WHOLEHAND_KEPT_MIN ?? 10);
+/** Beside the program and the browser they make a load of 8. */
+const LOOPS = 6;
+
+/** Minutes of play by one key, in a drawn game, on a machine that others use: nobody has to take the controls again. WHOLEHAND_KEPT_MIN: other minutes than 10. */
+export async function controlsAreKept(t) {
+  const watcher = await t.watcher();
+  const game = await openGame(t.drawing, watcher.url, {}, { smooth: true, init: GOES_ON });
+  await watcher.steered();
+  await game.evaluate(() => { window.wentOn = 0; });
+  for (let k = 0; k < LOOPS; k += 1) start('/bin/sh', ['-c', 'while :; do :; done'], { stdio: 'ignore' });
+  const ends_ms = Date.now() + 60_000 * KEPT_MIN;
+  let drinks = 0, pressed_ms = 0;
+  while (Date.now() < ends_ms) {
+    const shown = await game.getAttribute('body', 'data-state');
+    if (shown === 'success') {
+      drinks += 1;
+      await game.click('.overlay .go');
+      await game.waitForSelector('body:not([data-state=success])');
+    } else if ((shown === 'reach' || shown === 'squeeze') && Date.now() - pressed_ms > 8000) {
+      pressed_ms = Date.now();
+      await game.keyboard.press('Space', { delay: 150 });
+    }
+    await new Promise((go) => setTimeout(go, 200));
+  }
+  const lost = await game.evaluate(() => window.wentOn), words = `controls lost ${lost} times in ${KEPT_MIN} minutes, ${drinks} drinks, load ${loadavg()[0].toFixed(1)}`;
+  console.log(`figure: ${words}`);
+  expect(lost === 0, words);
+  return words;
+}
