@@ -81,7 +81,7 @@ class FinishedLevel : public InALevel {
   void playToItsEnd() {
     std::ifstream in(kRoot + "/config/exercises/squeeze-to-level.toml");
     std::string text(std::istreambuf_iterator<char>(in), {});
-    const auto bands = text.find("[[bands]]"), wall = text.find("# What the fingers feel");
+    const auto bands = text.find("[[bands]]"), wall = text.find("[wall]");
     ASSERT_TRUE(bands != std::string::npos && wall != std::string::npos);
     text.replace(bands, wall - bands, "[[bands]]\nlow_n = 0.5\nhigh_n = 6.0\n\n");
     const auto replace = [&](const std::string& what, const std::string& by) {
