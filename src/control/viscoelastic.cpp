@@ -11,11 +11,11 @@ CushionStep advanceCushion(const Cushion& cushion, double travel, double depth, 
   const double k = cushion.stiffness, k_s = cushion.return_stiffness;
   if (!std::isfinite(travel) || !std::isfinite(depth) || !(k > 0.0)) return {};
   const double before = std::max(0.0, travel), pressed = k * std::max(0.0, depth);
-  const auto effortAt = [=](double y) { return std::max(0.0, pressed - k * y); };
+  const auto effort_at = [=](double y) { return std::max(0.0, pressed - k * y); };
   const auto after = [=](double resistance, double push, double spring) {
     return (resistance * before + elapsed_s * push) / (resistance + elapsed_s * spring);
   };
-  const double q = effortAt(before) - k_s * before;  // if nothing flowed
+  const double q = effort_at(before) - k_s * before;  // if nothing flowed
   double y = before;
   if (open && q > cushion.opening) {
     y = after(cushion.resistance, pressed - cushion.opening, k + k_s);
@@ -23,7 +23,7 @@ CushionStep advanceCushion(const Cushion& cushion, double travel, double depth, 
     y = after(cushion.air_resistance, pressed, k + k_s);
     if (k * y > pressed) y = after(cushion.air_resistance, 0.0, k_s);  // the digit left the shell
   }
-  return std::isfinite(y) ? CushionStep{y, effortAt(y)} : CushionStep{};
+  return std::isfinite(y) ? CushionStep{y, effort_at(y)} : CushionStep{};
 }
 
 double cushionEnergy_j(const Cushion& cushion, const CushionStep& at) noexcept {
