@@ -36,8 +36,8 @@ struct CushionStep {
 [[nodiscard]] WHOLEHAND_RT double cushionEnergy_j(const Cushion& cushion,
                                                   const CushionStep& at) noexcept;
 
-/// Damping that a delay of n ticks makes a cushion ask for beyond its bare spring: n² k² T²/4d, d the
-/// least of its resistances (docs/certificate.md) [N·s/m or N·m·s/rad]. 0 without delay.
+/// Damping that a delay of n ticks makes a cushion ask for beyond its bare spring: n² k² T²/4d, d
+/// the least of its resistances (docs/certificate.md) [N·s/m or N·m·s/rad]. 0 without delay.
 [[nodiscard]] double lateDamping(double stiffness, double least_resistance, int delay_ticks,
                                  double period_s) noexcept;
 
