@@ -34,10 +34,10 @@ async function open({ browser, url, opened }, path, shown) {
 const openGame = (all) => open(all, '/', 'start]:enabled');
 const openConsole = (all) => open(all, '/console', 'load]');
 
-/** Another level, and Start. */
+/** Another level, and Start, where the card of the moment has them: it changes with what others do. */
 const pressStart = (page) => page.evaluate(() => {
-  [...document.querySelectorAll('[data-level]')].find((button) => button.getAttribute('aria-pressed') === 'false').click();
-  document.querySelector('[data-testid=start]').click();
+  document.querySelector('[data-level][aria-pressed=false]')?.click();
+  document.querySelector('[data-testid=start]')?.click();
 });
 
 /**
