@@ -9,7 +9,7 @@ const GORES = 12;
 /** The basket's middle under the envelope's, of a balloon of radius 1. */
 export const BASKET_Y = -1.86;
 /** The burner, over the basket. */
-const FLAME_Y = -1.62;
+const FLAME_Y = -1.68;
 /** Half outline over the mouth, of a balloon of radius 1: from the mouth to the crown. */
 const OUTLINE = [[0.2, -1.28], [0.36, -1.12], [0.62, -0.78], [0.86, -0.38], [0.98, 0], [0.99, 0.22], [0.9, 0.52], [0.7, 0.78], [0.4, 0.95], [0, 1]] as const;
 
@@ -46,7 +46,7 @@ export function makeBalloon(radius_m: number, { main, stripe }: BalloonColors, q
 /** The burner's flame under the mouth, of a balloon of radius 1; it stands on its foot. */
 export function makeFlame(): Group {
   const root = new Group();
-  for (const [radius, tall, color] of [[0.13, 0.62, '#FF9A2E'], [0.07, 0.4, '#FFF0B0']] as const) {
+  for (const [radius, tall, color] of [[0.2, 0.66, '#FF9A2E'], [0.11, 0.44, '#FFF0B0']] as const) {
     const tongue = new Mesh(new ConeGeometry(radius, tall, 16), flat(color, { transparent: true, opacity: 0.92 }));
     tongue.position.y = tall / 2;
     root.add(tongue);
