@@ -104,10 +104,21 @@ process.once('exit', () => rmSync(folder, { recursive: true, force: true }));
 for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.once(signal, () => process.exit(1));
 const harness = new Harness({ file: resolve(options.program ?? join(WEB, '..', 'build', 'release', 'wholehand')), folder, output });
 const count = { ok: 0, FAIL: 0, 'not judged': 0 };
+const failed = [];
 try {
-  for (const [name, check, how] of TESTS) {
+  for (const test of TESTS) {
+    const name = test[0];
     if ((!FULL && name.endsWith('_slow')) || (wanted.length > 0 && !wanted.some((part) => name.includes(part)))) continue;
-    count[await harness.run(name, check, how)] += 1;
+    const verdict = await harness.run(...test);
+    if (verdict === 'FAIL' && !FULL) failed.push(test);
+    else count[verdict] += 1;
+  }
+  // Once more, at the end: what passes now is a defect of the test, which ./check names (docs/adr/0072-the-check.md).
+  for (const test of failed) {
+    console.log(`once more: ${test[0]}`);
+    const verdict = await harness.run(...test);
+    count[verdict] += 1;
+    if (verdict !== 'FAIL') console.log(`unsteady: ${test[0]}`);
   }
 } finally {
   await harness.close();
