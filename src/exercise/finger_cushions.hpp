@@ -29,8 +29,17 @@ inline constexpr double kThinnestRatio = 0.1, kThickestRatio = 2.0;
 /// A liquid of less resistance at the tip is not felt [N·s/m].
 inline constexpr double kLeastFelt_n_s_m = 1.0;
 
-/// Reads [bottle]; reports faults to the file. Not real-time safe.
+/// Reads [bottle], without its liquid; reports faults to the file. Not real-time safe.
 [[nodiscard]] Bottle readBottle(TomlTable& table);
+
+/// The bottle filled with a table's liquid, viscosity_pa_s; reports one that is not felt. Not real-time
+/// safe.
+[[nodiscard]] Bottle readLiquid(TomlTable& table, Bottle bottle);
+
+[[nodiscard]] inline Bottle filledWith(Bottle bottle, double viscosity_pa_s) {
+  bottle.nozzle.viscosity_pa_s = viscosity_pa_s;
+  return bottle;
+}
 
 /// The cushion of each axis, in the axis's units; no stiffness where it has no wall.
 [[nodiscard]] std::vector<Cushion> cushionsOf(const Bottle& bottle, const FingerWallConfig& walls);
@@ -41,14 +50,16 @@ inline constexpr double kLeastFelt_n_s_m = 1.0;
 
 /// Factors on the file's numbers.
 struct CushionRatios {
-  double stiffness = 1.0, viscosity = 1.0;
+  double stiffness = 1.0, viscosity = 1.0, opening = 1.0;
+  bool empty = false;  ///< air in place of the liquid
 };
 
 /// What the digits do to a bottle in a tick.
 struct BottlePress {
   AxisPosition travel;        ///< y of each axis
   AxisEffort effort;          ///< f_e of each axis, against closing
-  double displaced_m3 = 0.0;  ///< liquid out of the nozzle; negative: air into it
+  double out_m3 = 0.0;        ///< liquid out of the nozzle, >= 0
+  double pressed_m3 = 0.0;    ///< what the shell is pressed in by
 };
 
 /// Advances the cushions behind the walls by one tick. α scales the effort and the liquid alike. An

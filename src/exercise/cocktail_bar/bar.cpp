@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstddef>
 #include <map>
 #include <numbers>
@@ -55,7 +56,7 @@ bool isColor(const std::string& text) {
 // Every reader reports faults of its table to the file and returns valid defaults.
 
 void readWall(TomlTable& wall, const DeviceModel& device, Bar& bar) {
-  FingerWallFile file = readFingerWalls(wall, device);
+  FingerWallFile file = readFingerWalls(wall, device, WallDamping::kInSeries);
   bar.lead_in_m = file.lead_in_m;
   bar.transition = file.transition;
   bar.walls = file.walls;
@@ -104,7 +105,7 @@ void readScoring(TomlTable& table, BarScoring& scoring) {
   }
 }
 
-std::vector<BarLiquid> readLiquids(TomlTable& root) {
+std::vector<BarLiquid> readLiquids(TomlTable& root, const Bottle& bottle) {
   std::vector<BarLiquid> liquids;
   std::vector<std::string> names;
   for (TomlTable& t : root.tables("liquids", 1)) {
@@ -117,8 +118,7 @@ std::vector<BarLiquid> readLiquids(TomlTable& root) {
     }
     l.pattern = t.choice("pattern", {"stripes", "dots", "waves", "rings"});
     l.symbol = t.choice("symbol", {"triangle", "circle", "square", "diamond"});
-    l.viscosity = t.number("viscosity", between(0.1, 100.0));
-    l.stiffness = t.number("stiffness", between(0.1, 100.0));
+    l.viscosity_pa_s = readLiquid(t, bottle).nozzle.viscosity_pa_s;
     names.push_back(l.name);
     liquids.push_back(l);
   }
@@ -450,9 +450,8 @@ void readPlain(TomlTable& root, const DeviceModel& device, Bar& bar) {
   bar.squeeze.filter_hz = squeeze.number("filter_hz", above(0.0, 1000.0, "Hz"));
   bar.squeeze.full_n = squeeze.number("full_n", above(0.0, 1000.0, "N"));
   bar.squeeze.let_go_n = squeeze.number("let_go_n", above(0.0, 100.0, "N"));
-  TomlTable flow = root.table("flow");
-  bar.flow.l_per_s_n = flow.number("l_per_s_n", above(0.0, 1.0, "l/(s N)"));
-  bar.flow.max_l_s = flow.number("max_l_s", above(0.0, 1.0, "l/s"));
+  TomlTable bottle = root.table("bottle");
+  bar.bottle = readBottle(bottle);
   TomlTable glass = root.table("glass");
   readGlass(glass, bar.glass);
   if (std::optional<TomlTable> row = root.optionalTable("row")) readRow(*row, bar.row);
@@ -465,6 +464,12 @@ void readPlain(TomlTable& root, const DeviceModel& device, Bar& bar) {
 
 }  // namespace
 
+double thinnest_pa_s(const std::vector<BarLiquid>& liquids) {
+  double least = HUGE_VAL;
+  for (const BarLiquid& l : liquids) least = std::min(least, l.viscosity_pa_s);
+  return least;
+}
+
 Expected<LoadedBar> loadBar(TomlFile& file, const ExerciseSource& source) {
   TomlTable& root = file.root();
   LoadedBar out;
@@ -474,7 +479,7 @@ Expected<LoadedBar> loadBar(TomlFile& file, const ExerciseSource& source) {
   bar.x_axis = source.device->axisIndex("x");
   readPlain(root, *source.device, bar);
   BarParts parts;
-  parts.liquids = readLiquids(root);
+  parts.liquids = readLiquids(root, bar.bottle);
   parts.dispensers = readDispensers(root, parts.liquids);
   parts.drinks = readDrinks(root, parts.liquids);
   parts.levels = readLevels(root, parts);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "control/virtual_wall.hpp"
+#include "exercise/finger_cushions.hpp"
 #include "exercise/finger_walls.hpp"
 #include "exercise/load_exercise.hpp"
 #include "model/scene/scene_model.hpp"
@@ -18,9 +19,11 @@ inline constexpr int kMaxSteps = 8;       ///< most steps of a drink
 
 struct BarLiquid {
   std::string name, color, pattern, symbol;
-  double viscosity = 1.0;  ///< relative to the thinnest liquid
-  double stiffness = 1.0;  ///< relative to the softest liquid
+  double viscosity_pa_s = 1.0;
 };
+
+/// The least viscosity of them.
+[[nodiscard]] double thinnest_pa_s(const std::vector<BarLiquid>& liquids);
 
 struct BarDispenser {
   std::string body;
@@ -81,13 +84,9 @@ struct BarDrawnBack {
 /// Squeeze: force on the digits that grip a dispenser, low-passed [N at the fingertips].
 struct BarSqueeze {
   double filter_hz = 5.0;
-  double threshold_n = 0.0, low_n = 0.0, high_n = 0.0, full_n = 0.0;
+  double threshold_n = 0.0;  ///< less leaves the nozzle closed
+  double low_n = 0.0, high_n = 0.0, full_n = 0.0;
   double let_go_n = 0.0;
-};
-
-struct BarFlow {
-  double l_per_s_n = 0.0;  ///< flow per force above the threshold, thinnest liquid
-  double max_l_s = 0.0;    ///< largest flow, thinnest liquid
 };
 
 /// A free dispenser that was knocked over or pushed out of reach.
@@ -110,10 +109,10 @@ struct Bar {
   std::vector<std::string> level_names;
   double lead_in_m = 0.0;
   TransitionConfig transition;
-  FingerWallConfig walls;   ///< for the softest and thinnest liquid
+  FingerWallConfig walls;   ///< the shells' stiffness
+  Bottle bottle;            ///< of every dispenser, without its liquid
   AxisEffort effort_limit;  ///< limit of the device
   BarSqueeze squeeze;
-  BarFlow flow;
   BarGlass glass;
   BarRow row;
   BarDrawnBack drawn_back;

@@ -35,7 +35,7 @@ BarParameters::BarParameters(const Bar& bar, const BarLayout& layout)
                 layout.grip_m.x()),
       grip_y_m_(bar.dispensers.front().grip_m.y() - layout.grip_m.y()) {
   all_ = {{"wall_stiffness_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
-          {"wall_damping_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
+          {"viscosity_ratio", "1", kThinnestRatio, kThickestRatio, 1.0, 0.5},
           {"lead_in_m", "m", 0.0, kLargestLeadIn_m, bar.lead_in_m, 0.005},
           {"squeeze_threshold_ratio", "1", 0.25, 2.0, 1.0, 0.5},
           ranged("line_tolerance_l", "l", kFinest_l, kWidest_l,

@@ -18,7 +18,7 @@ struct RowReach {
 /// Live parameters of the bar, set by a therapist. Parameters of axes that the device lacks are
 /// left out.
 ///
-///   wall_stiffness_ratio, wall_damping_ratio   factors on those of the file
+///   wall_stiffness_ratio, viscosity_ratio   factors on those of the file
 ///   lead_in_m, squeeze_threshold_ratio         as in the file; factor on those of the level
 ///   line_tolerance_l    of every step; at least a tenth of what it asks for stays to be poured
 ///   wall_fade_s         T_on: how long a wall takes to fade in
@@ -33,7 +33,7 @@ class BarParameters {
 
   // Accessors of the current values, in the order of all(). Real-time safe.
   [[nodiscard]] WHOLEHAND_RT double stiffness(const double* v) const noexcept { return v[0]; }
-  [[nodiscard]] WHOLEHAND_RT double damping(const double* v) const noexcept { return v[1]; }
+  [[nodiscard]] WHOLEHAND_RT double viscosity(const double* v) const noexcept { return v[1]; }
   [[nodiscard]] WHOLEHAND_RT double leadIn_m(const double* v) const noexcept { return v[2]; }
   [[nodiscard]] WHOLEHAND_RT double threshold(const double* v) const noexcept { return v[3]; }
   [[nodiscard]] WHOLEHAND_RT double tolerance_l(const double* v) const noexcept { return v[4]; }

@@ -20,7 +20,7 @@ constexpr double kFarthestOff_m = 0.012;  // ... at most
 constexpr double kHoldShare = 0.82;       // share of the zone's lower end: holds without pouring
 constexpr double kHeld = 0.08;            // relative tolerance of a hold
 constexpr double kReleaseLag_s = 0.1;     // time that a flow continues after letting go
-constexpr double kEaseLag_s = 0.5;        // and after easing the grip
+constexpr double kEaseLag_s = 0.7;        // and after easing the grip
 constexpr double kSettled_s = 0.3;        // a hold is stable after this time
 constexpr double kSlowerAtFirst = 2.0;    // the first motion of a hand that somebody else led
 constexpr double kNear_m = 0.06;          // the hand is at a dispenser within this distance
@@ -143,7 +143,7 @@ const BarStatus& BarPlayer::remember() const noexcept {
 
 bool BarPlayer::wantsToGrasp(const BarStatus& seen) const noexcept {
   return (seen.stage == BarStage::kReach || seen.stage == BarStage::kSqueeze ||
-          seen.stage == BarStage::kPouring) &&
+          seen.stage == BarStage::kPouring || seen.stage == BarStage::kBreathe) &&
          seen.target >= 0 && seen.target < layout_.dispenser_count;
 }
 
@@ -255,6 +255,7 @@ void BarPlayer::next(const BarStatus& seen, const TickRecord& record) noexcept {
       return go(Phase::kOpen);
     case Phase::kOpen:
       // Too little yet: squeezes again from here. A failed grasp is restarted.
+      if (more && !free && seen.stage == BarStage::kBreathe && since_s_ < kGivesUp_s) return;
       if (more && !free && tries_ < kMostTries) return go(Phase::kSqueeze);
       return go(dispenser_ >= 0 ? Phase::kLeave : Phase::kDrawBack);
     case Phase::kLeave:
@@ -292,6 +293,10 @@ void BarPlayer::pressBy(const BarStatus& seen) noexcept {
   const double lag_s = character_.reaction_s + (free ? kEaseLag_s : kReleaseLag_s);
   const double coming_l = character_.judgement * seen.flow_l_s * lag_s;
   const bool enough = seen.asked_l > 0.0 && seen.poured_l + coming_l >= seen.asked_l;
+  // A spent stroke is no failed try: air comes back, and the hand squeezes again.
+  if (seen.stage == BarStage::kBreathe && since_s_ > character_.reaction_s) {
+    return go(free ? Phase::kEase : Phase::kOpen);
+  }
   const bool wrong = seen.engaged >= 0 && seen.engaged != dispenser_;
   const bool worthwhile = std::abs(seen.poured_l - poured_l_) > kWorthwhile_l;
   stalled_s_ = worthwhile ? 0.0 : stalled_s_ + period_s_;

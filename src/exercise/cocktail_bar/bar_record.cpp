@@ -21,8 +21,8 @@ Json liquidsJson(const Bar& bar) {
                    {"color", l.color},
                    {"pattern", l.pattern},
                    {"symbol", l.symbol},
-                   {"viscosity", l.viscosity},
-                   {"stiffness", l.stiffness}});
+                   {"viscosity_pa_s", l.viscosity_pa_s},
+                   {"resistance_n_s_m", filledWith(bar.bottle, l.viscosity_pa_s).resistance()}});
   }
   return out;
 }

@@ -21,7 +21,8 @@ enum class BarStage : std::int32_t {
   kLetGo,
   kDrinkDone,
   kLevelDone,
-  kDrawBack
+  kDrawBack,
+  kBreathe  ///< the stroke is spent: let go, until air has filled the shell
 };
 
 /// Events of the bar.
@@ -94,6 +95,7 @@ enum class BarValue : std::int32_t {
   kPaused,
   kPalmDispenser,
   kResumeDrink,
+  kPressed,
   kCount
 };
 
@@ -126,7 +128,8 @@ inline constexpr std::array<const char*, static_cast<std::size_t>(BarValue::kCou
                       "rest_left_s",
                       "paused",
                       "palm_dispenser",
-                      "resume_drink"};
+                      "resume_drink",
+                      "pressed_l"};
 
 /// Names of all values of a bar, in the order of ExerciseRecord::values.
 [[nodiscard]] std::vector<std::string> barValueNames(const Bar& bar);

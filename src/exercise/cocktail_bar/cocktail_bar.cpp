@@ -7,6 +7,7 @@
 #include "exercise/cocktail_bar/pouring.hpp"
 #include "exercise/cocktail_bar/recipe.hpp"
 #include "exercise/cocktail_bar/serving.hpp"
+#include "exercise/finger_cushions.hpp"
 #include "exercise/finger_walls.hpp"
 #include "exercise/grip.hpp"
 
@@ -22,6 +23,8 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// Margin on the engaging distance within which the closure is queried and the approach is
 /// reported.
 constexpr double kApproach_m = 0.05;
+/// The nozzle's slit is wide open from this squeeze over its threshold on.
+constexpr double kOpens_n = 0.5;
 
 class CocktailBar final : public Exercise {
  public:
@@ -44,7 +47,11 @@ class CocktailBar final : public Exercise {
     description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());
     description_.resume_value = static_cast<int>(BarValue::kResumeDrink);
     description_.json = barJson(bar_);
-    for (const BarDispenser& d : bar_.dispensers) targets_.set(d.body_index);
+    for (const BarDispenser& d : bar_.dispensers) {
+      targets_.set(d.body_index);
+      const double viscosity_pa_s = bar_.liquids[d.liquid].viscosity_pa_s;
+      cushions_.push_back(cushionsOf(filledWith(bar_.bottle, viscosity_pa_s), bar_.walls));
+    }
     reset();
   }
   CocktailBar(const CocktailBar&) = delete;
@@ -60,6 +67,8 @@ class CocktailBar final : public Exercise {
     recipe_.reset();
     transition_ = TransitionState{};
     walls_ = FingerWallState{};
+    travel_ = AxisPosition{};
+    stroke_ = Stroke{};
     soft_touches_ = SoftTouches{};
     at_ = near_ = -1;
     approached_ = -1;
@@ -88,7 +97,7 @@ class CocktailBar final : public Exercise {
     serving_.tick(senses, posture_, recipe_.order().dispenser, parameters_.reach(input.parameters),
                   !paused_, placements);
     tellUpsets(out);
-    pouring_.tick(senses, recipe_.order(), held(), serving_.leaking(),
+    pouring_.tick(senses, recipe_.order(), held(), stroke_, serving_.leaking(),
                   parameters_.threshold(input.parameters), !paused_, out);
     if (!paused_) {
       recipe_.tick(senses.elapsed_s, held(), serving_.pending(), pouring_, out);
@@ -152,7 +161,10 @@ class CocktailBar final : public Exercise {
   /// walls' gains, changes only at α = 0.
   void engage(const BarObservation& senses, const ExerciseInput& input,
               ExerciseRecord& out) noexcept {
-    if (!(transition_.u > 0.0)) at_ = senses.nearest;
+    if (!(transition_.u > 0.0) && at_ != senses.nearest) {
+      at_ = senses.nearest;
+      travel_ = AxisPosition{};
+    }
     const bool was_engaged = transition_.engaged;
     const double distance_m = at_ >= 0 && senses.nearest == at_ ? senses.palm_m : kInfinite;
     TransitionConfig fading = bar_.transition;
@@ -194,17 +206,38 @@ class CocktailBar final : public Exercise {
     }
     walls_ = followClosure(walls_, sight, parameters_.leadIn_m(input.parameters), alpha, bar_.walls,
                            senses.elapsed_s);
-    WallRatios ratios{parameters_.stiffness(input.parameters),
-                      parameters_.damping(input.parameters)};
-    if (at_ >= 0) {
-      const BarLiquid& liquid = bar_.liquids[bar_.dispensers[at_].liquid];
-      ratios.stiffness *= liquid.stiffness;
-      ratios.damping *= liquid.viscosity;
-    }
-    out.effort = fingerWallEffort(walls_, seen.q_m, seen.qd_mf, alpha, ratios, bar_.walls);
+    out.effort = AxisEffort(bar_.walls.axes);
     out.alpha = alpha;
     out.wall = walls_.position;
     out.wall_active = walls_.known;
+    if (at_ >= 0) press(senses, input, alpha, out);
+  }
+
+  /// The cushions of the dispenser with the walls. Its nozzle opens to the digits on their palmar
+  /// side, while the hand holds it, from the squeeze's threshold on.
+  void press(const BarObservation& senses, const ExerciseInput& input, double alpha,
+             ExerciseRecord& out) noexcept {
+    const double threshold = parameters_.threshold(input.parameters);
+    const double over_n = pouring_.squeeze_n(at_) - threshold * bar_.squeeze.threshold_n;
+    const double slit = held() == at_ && !paused_ ? std::clamp(over_n / kOpens_n, 0.0, 1.0) : 0.0;
+    std::uint32_t open = 0;
+    for (int a = 0; a < bar_.walls.axes; ++a) {
+      if (slit > 0.0 && soft_touches_[a].palmar_depth_m > 0.0) open |= 1U << a;
+    }
+    const double viscosity = parameters_.viscosity(input.parameters);
+    const CushionRatios ratios{parameters_.stiffness(input.parameters),
+                               slit > 0.0 ? viscosity / slit : viscosity, threshold,
+                               pouring_.empty(at_)};
+    const BottlePress pressed =
+        pressBottle(travel_, walls_, input.observed->q_m, open, alpha, ratios, cushions_[at_],
+                    bar_.bottle.area_m2, bar_.walls, senses.elapsed_s);
+    constexpr double kPerM3 = 1e3;
+    travel_ = pressed.travel;
+    stroke_ = {kPerM3 * pressed.out_m3, kPerM3 * pressed.pressed_m3};
+    out.effort = pressed.effort;
+    for (int a = 0; a < bar_.walls.axes; ++a) {
+      if (walls_.known[a]) out.wall[a] += travel_[a];  // the shell stands where the liquid has gone
+    }
   }
 
   /// Squeeze of every dispenser at the fingertips: contacts, and the walls of one.
@@ -246,7 +279,10 @@ class CocktailBar final : public Exercise {
   Pouring pouring_;
   Recipe recipe_;
   TransitionState transition_;
+  std::vector<std::vector<Cushion>> cushions_;  ///< of each dispenser
   FingerWallState walls_;
+  AxisPosition travel_;  ///< of the cushions of the dispenser with the walls
+  Stroke stroke_;
   SoftTouches soft_touches_;  ///< of the dispenser with the walls
   int at_ = -1;               ///< dispenser with the walls; changes only at α = 0
   int near_ = -1;             ///< dispenser of the next closure query
@@ -293,21 +329,13 @@ void CocktailBar::show(const BarObservation& senses, const ExerciseInput& input,
   set(BarValue::kPaused, paused_ ? 1.0 : 0.0);
   set(BarValue::kPalmDispenser, senses.nearest);
   set(BarValue::kResumeDrink, recipe_.resumeDrink());
+  set(BarValue::kPressed, held() >= 0 ? stroke_.pressed_l : 0.0);
   auto next = static_cast<std::size_t>(BarValue::kCount);
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
     out.values[next++] = ledger.left_l(static_cast<int>(i));
   }
   for (int i = 0; i < kMaxSteps; ++i) out.values[next++] = ledger.layer_l(i);
   out.value_count = static_cast<std::int32_t>(next);
-}
-
-std::vector<ExerciseWall> stiffestWalls(const Bar& bar) {
-  double stiffest = 0.0, thickest = 0.0;
-  for (const BarDispenser& d : bar.dispensers) {
-    stiffest = std::max(stiffest, bar.liquids[d.liquid].stiffness);
-    thickest = std::max(thickest, bar.liquids[d.liquid].viscosity);
-  }
-  return stiffestWalls(bar.walls, stiffest, thickest);
 }
 
 }  // namespace
@@ -317,7 +345,8 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   if (!loaded) return loaded.errors();
   LoadedExercise out;
   out.files = {source.path, loaded->scene.path};
-  out.walls = stiffestWalls(loaded->bar);
+  out.walls = stiffestCushions(
+      filledWith(loaded->bar.bottle, thinnest_pa_s(loaded->bar.liquids)), loaded->bar.walls);
   loaded->bar.reach = reachOf(makeBarLayout(loaded->bar, *source.device, source.hand),
                               loaded->bar.transition.engage_m);
   out.exercise =

@@ -10,6 +10,10 @@ namespace wholehand {
 namespace {
 
 constexpr double kPerLitre = 1e12;
+/// A stroke that pressed the shell in by more than this is spent when its flow is less than this, and
+/// than this share of its fastest, for this long; until air has brought the shell back to this share.
+constexpr double kLeastStroke_l = 0.002, kSlow_l_s = 0.001, kSlow = 0.15, kSlow_s = 0.3,
+                 kBack = 0.15;
 
 std::int64_t picolitres(double volume_l) noexcept {
   return volume_l > 0.0 ? std::llround(std::min(volume_l, 1e3) * kPerLitre) : 0;  // NaN: 0
@@ -84,7 +88,8 @@ void Pouring::reset() noexcept {
   squeeze_n_ = {};
   flowing_ = -1;
   flow_l_s_ = 0.0;
-  into_glass_ = spilling_ = false;
+  into_glass_ = spilling_ = spent_ = false;
+  fastest_l_s_ = slow_s_ = spent_at_l_ = 0.0;
 }
 
 double Pouring::squeeze_n(int dispenser) const noexcept {
@@ -96,15 +101,19 @@ bool Pouring::letGo(int dispenser) const noexcept {
          !(flowing_ == dispenser && flow_l_s_ > 0.0);
 }
 
-double Pouring::wanted_l_s(int dispenser, double threshold_ratio) const noexcept {
-  const BarDispenser& d = bar_.dispensers[dispenser];
-  const double over_n = squeeze_n(dispenser) - threshold_ratio * bar_.squeeze.threshold_n;
-  const double thinnest_l_s = std::clamp(bar_.flow.l_per_s_n * over_n, 0.0, bar_.flow.max_l_s);
-  return thinnest_l_s / bar_.liquids[d.liquid].viscosity;
+void Pouring::follow(const Stroke& stroke, bool squeezes, double elapsed_s) noexcept {
+  if (spent_ && stroke.pressed_l <= kBack * spent_at_l_) spent_ = false;
+  if (stroke.pressed_l < kLeastStroke_l) fastest_l_s_ = slow_s_ = 0.0;
+  fastest_l_s_ = std::max(fastest_l_s_, flow_l_s_);
+  const bool slow = squeezes && stroke.pressed_l >= kLeastStroke_l && flow_l_s_ < std::min(kSlow_l_s, kSlow * fastest_l_s_);
+  slow_s_ = slow ? slow_s_ + elapsed_s : 0.0;
+  if (spent_ || slow_s_ < kSlow_s) return;
+  spent_ = true;
+  spent_at_l_ = stroke.pressed_l;
 }
 
 void Pouring::tick(const BarObservation& senses, const PourOrder& order, int engaged,
-                   unsigned leaking, double threshold_ratio, bool running,
+                   const Stroke& stroke, unsigned leaking, double threshold_ratio, bool running,
                    ExerciseRecord& out) noexcept {
   const double tau_s = 1.0 / (2.0 * std::numbers::pi * bar_.squeeze.filter_hz);
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
@@ -117,22 +126,22 @@ void Pouring::tick(const BarObservation& senses, const PourOrder& order, int eng
   flow_l_s_ = 0.0;
   into_glass_ = false;
   if (running && engaged >= 0) {
-    const double wanted_l = wanted_l_s(engaged, threshold_ratio) * senses.elapsed_s;
     const bool over = engaged == order.dispenser && senses.overGlass(engaged, bar_.glass);
     const double room_l = order.amount_l + order.tolerance_l - before_l;
     const bool had = !empty(engaged);
     const double went_l =
-        over ? ledger_.pour(engaged, wanted_l, order.step, room_l, bar_.glass.capacity_l)
-             : ledger_.spill(engaged, wanted_l);
+        over ? ledger_.pour(engaged, stroke.out_l, order.step, room_l, bar_.glass.capacity_l)
+             : ledger_.spill(engaged, stroke.out_l);
     flow_l_s_ = went_l / senses.elapsed_s;
     into_glass_ = over && went_l > 0.0;
     if (had && empty(engaged)) addEvent(out, BarEvent::kEmpty, engaged);
   }
+  follow(engaged >= 0 ? stroke : Stroke{},
+         squeeze_n(engaged) >= threshold_ratio * bar_.squeeze.threshold_n, senses.elapsed_s);
   for (std::size_t i = 0; running && i < bar_.dispensers.size(); ++i) {
-    const BarLiquid& liquid = bar_.liquids[bar_.dispensers[i].liquid];
     if ((leaking >> i & 1U) == 0U) continue;
-    (void)ledger_.spill(static_cast<int>(i),
-                        bar_.upset.leak_l_s / liquid.viscosity * senses.elapsed_s);
+    const double thicker = bar_.liquids[bar_.dispensers[i].liquid].viscosity_pa_s / thinnest_pa_s_;
+    (void)ledger_.spill(static_cast<int>(i), bar_.upset.leak_l_s / thicker * senses.elapsed_s);
   }
   tellOf(order, before_l, spilt_before_l, was_into_glass, out);
 }

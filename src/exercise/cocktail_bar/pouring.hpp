@@ -50,14 +50,19 @@ struct PourOrder {
   double amount_l = 0.0, tolerance_l = 0.0;
 };
 
-/// Squeeze, flow and its destination. Flow of the held dispenser:
-///   clamp(l_per_s_n · (squeeze − threshold), 0, max_l_s) / viscosity,
-/// squeeze the low-passed force felt at the fingertips (feltSqueeze_n). The flow goes into the
-/// glass if the dispenser is the target and its nozzle is over the glass, as far as tolerance and
-/// glass allow; otherwise it is spilt.
+/// What the hand's cushions do to the dispenser that it holds, in a tick.
+struct Stroke {
+  double out_l = 0.0;      ///< liquid out of the nozzle
+  double pressed_l = 0.0;  ///< what the shell is pressed in by
+};
+
+/// Squeeze, flow and its destination. The squeeze is the low-passed force felt at the fingertips
+/// (feltSqueeze_n), the flow what leaves the held dispenser's cushions. It goes into the glass if the
+/// dispenser is the target and its nozzle is over the glass, as far as tolerance and glass allow;
+/// otherwise it is spilt.
 class Pouring {
  public:
-  explicit Pouring(const Bar& bar) : bar_(bar) { reset(); }
+  explicit Pouring(const Bar& bar) : bar_(bar), thinnest_pa_s_(thinnest_pa_s(bar.liquids)) { reset(); }
 
   void reset() noexcept;
   void newGlass() noexcept { ledger_.newGlass(); }
@@ -65,8 +70,8 @@ class Pouring {
   /// @param engaged the held dispenser, -1: none @param leaking bits of lying, leaking dispensers
   /// @param threshold_ratio factor on the squeeze's thresholds @param running false: nothing flows
   WHOLEHAND_RT void tick(const BarObservation& senses, const PourOrder& order, int engaged,
-                         unsigned leaking, double threshold_ratio, bool running,
-                         ExerciseRecord& out) noexcept;
+                         const Stroke& stroke, unsigned leaking, double threshold_ratio,
+                         bool running, ExerciseRecord& out) noexcept;
 
   [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
   [[nodiscard]] double squeeze_n(int dispenser) const noexcept;
@@ -76,21 +81,27 @@ class Pouring {
   [[nodiscard]] bool empty(int dispenser) const noexcept {
     return !(ledger_.left_l(dispenser) > 0.0);
   }
+  /// The held dispenser is pressed in and hardly flows any more, until air has filled its shell.
+  [[nodiscard]] bool spent() const noexcept { return spent_; }
   /// The dispenser does not flow and the hand does not press it.
   [[nodiscard]] bool letGo(int dispenser) const noexcept;
 
  private:
-  [[nodiscard]] double wanted_l_s(int dispenser, double threshold_ratio) const noexcept;
+  void follow(const Stroke& stroke, bool squeezes, double elapsed_s) noexcept;
   void tellOf(const PourOrder& order, double before_l, double spilt_before_l, bool was_into_glass,
               ExerciseRecord& out) noexcept;
 
   const Bar& bar_;
+  const double thinnest_pa_s_;
   Ledger ledger_;
   std::array<double, kMaxDispensers> squeeze_n_{};
   int flowing_ = -1;  ///< dispenser of flow_l_s_
   double flow_l_s_ = 0.0;
   bool into_glass_ = false;
   bool spilling_ = false;
+  bool spent_ = false;
+  double fastest_l_s_ = 0.0, slow_s_ = 0.0;  ///< of this stroke
+  double spent_at_l_ = 0.0;                  ///< pressed in when it was spent
 };
 
 }  // namespace wholehand

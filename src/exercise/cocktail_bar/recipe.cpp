@@ -62,6 +62,7 @@ BarStage Recipe::stageOfStep(int held, bool pending, const Pouring& pouring) con
   const bool enough = pouring.ledger().layer_l(step_) >= asked.amount_l - asked.tolerance_l;
   if (enough || pouring.empty(asked.dispenser)) return BarStage::kLetGo;
   if (held != asked.dispenser) return BarStage::kReach;
+  if (pouring.spent()) return BarStage::kBreathe;
   return pouring.intoGlass() ? BarStage::kPouring : BarStage::kSqueeze;
 }
 

@@ -139,7 +139,7 @@ class SqueezeToLevel final : public Exercise {
         pressBottle(travel_, walls_, seen.q_m, open, out.alpha, ratios, cushions_,
                     task_.bottle.area_m2, task_.wall.walls, elapsed_s);
     travel_ = press.travel;
-    flow_ml_s_ = 1e6 * press.displaced_m3 / elapsed_s;
+    flow_ml_s_ = 1e6 * press.out_m3 / elapsed_s;
     out.effort = press.effort;
     out.wall_active = walls_.known;
     out.wall = walls_.position;  // the shell stands where the liquid has gone
@@ -251,7 +251,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   TomlTable wall = root.table("wall");
   task.wall = readFingerWalls(wall, *source.device, WallDamping::kInSeries);
   TomlTable bottle = root.table("bottle");
-  task.bottle = readBottle(bottle);
+  task.bottle = readLiquid(bottle, readBottle(bottle));
 
   LoadedExercise out;
   Diagnostics scene_faults;
