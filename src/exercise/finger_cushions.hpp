@@ -17,7 +17,7 @@ struct Bottle {
   double area_m2 = 0.0;     ///< A: a digit's, on the liquid
   double return_n_m = 0.0;  ///< k_s at the tip
   double opening_n = 0.0;   ///< p₀ A: the valve's, of each digit
-  double air_s = 0.3;       ///< time constant of the air that flows back
+  double air_s = 0.0;       ///< time constant of the air that flows back
   Nozzle nozzle;
 
   /// d at the tip [N·s/m].
@@ -32,8 +32,8 @@ inline constexpr double kLeastFelt_n_s_m = 1.0;
 /// Reads [bottle], without its liquid; reports faults to the file. Not real-time safe.
 [[nodiscard]] Bottle readBottle(TomlTable& table);
 
-/// The bottle filled with a table's liquid, viscosity_pa_s; reports one that is not felt. Not real-time
-/// safe.
+/// The bottle filled with a table's liquid, viscosity_pa_s; reports one that is not felt. Not
+/// real-time safe.
 [[nodiscard]] Bottle readLiquid(TomlTable& table, Bottle bottle);
 
 [[nodiscard]] inline Bottle filledWith(Bottle bottle, double viscosity_pa_s) {
@@ -41,37 +41,48 @@ inline constexpr double kLeastFelt_n_s_m = 1.0;
   return bottle;
 }
 
-/// The cushion of each axis, in the axis's units; no stiffness where it has no wall.
-[[nodiscard]] std::vector<Cushion> cushionsOf(const Bottle& bottle, const FingerWallConfig& walls);
+/// The cushions of a bottle behind the walls, in the axes' units.
+struct Cushions {
+  std::vector<Cushion> axes;   ///< no stiffness where the axis has no wall
+  std::vector<double> out_m3;  ///< liquid per travel of an axis [m³ per m or rad]
+  AxisEffort effort_cap;
+};
+[[nodiscard]] Cushions cushionsOf(const Bottle& bottle, const FingerWallConfig& walls);
 
-/// The walls as covered by the certificate: every liquid from the thinnest to a closed nozzle.
+/// The walls with the live parameters at their stiffest, as covered by the certificate: every
+/// liquid from the thinnest to a closed nozzle.
 [[nodiscard]] std::vector<ExerciseWall> stiffestCushions(const Bottle& bottle,
                                                          const FingerWallConfig& walls);
 
 /// Factors on the file's numbers.
 struct CushionRatios {
   double stiffness = 1.0, viscosity = 1.0, opening = 1.0;
-  bool empty = false;  ///< air in place of the liquid
+};
+
+/// What a bottle meets in a tick.
+struct BottleInput {
+  const FingerWallState& walls;
+  const AxisPosition& q_m;
+  double alpha = 1.0;
+  std::uint32_t open = 0;  ///< bit a: the nozzle is open to axis a
+  bool empty = false;      ///< air in place of the liquid
+  CushionRatios ratios;
+  double elapsed_s = 0.0;
 };
 
 /// What the digits do to a bottle in a tick.
 struct BottlePress {
-  AxisPosition travel;        ///< y of each axis
-  AxisEffort effort;          ///< f_e of each axis, against closing
-  double out_m3 = 0.0;        ///< liquid out of the nozzle, >= 0
-  double pressed_m3 = 0.0;    ///< what the shell is pressed in by
+  AxisPosition travel;      ///< y of each axis
+  AxisEffort effort;        ///< f_e of each axis, against closing
+  double out_m3 = 0.0;      ///< liquid out of the nozzle, >= 0
+  double pressed_m3 = 0.0;  ///< what the shell is pressed in by
 };
 
 /// Advances the cushions behind the walls by one tick. α scales the effort and the liquid alike. An
 /// axis without a wall has let its cushion go. Pure, real-time safe.
 /// @param travel y a tick before; size 0: none
-/// @param open bit a: the nozzle is open to axis a
 [[nodiscard]] WHOLEHAND_RT BottlePress pressBottle(const AxisPosition& travel,
-                                                   const FingerWallState& walls,
-                                                   const AxisPosition& q_m, std::uint32_t open,
-                                                   double alpha, const CushionRatios& ratios,
-                                                   const std::vector<Cushion>& cushions,
-                                                   double area_m2, const FingerWallConfig& config,
-                                                   double elapsed_s) noexcept;
+                                                   const BottleInput& seen,
+                                                   const Cushions& cushions) noexcept;
 
 }  // namespace wholehand

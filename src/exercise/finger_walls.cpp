@@ -1,6 +1,5 @@
 #include "exercise/finger_walls.hpp"
 
-#include "control/virtual_wall.hpp"
 #include "core/printable.hpp"
 #include "model/axis_keys.hpp"
 
@@ -72,19 +71,14 @@ bool moves(const HandModel& hand, int link, int axis) {
 
 constexpr AxisQuantity kStiffness{
     "stiffness_n_m", "stiffness_nm_rad", "stiffness_tip_n_m", 2, 0.0, 1e5};
-constexpr AxisQuantity kDamping{
-    "damping_n_s_m", "damping_nm_s_rad", "damping_tip_n_s_m", 2, 0.0, 1e3};
 /// Share of an axis's effort limit available to a wall.
 constexpr double kCapShare = 0.9;
 
-void readWallAxis(NamedAxis& named, const DeviceModel& device, WallDamping damping,
-                  FingerWallConfig& walls) {
-  const bool in_series = damping == WallDamping::kInSeries;
-  for (const std::string_view key :
-       {kDamping.tip_key, kDamping.rotation_key, kDamping.translation_key}) {
-    if (in_series && named.table.allowKey(key)) {
+void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig& walls) {
+  for (const char* key : {"damping_tip_n_s_m", "damping_nm_s_rad", "damping_n_s_m"}) {
+    if (named.table.allowKey(key)) {
       named.table.fail(key, "has no place beside a liquid",
-                       "remove it; viscosity_pa_s in [bottle] says how fast the wall gives way");
+                       "remove it; viscosity_pa_s says how fast the wall gives way");
     }
   }
   const int i = device.axisIndex(named.name);
@@ -95,7 +89,6 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, WallDamping dampi
                        "take a device that has it; every device plays a motion: "
                        "--scene F --motion F");
       (void)readAxisQuantity(named.table, kStiffness, *kind, 1.0);
-      if (!in_series) (void)readAxisQuantity(named.table, kDamping, *kind, 1.0);
     } else {
       named.table.fail(
           "name",
@@ -113,8 +106,6 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, WallDamping dampi
     return;
   }
   walls.stiffness[i] = readAxisQuantity(named.table, kStiffness, axis.kind, axis.lever_arm_m);
-  if (in_series) return;
-  walls.damping[i] = readAxisQuantity(named.table, kDamping, axis.kind, axis.lever_arm_m);
 }
 
 }  // namespace
@@ -149,7 +140,7 @@ FingerWallState followClosure(const FingerWallState& state, const FingerWallInpu
                               double elapsed_s) noexcept {
   FingerWallState next{AxisPosition(config.axes), AxisFlag(config.axes), seen.q_m};
   for (int i = 0; i < config.axes; ++i) {
-    if (!(config.stiffness[i] > 0.0) && !(config.damping[i] > 0.0)) continue;
+    if (!(config.stiffness[i] > 0.0)) continue;
     const double per_m = 1.0 / config.lever_arm_m[i];
     const bool felt = i < state.known.size() && state.known[i] && alpha > 0.0;
     // A finger before its first touch is not inside, even if the hand model says so.
@@ -183,20 +174,7 @@ FingerWallState followClosure(const FingerWallState& state, const FingerWallInpu
   return next;
 }
 
-AxisEffort fingerWallEffort(const FingerWallState& state, const AxisPosition& q_m,
-                            const AxisVelocity& qd_mf, double alpha, const WallRatios& ratios,
-                            const FingerWallConfig& config) noexcept {
-  AxisEffort effort(config.axes);
-  for (int i = 0; i < config.axes; ++i) {
-    if (!state.known[i]) continue;
-    const VirtualWall wall{state.position[i], 1.0, ratios.stiffness * config.stiffness[i],
-                           ratios.damping * config.damping[i], config.effort_cap[i]};
-    effort[i] = wallEffort(wall, q_m[i], qd_mf[i], alpha);
-  }
-  return effort;
-}
-
-FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device, WallDamping damping) {
+FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device) {
   FingerWallFile out;
   out.lead_in_m = wall.number("lead_in_m", between(0.0, kLargestLeadIn_m, "m"));
   TransitionConfig& t = out.transition;
@@ -212,7 +190,6 @@ FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device, WallD
   out.walls.axes = n;
   out.walls.lever_arm_m = AxisLength(n, 1.0);
   out.walls.stiffness = AxisStiffness(n);
-  out.walls.damping = AxisDamping(n);
   out.walls.effort_cap = out.effort_limit = AxisEffort(n);
   for (int i = 0; i < n; ++i) {
     const DeviceAxis& axis = device.axes[i];
@@ -221,18 +198,7 @@ FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device, WallD
     out.walls.effort_cap[i] = kCapShare * axis.effort_limit;
   }
   out.walls.follow_m_s = wall.number("follow_m_s", above(0.0, 1.0, "m/s"), out.walls.follow_m_s);
-  for (NamedAxis& named : readAxisNames(wall)) readWallAxis(named, device, damping, out.walls);
-  return out;
-}
-
-std::vector<ExerciseWall> stiffestWalls(const FingerWallConfig& walls, double stiffest,
-                                        double thickest) {
-  std::vector<ExerciseWall> out;
-  for (int i = 0; i < walls.axes; ++i) {
-    const double k = kLargestWallRatio * stiffest * walls.stiffness[i];
-    const double d = kLargestWallRatio * thickest * walls.damping[i];
-    if (k > 0.0 || d > 0.0) out.push_back({i, k, d});
-  }
+  for (NamedAxis& named : readAxisNames(wall)) readWallAxis(named, device, out.walls);
   return out;
 }
 

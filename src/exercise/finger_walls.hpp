@@ -19,17 +19,10 @@ namespace wholehand {
 struct FingerWallConfig {
   int axes = 0;
   AxisLength lever_arm_m;    ///< lever arm of the axis; 1 without one
-  AxisStiffness stiffness;   ///< k of the softest target; 0: no wall on the axis
-  AxisDamping damping;       ///< d of the thinnest target
+  AxisStiffness stiffness;   ///< k of the targets' shells; 0: no wall on the axis
   AxisEffort effort_cap;     ///< below the device's limit [N or N·m]
   double soft_m = 0.0;       ///< depth of the targets' soft shells
   double follow_m_s = 0.04;  ///< largest speed of a wall while α > 0, at the tip
-};
-
-/// Factors on the configured gains.
-struct WallRatios {
-  double stiffness = 1.0;
-  double damping = 1.0;
 };
 
 struct FingerWallState {
@@ -74,15 +67,8 @@ struct FingerWallInput {
                                                          const FingerWallConfig& config,
                                                          double elapsed_s) noexcept;
 
-/// Effort f_e of the walls on every axis, Eq. (15) and (17). Pure, real-time safe.
-[[nodiscard]] WHOLEHAND_RT AxisEffort fingerWallEffort(const FingerWallState& state,
-                                                       const AxisPosition& q_m,
-                                                       const AxisVelocity& qd_mf, double alpha,
-                                                       const WallRatios& ratios,
-                                                       const FingerWallConfig& config) noexcept;
-
-/// Upper ends of the live parameters for the walls' gains and their lead-in. The certificate covers
-/// the walls at this ratio.
+/// Upper ends of the live parameters for the walls' stiffness and their lead-in. The certificate
+/// covers the walls at this ratio.
 inline constexpr double kLargestWallRatio = 1.2;
 inline constexpr double kLargestLeadIn_m = 0.02;
 
@@ -94,17 +80,8 @@ struct FingerWallFile {
   AxisEffort effort_limit;  ///< limit of the device, per axis [N or N·m]
 };
 
-/// Whether a wall's damping stands beside its stiffness, or a liquid in series behind it.
-enum class WallDamping { kBeside, kInSeries };
-
 /// Reads [wall] and its [[wall.axes]]; reports faults to the file, an axis that the device lacks by
 /// its name. Not real-time safe.
-[[nodiscard]] FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device,
-                                             WallDamping damping = WallDamping::kBeside);
-
-/// The walls with both live ratios at their upper ends, as covered by the certificate.
-/// @param stiffest, thickest largest factors of the exercise on the file's gains
-[[nodiscard]] std::vector<ExerciseWall> stiffestWalls(const FingerWallConfig& walls,
-                                                      double stiffest = 1.0, double thickest = 1.0);
+[[nodiscard]] FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device);
 
 }  // namespace wholehand

@@ -161,6 +161,15 @@ double HandPosture::clearance_m(const Vector3d& center_m, double radius_m,
   return least_m;
 }
 
+std::uint32_t palmarAxes(const TickRecord& record, int body, const HandPosture& posture,
+                         const std::vector<std::uint32_t>& axes_of_capsule) noexcept {
+  std::uint32_t axes = 0;
+  forPalmarContacts(record, body, posture, [&](const Contact& c, double) {
+    axes |= axes_of_capsule[static_cast<std::size_t>(c.capsule)];
+  });
+  return axes;
+}
+
 double gripForce_n(const TickRecord& record, int body, const HandPosture& posture) noexcept {
   NormalForces presses;
   forPalmarContacts(record, body, posture, [&](const Contact& c, double bears_n) {
@@ -181,7 +190,7 @@ double feltSqueeze_n(const TickRecord& record, const FeltBody& felt, const HandP
   });
   double sum_n = 0.0;
   for (int a = 0; a < walls.axes; ++a) {
-    if (!(walls.stiffness[a] > 0.0) && !(walls.damping[a] > 0.0)) continue;
+    if (!(walls.stiffness[a] > 0.0)) continue;
     const SoftTouch& touch = felt.touches[a];
     if (a < felt.wall.size() && touch.palmar_depth_m > 0.0) {
       presses.add(touch.palmar_normal, -felt.wall[a] / walls.lever_arm_m[a]);

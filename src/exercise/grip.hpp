@@ -60,6 +60,12 @@ class HandPosture {
   const ArticulatedBody* posed_ = nullptr;
 };
 
+/// Axes whose links bear on a body with their palmar side. Real-time safe.
+/// @param axes_of_capsule from axesOfCapsules()
+[[nodiscard]] WHOLEHAND_RT std::uint32_t palmarAxes(
+    const TickRecord& record, int body, const HandPosture& posture,
+    const std::vector<std::uint32_t>& axes_of_capsule) noexcept;
+
 /// Grip force on a body [N]: the sum of the normal forces of palmar contacts, at most five times
 /// the weaker of two opposing sides. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double gripForce_n(const TickRecord& record, int body,

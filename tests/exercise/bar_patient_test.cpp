@@ -38,8 +38,8 @@ TEST(BarTolerance, OtherThanTheLevels_EndsAStepAtTheAskedAmountLessIt) {
     bar.hold(0, 2.0);
     bar.runUntil("stage", kLetGo);
     EXPECT_EQ(bar.value("tolerance_l"), tolerance_l);
-    // Lemonade asks for 40 ml; a tick at the fastest flow is 0.02 ml.
-    EXPECT_NEAR(bar.value("poured_l"), 0.04 - tolerance_l, 2.1e-5);
+    // Lemonade asks for 20 ml; a tick at the fastest flow is 0.02 ml.
+    EXPECT_NEAR(bar.value("poured_l"), 0.02 - tolerance_l, 2.1e-5);
   }
 }
 

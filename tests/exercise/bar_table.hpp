@@ -23,7 +23,7 @@ inline std::string config(const std::string& name) {
 
 /// Values of "stage".
 inline constexpr double kReach = 0, kSqueeze = 1, kPouring = 2, kLetGo = 3, kDrinkDone = 4,
-                        kLevelDone = 5, kDrawBack = 6;
+                        kLevelDone = 5, kDrawBack = 6, kBreathe = 7;
 
 inline const std::string kFree = config("exercises/cocktail-bar-free.toml");
 
@@ -75,6 +75,7 @@ class BarTable {
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
       record.bodies[i].position_m = Vec3::from(scene.bodies[i].pose.translation_m);
     }
+    if (file == kFree) stiffness_n_m = 100.0;
     exercise->reset();
     drawBack();
   }
@@ -83,7 +84,8 @@ class BarTable {
   void drawBack() {
     record.q_s[0] = record.q_m[0] = -0.08;
     record.q_s[3] = 1.1;
-    fingers_face_palm = false;
+    fingers_face_palm = presses = false;
+    record.closure[3] = std::numeric_limits<double>::quiet_NaN();
     palm(0, 0.15);
     squeeze(-1, 0.0);
   }
@@ -93,17 +95,19 @@ class BarTable {
     record.palm_target_distance_m = distance_m;
   }
   /// The palm holds a dispenser and squeezes it with four contacts, of which the fingers feel so
-  /// much at their tips.
+  /// much at their tips. They press its cushion with the same force, as far as it gives way.
   void hold(int dispenser, double felt_n) {
     record.q_s[0] = record.q_m[0] = 0.07;
     record.q_s[3] = 0.0;
     fingers_face_palm = true;
+    presses = true;
     palm(dispenser, 0.002);
     squeeze(dispenser, felt_n);
   }
   /// Presses a dispenser between the middle finger's end and the palm, which faces +y. Two contacts
   /// on the finger hold its axis back by felt_n at the tip, -jᵀf, friction included.
   void squeeze(int dispenser, double felt_n) {
+    pressed_n = felt_n;
     record.contact_count = felt_n > 0.0 ? 4 : 0;
     const Vec3 friction{0.3, 0.0, 0.1};
     AxisPosition closed = record.q_s;
@@ -117,9 +121,8 @@ class BarTable {
       body.reducedPointRow(end.link, at, along, row.data());
       return row[3];
     };
-    const double lever_m = 0.08;
     const double normal_n =
-        (0.5 * felt_n * lever_m + moves(friction.eigen())) / -moves(Eigen::Vector3d::UnitY());
+        (0.5 * felt_n * kLever_m + moves(friction.eigen())) / -moves(Eigen::Vector3d::UnitY());
     for (std::size_t i = 0; i < 4; ++i) {
       Contact& c = record.contacts[i];
       const double side = i < 2 ? 1.0 : -1.0;
@@ -142,7 +145,18 @@ class BarTable {
     return scene.bodyIndex(kBodies[dispenser]);
   }
 
+  /// Where a finger is that presses the shell with pressed_n: that far behind the wall, which stands
+  /// where the liquid has gone.
+  void press() {
+    record.closure[3] = kTouch_rad;
+    const bool felt = out.wall_active.size() > 3 && out.wall_active[3];
+    const double wall = felt ? out.wall[3] : kTouch_rad;
+    record.q_m[3] = pressed_n > 0.0 ? wall + pressed_n / (stiffness_n_m * kLever_m) : kTouch_rad;
+  }
+  static constexpr double kTouch_rad = 1.1, kLever_m = 0.08;
+
   void tick() {
+    if (presses) press();
     AxisPosition posture = record.q_s;
     if (fingers_face_palm) posture[3] = 3.14;
     record.theta = postureOf(shippedHand(), posture);
@@ -226,6 +240,9 @@ class BarTable {
   BodyPlacements placements;
   std::vector<double> parameters;
   std::vector<Reported> reported;
+  bool presses = false;          ///< the fingers press the cushion of what the palm holds ...
+  double pressed_n = 0.0;        ///< ... with this force at their tips
+  double stiffness_n_m = 280.0;  ///< of its shell
   bool fingers_face_palm = false;  ///< in the posture: their ends press what the palm holds
   int asked_closure = -1;
   bool may_push = true;

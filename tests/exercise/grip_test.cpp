@@ -144,7 +144,6 @@ FingerWallConfig wallsOf(const DeviceModel& device) {
   walls.axes = device.axisCount();
   walls.lever_arm_m = AxisLength(walls.axes, 1.0);
   walls.stiffness = AxisStiffness(walls.axes);
-  walls.damping = AxisDamping(walls.axes);
   for (const int a : {3, 5}) walls.stiffness[a] = 0.64, walls.lever_arm_m[a] = 0.08;
   return walls;
 }

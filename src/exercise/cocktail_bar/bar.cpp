@@ -56,7 +56,7 @@ bool isColor(const std::string& text) {
 // Every reader reports faults of its table to the file and returns valid defaults.
 
 void readWall(TomlTable& wall, const DeviceModel& device, Bar& bar) {
-  FingerWallFile file = readFingerWalls(wall, device, WallDamping::kInSeries);
+  FingerWallFile file = readFingerWalls(wall, device);
   bar.lead_in_m = file.lead_in_m;
   bar.transition = file.transition;
   bar.walls = file.walls;

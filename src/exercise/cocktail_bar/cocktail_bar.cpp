@@ -220,17 +220,18 @@ class CocktailBar final : public Exercise {
     const double threshold = parameters_.threshold(input.parameters);
     const double over_n = pouring_.squeeze_n(at_) - threshold * bar_.squeeze.threshold_n;
     const double slit = held() == at_ && !paused_ ? std::clamp(over_n / kOpens_n, 0.0, 1.0) : 0.0;
-    std::uint32_t open = 0;
+    std::uint32_t open = palmarAxes(*input.observed, bar_.dispensers[at_].body_index, posture_,
+                                    axes_of_capsule_);
     for (int a = 0; a < bar_.walls.axes; ++a) {
-      if (slit > 0.0 && soft_touches_[a].palmar_depth_m > 0.0) open |= 1U << a;
+      if (soft_touches_[a].palmar_depth_m > 0.0) open |= 1U << a;
     }
+    if (!(slit > 0.0)) open = 0;
     const double viscosity = parameters_.viscosity(input.parameters);
     const CushionRatios ratios{parameters_.stiffness(input.parameters),
-                               slit > 0.0 ? viscosity / slit : viscosity, threshold,
-                               pouring_.empty(at_)};
-    const BottlePress pressed =
-        pressBottle(travel_, walls_, input.observed->q_m, open, alpha, ratios, cushions_[at_],
-                    bar_.bottle.area_m2, bar_.walls, senses.elapsed_s);
+                               slit > 0.0 ? viscosity / slit : viscosity, threshold};
+    const BottleInput bottle{walls_, input.observed->q_m, alpha, open, pouring_.empty(at_),
+                             ratios, senses.elapsed_s};
+    const BottlePress pressed = pressBottle(travel_, bottle, cushions_[at_]);
     constexpr double kPerM3 = 1e3;
     travel_ = pressed.travel;
     stroke_ = {kPerM3 * pressed.out_m3, kPerM3 * pressed.pressed_m3};
@@ -279,7 +280,7 @@ class CocktailBar final : public Exercise {
   Pouring pouring_;
   Recipe recipe_;
   TransitionState transition_;
-  std::vector<std::vector<Cushion>> cushions_;  ///< of each dispenser
+  std::vector<Cushions> cushions_;  ///< of each dispenser
   FingerWallState walls_;
   AxisPosition travel_;  ///< of the cushions of the dispenser with the walls
   Stroke stroke_;
@@ -345,8 +346,8 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   if (!loaded) return loaded.errors();
   LoadedExercise out;
   out.files = {source.path, loaded->scene.path};
-  out.walls = stiffestCushions(
-      filledWith(loaded->bar.bottle, thinnest_pa_s(loaded->bar.liquids)), loaded->bar.walls);
+  out.walls = stiffestCushions(filledWith(loaded->bar.bottle, thinnest_pa_s(loaded->bar.liquids)),
+                               loaded->bar.walls);
   loaded->bar.reach = reachOf(makeBarLayout(loaded->bar, *source.device, source.hand),
                               loaded->bar.transition.engage_m);
   out.exercise =

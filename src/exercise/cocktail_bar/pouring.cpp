@@ -10,8 +10,9 @@ namespace wholehand {
 namespace {
 
 constexpr double kPerLitre = 1e12;
-/// A stroke that pressed the shell in by more than this is spent when its flow is less than this, and
-/// than this share of its fastest, for this long; until air has brought the shell back to this share.
+/// A stroke that pressed the shell in by more than this is spent when its flow is less than this,
+/// and than this share of its fastest, for this long; until air has brought the shell back to this
+/// share.
 constexpr double kLeastStroke_l = 0.002, kSlow_l_s = 0.001, kSlow = 0.15, kSlow_s = 0.3,
                  kBack = 0.15;
 
@@ -105,7 +106,8 @@ void Pouring::follow(const Stroke& stroke, bool squeezes, double elapsed_s) noex
   if (spent_ && stroke.pressed_l <= kBack * spent_at_l_) spent_ = false;
   if (stroke.pressed_l < kLeastStroke_l) fastest_l_s_ = slow_s_ = 0.0;
   fastest_l_s_ = std::max(fastest_l_s_, flow_l_s_);
-  const bool slow = squeezes && stroke.pressed_l >= kLeastStroke_l && flow_l_s_ < std::min(kSlow_l_s, kSlow * fastest_l_s_);
+  const bool slow = squeezes && stroke.pressed_l >= kLeastStroke_l &&
+                    flow_l_s_ < std::min(kSlow_l_s, kSlow * fastest_l_s_);
   slow_s_ = slow ? slow_s_ + elapsed_s : 0.0;
   if (spent_ || slow_s_ < kSlow_s) return;
   spent_ = true;

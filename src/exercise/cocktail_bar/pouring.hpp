@@ -57,12 +57,14 @@ struct Stroke {
 };
 
 /// Squeeze, flow and its destination. The squeeze is the low-passed force felt at the fingertips
-/// (feltSqueeze_n), the flow what leaves the held dispenser's cushions. It goes into the glass if the
-/// dispenser is the target and its nozzle is over the glass, as far as tolerance and glass allow;
-/// otherwise it is spilt.
+/// (feltSqueeze_n), the flow what leaves the held dispenser's cushions. It goes into the glass if
+/// the dispenser is the target and its nozzle is over the glass, as far as tolerance and glass
+/// allow; otherwise it is spilt.
 class Pouring {
  public:
-  explicit Pouring(const Bar& bar) : bar_(bar), thinnest_pa_s_(thinnest_pa_s(bar.liquids)) { reset(); }
+  explicit Pouring(const Bar& bar) : bar_(bar), thinnest_pa_s_(thinnest_pa_s(bar.liquids)) {
+    reset();
+  }
 
   void reset() noexcept;
   void newGlass() noexcept { ledger_.newGlass(); }

@@ -135,9 +135,8 @@ class SqueezeToLevel final : public Exercise {
     walls_ = followClosure(walls_, sight, input.parameters[kLeadIn], out.alpha, task_.wall.walls,
                            elapsed_s);
     const CushionRatios ratios{input.parameters[kWallStiffness], input.parameters[kViscosity]};
-    const BottlePress press =
-        pressBottle(travel_, walls_, seen.q_m, open, out.alpha, ratios, cushions_,
-                    task_.bottle.area_m2, task_.wall.walls, elapsed_s);
+    const BottlePress press = pressBottle(
+        travel_, {walls_, seen.q_m, out.alpha, open, false, ratios, elapsed_s}, cushions_);
     travel_ = press.travel;
     flow_ml_s_ = 1e6 * press.out_m3 / elapsed_s;
     out.effort = press.effort;
@@ -186,7 +185,7 @@ class SqueezeToLevel final : public Exercise {
   const HandModel hand_;
   const std::vector<std::uint32_t> axes_of_capsule_;
   HandPosture posture_;
-  const std::vector<Cushion> cushions_;
+  const Cushions cushions_;
   BandSteps steps_;
   ExerciseDescription description_;
   TransitionState transition_;
@@ -249,7 +248,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   const std::string object = root.text("object");
   readBands(root, task.rules);
   TomlTable wall = root.table("wall");
-  task.wall = readFingerWalls(wall, *source.device, WallDamping::kInSeries);
+  task.wall = readFingerWalls(wall, *source.device);
   TomlTable bottle = root.table("bottle");
   task.bottle = readLiquid(bottle, readBottle(bottle));
 
