@@ -116,8 +116,8 @@ class Certify(AppTest):
         self.assertEqual((certificate["exercise"], certificate["level"]), ("cocktail-bar", 4))
         self.assertIn("the walls of cocktail-bar, level 4", result.out.splitlines()[0])
         fingers, thumb = certificate["axes"][3], certificate["axes"][4]
-        # 100 N/m at the tip, 0.08 m of lever, 2.8 times for coconut, raised by at most WALL_RATIO while it runs.
-        self.assertAlmostEqual(fingers["wall"]["stiffness"], 100 * 0.08 ** 2 * 2.8 * WALL_RATIO)
+        # 280 N/m at the tip, 0.08 m of lever, raised by at most WALL_RATIO while it runs.
+        self.assertAlmostEqual(fingers["wall"]["stiffness"], 280 * 0.08 ** 2 * WALL_RATIO)
         self.assertGreater(fingers["wall"]["damping_required"], fingers["damping_required"])
         self.assertAlmostEqual(fingers["wall"]["margin"],
                                fingers["damping_available"] / fingers["wall"]["damping_required"])
@@ -128,7 +128,7 @@ class Certify(AppTest):
 
     def test_wall_that_is_too_stiff_is_named(self):
         text = (CONFIG / "exercises/cocktail-bar.toml").read_text().replace(
-            "../scenes", str(CONFIG / "scenes")).replace("stiffness_tip_n_m = 100.0", "stiffness_tip_n_m = 400.0")
+            "../scenes", str(CONFIG / "scenes")).replace("stiffness_tip_n_m = 280.0", "stiffness_tip_n_m = 600.0")
         hard = self.write("hard.toml", text)
         result, certificate = self.certify("--exercise", hard, "--level", "4", code=NOT_CERTIFIED)
         self.assertEqual(certificate["binding"], "finger_flexion.wall")

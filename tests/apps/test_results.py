@@ -26,7 +26,7 @@ class Results(AppTest):
                          [("Levels done", 3, 0), ("Score", reported["results"]["score"], 0)])
 
     def test_of_the_bar_have_their_units(self):
-        result = self.run_app("run", "--simulated-clock", "--duration", 2, "--json", "b.json")
+        result = self.run_app("run", "--simulated-clock", "--duration", 1.5, "--json", "b.json")
         self.expect(result, DONE, "result   Poured 0 ml; Spilt 0 ml; Score 0")
         reported = json.loads((self.folder / "b.json").read_text())["exercise"]
         self.assertEqual(reported["results"], {"poured_total_l": 0.0, "spilt_l": 0.0, "score": 0.0})

@@ -145,8 +145,8 @@ class BarTable {
     return scene.bodyIndex(kBodies[dispenser]);
   }
 
-  /// Where a finger is that presses the shell with pressed_n: that far behind the wall, which stands
-  /// where the liquid has gone.
+  /// Where a finger is that presses the shell with pressed_n: that far behind the wall, which
+  /// stands where the liquid has gone.
   void press() {
     record.closure[3] = kTouch_rad;
     const bool felt = out.wall_active.size() > 3 && out.wall_active[3];
@@ -240,9 +240,9 @@ class BarTable {
   BodyPlacements placements;
   std::vector<double> parameters;
   std::vector<Reported> reported;
-  bool presses = false;          ///< the fingers press the cushion of what the palm holds ...
-  double pressed_n = 0.0;        ///< ... with this force at their tips
-  double stiffness_n_m = 280.0;  ///< of its shell
+  bool presses = false;            ///< the fingers press the cushion of what the palm holds ...
+  double pressed_n = 0.0;          ///< ... with this force at their tips
+  double stiffness_n_m = 280.0;    ///< of its shell
   bool fingers_face_palm = false;  ///< in the posture: their ends press what the palm holds
   int asked_closure = -1;
   bool may_push = true;

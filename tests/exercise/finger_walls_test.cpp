@@ -1,5 +1,4 @@
 #include "exercise/finger_cushions.hpp"
-
 #include "support/constants.hpp"
 #include "support/seed.hpp"
 

@@ -36,11 +36,15 @@ inline Squeeze squeeze(Models models, const std::string& name, int axis, double 
   const double x = at_m.x() - 0.049, y = at_m.y() - 0.041;
   const AxisPosition back = pose(-0.08, y - 0.024, 0.2, 0.1, 0.0);
   const AxisPosition beside = pose(x, y - 0.024, 0.2, 0.1, 0.0);
+  // The other digit holds against it: one side alone opens no nozzle.
+  const bool fingers = axis == kFingerAxis;
   const AxisPosition open = pose(x, y, 50.0 * kDeg, 20.0 * kDeg, 0.0);
+  const AxisPosition held =
+      pose(x, y, (fingers ? 50.0 : 112.0) * kDeg, 20.0 * kDeg, (fingers ? 14.0 : 0.0) * kDeg);
   const double most = axis == kFingerAxis ? 170.0 * kDeg : 70.0 * kDeg;
   const double from_s = 4.0;
-  auto player = std::make_shared<ScriptedPlayer>(
-      Intention::throughWaypoints({{0.0, back}, {0.8, beside}, {1.6, open}, {from_s, open}}));
+  auto player = std::make_shared<ScriptedPlayer>(Intention::throughWaypoints(
+      {{0.0, back}, {0.8, beside}, {1.6, open}, {2.6, open}, {3.2, held}, {from_s, held}}));
   AxisPosition q = back;
   AxisVelocity qd(6);
   const auto rig = buildScripted(std::move(models), [=](int read) mutable {

@@ -23,8 +23,8 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// Margin on the engaging distance within which the closure is queried and the approach is
 /// reported.
 constexpr double kApproach_m = 0.05;
-/// The nozzle's slit is wide open from this squeeze over its threshold on.
-constexpr double kOpens_n = 0.5;
+/// The nozzle's slit is wide open from this share over its threshold on.
+constexpr double kOpens = 0.07;
 
 class CocktailBar final : public Exercise {
  public:
@@ -218,17 +218,19 @@ class CocktailBar final : public Exercise {
   void press(const BarObservation& senses, const ExerciseInput& input, double alpha,
              ExerciseRecord& out) noexcept {
     const double threshold = parameters_.threshold(input.parameters);
-    const double over_n = pouring_.squeeze_n(at_) - threshold * bar_.squeeze.threshold_n;
-    const double slit = held() == at_ && !paused_ ? std::clamp(over_n / kOpens_n, 0.0, 1.0) : 0.0;
-    std::uint32_t open = palmarAxes(*input.observed, bar_.dispensers[at_].body_index, posture_,
-                                    axes_of_capsule_);
+    const double from_n = threshold * bar_.squeeze.threshold_n;
+    const double over_n = pouring_.squeeze_n(at_) - from_n;
+    const bool squeezed = over_n > 0.0 && held() == at_ && !paused_;
+    const double slit = squeezed ? std::min(over_n / (kOpens * from_n), 1.0) : 0.0;
+    std::uint32_t open =
+        palmarAxes(*input.observed, bar_.dispensers[at_].body_index, posture_, axes_of_capsule_);
     for (int a = 0; a < bar_.walls.axes; ++a) {
       if (soft_touches_[a].palmar_depth_m > 0.0) open |= 1U << a;
     }
-    if (!(slit > 0.0)) open = 0;
+    if (!squeezed) open = 0;
     const double viscosity = parameters_.viscosity(input.parameters);
     const CushionRatios ratios{parameters_.stiffness(input.parameters),
-                               slit > 0.0 ? viscosity / slit : viscosity, threshold};
+                               squeezed ? viscosity / slit : viscosity, threshold};
     const BottleInput bottle{walls_, input.observed->q_m, alpha, open, pouring_.empty(at_),
                              ratios, senses.elapsed_s};
     const BottlePress pressed = pressBottle(travel_, bottle, cushions_[at_]);
