@@ -28,7 +28,10 @@ export interface Bar {
 export const BAR_FILE = 'cocktail-bar';
 
 /** The value `stage`. */
-export const Stage = { Reach: 0, Squeeze: 1, Pour: 2, LetGo: 3, DrinkDone: 4, LevelDone: 5, DrawBack: 6 } as const;
+export const Stage = { Reach: 0, Squeeze: 1, Pour: 2, LetGo: 3, DrinkDone: 4, LevelDone: 5, DrawBack: 6, Breathe: 7 } as const;
+
+/** Less than this does not pour, it drips [l/s]. */
+export const DRIP_L_S = 0.0005;
 
 type Json = Readonly<Record<string, unknown>>;
 

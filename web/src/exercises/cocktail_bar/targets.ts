@@ -2,7 +2,7 @@ import { Quaternion, Vector3 } from 'three';
 import type { SceneT, WorldStateT } from '../../protocol';
 import type { GraspTargets, Position } from '../exercise';
 import { ExerciseValues } from '../values';
-import { Stage, type Bar, type BarDispenser } from './bar';
+import { DRIP_L_S, Stage, type Bar, type BarDispenser } from './bar';
 
 /** The help goes on to so many tolerances before the line: a hand that opens lets some more run. */
 const BEFORE_LINE = 0.3;
@@ -19,6 +19,8 @@ export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
     grips, counter_z_m: bar.counter_z_m,
     wanted: (state) => grips.findIndex(({ dispenser }) => dispenser === values.get(state, 'target_dispenser', -1)),
     letGo: (state) => isToLetGo(values, state),
+    // A bottle that is carried would fall.
+    easesOff: (state) => values.get(state, 'stage') === Stage.Breathe && bar.dispensers[values.get(state, 'target_dispenser', -1)]?.free === false,
     awayFromUse(state, grip) {
       const dispenser = bar.dispensers[grips[grip]?.dispenser ?? -1];
       return dispenser?.free ? nozzleToGlass(bar, dispenser, state.bodies[grips[grip]!.body], state.bodies[bodies.indexOf(bar.glass.body)]) : undefined;
@@ -39,6 +41,6 @@ function nozzleToGlass(bar: Bar, { nozzle_m }: BarDispenser, dispenser: Body, gl
 /** A step may end a tolerance early, and the help fills it further. After it nothing is held either. */
 function isToLetGo(values: ExerciseValues, state: WorldStateT): boolean {
   const stage = values.get(state, 'stage');
-  if (stage !== Stage.LetGo) return stage > Stage.LetGo;
-  return values.get(state, 'flow_l_s') === 0 || values.get(state, 'poured_l') >= values.get(state, 'asked_l') - BEFORE_LINE * values.get(state, 'tolerance_l');
+  if (stage !== Stage.LetGo) return stage > Stage.LetGo && stage !== Stage.Breathe;
+  return values.get(state, 'flow_l_s') < DRIP_L_S || values.get(state, 'poured_l') >= values.get(state, 'asked_l') - BEFORE_LINE * values.get(state, 'tolerance_l');
 }
