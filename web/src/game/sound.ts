@@ -26,7 +26,7 @@ const FLOWS: Readonly<Record<FlowSound, { readonly low_hz: number; readonly high
 
 /** A stream that gets thinner than this, 0 .. 1, ends in drops: when each falls, and how loud it is. */
 const ENDS = 0.04;
-const DROPS = [{ after_s: 0.12, loud: 0.12 }, { after_s: 0.34, loud: 0.08 }, { after_s: 0.7, loud: 0.05 }] as const;
+const DROPS = [{ after_s: 0.17, loud: 0.12 }, { after_s: 0.37, loud: 0.08 }, { after_s: 0.72, loud: 0.05 }] as const;
 /** A drop's pitch rises while it is heard [Hz, s]. */
 const DROP_HZ = [620, 1240] as const;
 const DROP_S = 0.07;
