@@ -1,11 +1,14 @@
 // A squeeze bottle gives a few millilitres, then the hand opens, air comes back, and it squeezes again.
 import { afterEach, describe, expect, it, vi } from 'vitest';
+import { targetsOf } from '../src/exercises';
+import type { GraspTargets } from '../src/exercises/exercise';
 import { barOf, Stage } from '../src/exercises/cocktail_bar/bar';
 import { laneOf } from '../src/input/guide';
 import { restingWish, type Help, type Wish } from '../src/input/wish';
 import { Player } from './player';
 import { StandInHand } from './stand_in_hand';
 import { LOOK_S } from './steered_hand';
+import { moment, sceneOfSunset } from './sunset';
 import { DESKTOP, Picture, waysOf, type Played } from './ways';
 
 /** Air comes back in less than this; a step of some strokes takes no longer than that [s]. */
@@ -89,6 +92,12 @@ describe('a step that needs more than a stroke', () => {
     }
   });
 
+  it('is filled with full help though the person presses long and often while air comes back', async () => {
+    const hand = new StandInHand(1);
+    const presses = (t_s: number): boolean => (t_s > 1 && t_s < 1.2) || hand.value('stage') === Stage.Breathe;
+    expectFilled(hand, await fill(hand, 'full', (t_s) => ({ ...restingWish(), squeeze: presses(t_s) })), 'presses');
+  });
+
   it('is filled with some help while the button is held, and nobody has to let go of it', async () => {
     const hand = new StandInHand(1);
     expectFilled(hand, await fill(hand, 'some', byHand(hand, () => true)), 'holds');
@@ -103,5 +112,26 @@ describe('a step that needs more than a stroke', () => {
     const hand = new StandInHand(1), { done, strokes, poured_ml } = await fill(hand, 'none', byHand(hand, () => 0.45));
     expect([done, strokes]).toEqual([false, 1]);
     expect(poured_ml).toBeGreaterThan(3);
+  });
+});
+
+describe('the help', () => {
+  const targets = (free: boolean): GraspTargets => {
+    const scene = sceneOfSunset(), said = JSON.parse(String(scene.exerciseJson)) as { dispensers: object[] };
+    scene.exerciseJson = JSON.stringify({ ...said, dispensers: said.dispensers.map((dispenser) => ({ ...dispenser, free })) });
+    return targetsOf(scene);
+  };
+
+  it('eases the grip on a bottle that hangs, and never on one that is carried: it would fall', () => {
+    const eases = (free: boolean, stage: number) => targets(free).easesOff!(moment({ stage }));
+    expect([eases(false, Stage.Breathe), eases(true, Stage.Breathe), eases(false, Stage.Pour)]).toEqual([true, false, false]);
+  });
+
+  it('does not draw the hand back while air comes back, and stops at the line or when no more than drips comes', () => {
+    const letsGo = (values: Record<string, number>) => targets(false).letGo(moment({ asked_l: 0.02, tolerance_l: 0.005, ...values }));
+    expect(letsGo({ stage: Stage.Breathe })).toBe(false);
+    expect(letsGo({ stage: Stage.LetGo, flow_l_s: 0.004, poured_l: 0.016 })).toBe(false);
+    expect(letsGo({ stage: Stage.LetGo, flow_l_s: 0.004, poured_l: 0.0186 })).toBe(true);
+    expect(letsGo({ stage: Stage.LetGo, flow_l_s: 0.0003, poured_l: 0.016 })).toBe(true);
   });
 });

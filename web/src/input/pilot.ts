@@ -58,8 +58,8 @@ const AT_GRIP_M = 0.03;
 /** Drawn back, to within this [m]. */
 const BACK_AT_M = 0.004;
 
-/** What is held is squeezed well. */
-const isWell = ({ squeeze_n, squeezeLow_n }: Sight): boolean => squeezeLow_n > 0 && squeeze_n >= squeezeLow_n;
+/** What is held is squeezed well, or eased for a moment. */
+const isWell = ({ squeeze_n, squeezeLow_n, easesOff }: Sight): boolean => easesOff === true || (squeezeLow_n > 0 && squeeze_n >= squeezeLow_n);
 
 /** Whether help keeps the force of a squeeze. With some help it does where the person does not say how far. */
 function keepsForce(squeeze: Wish['squeeze'], help: Help): boolean {

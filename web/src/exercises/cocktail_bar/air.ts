@@ -1,7 +1,8 @@
 // Air that comes back into a squeezed bottle: bubbles that rise behind its plastic.
 
-import { Group, Mesh, SphereGeometry, type Vector3 } from 'three';
+import { Group, Mesh, SphereGeometry, type MeshBasicMaterial, type Vector3 } from 'three';
 import type { BarDispenser } from './bar';
+import { liquidLook } from './liquids';
 import { flat } from '../../scene/materials';
 
 /** Bubbles at once, and the air of each [l]. */
@@ -11,12 +12,12 @@ const BUBBLE_L = 0.0006;
 const FROM_M = 0.045;
 const RISE_M = 0.09;
 const RISES_M_S = 0.13;
-const RADIUS_M = 0.0028;
+const RADIUS_M = 0.0034;
 /** How far to the sides of what is seen they rise, and how far they swing [rad]. */
 const ASIDE = [-0.2, 0.55, -0.75, 0.2, 0.85, -0.5, 0, 0.4, -0.9, 0.7] as const;
 const SWING = 0.12;
 
-interface Bubble { readonly mesh: Mesh; risen_m: number; angle: number; radius_m: number; bottle: Group | undefined; from_m: number }
+interface Bubble { readonly mesh: Mesh<SphereGeometry, MeshBasicMaterial>; risen_m: number; angle: number; radius_m: number; bottle: Group | undefined; from_m: number }
 
 export class AirView {
   readonly root = new Group();
@@ -25,8 +26,8 @@ export class AirView {
   private air_l = 0;
 
   constructor() {
-    const ball = new SphereGeometry(1, 10, 8), look = flat('#ffffff', { transparent: true, opacity: 0.6, depthWrite: false });
-    this.bubbles = Array.from({ length: BUBBLES }, () => ({ mesh: new Mesh(ball, look), risen_m: 0, angle: 0, radius_m: 0, bottle: undefined, from_m: 0 }));
+    const ball = new SphereGeometry(1, 10, 8), look = () => flat('#ffffff', { transparent: true, opacity: 0.65, depthWrite: false });
+    this.bubbles = Array.from({ length: BUBBLES }, () => ({ mesh: new Mesh(ball, look()), risen_m: 0, angle: 0, radius_m: 0, bottle: undefined, from_m: 0 }));
     for (const { mesh } of this.bubbles) mesh.visible = false;
     this.root.add(...this.bubbles.map(({ mesh }) => mesh));
   }
@@ -38,6 +39,7 @@ export class AirView {
       const bubble = this.bubbles[this.next]!, seen = bottle.worldToLocal(eye.clone());
       if (bubble.bottle) { this.air_l = 0; return; }
       Object.assign(bubble, { bottle, risen_m: 0, angle: Math.atan2(seen.x, seen.z) + ASIDE[this.next]!, radius_m: d.radius_m, from_m: d.nozzle_m[2] + FROM_M });
+      bubble.mesh.material.color.set(liquidLook(d.liquid).bubble);
       this.next = (this.next + 1) % BUBBLES;
     }
   }
