@@ -115,6 +115,12 @@ describe('dents', () => {
     expect(nearest()).toBeCloseTo(0.0245, 5);
     dent.update([], 0);
     expect(nearest()).toBeCloseTo(0.025, 6);
+    // All of it is narrower in its middle, not at its ends: a tenth of 25 mm.
+    const ends = () => Math.max(...Array.from({ length: at.count }, (_, i) => (at.getY(i) > 0.0499 ? at.getX(i) : 0)));
+    dent.update([], 0, 0.1);
+    expect([nearest(), ends()].map((x) => Number(x.toFixed(5)))).toEqual([0.0225, 0.025]);
+    dent.update([]);
+    expect(nearest()).toBeCloseTo(0.025, 6);
   });
 });
 

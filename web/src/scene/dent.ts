@@ -42,22 +42,33 @@ export class Dent {
   private readonly rest: Float32Array;
   /** Of each vertex: its radius, as a part of that at rest. */
   private readonly parts: Float32Array;
+  /** Of each vertex: 0 at the wall's ends, 1 in its middle. */
+  private readonly middle: Float32Array;
   private dented = false;
 
   constructor(private readonly geometry: BufferGeometry, private readonly radius_m: number) {
     this.rest = Float32Array.from(geometry.attributes.position.array);
     this.parts = new Float32Array(this.rest.length / 3).fill(1);
+    const walls = [...this.parts.keys()].filter((v) => this.isWall(v)), heights = walls.map((v) => this.rest[3 * v + 1]);
+    const low = Math.min(...heights), long = Math.max(...heights) - low;
+    this.middle = new Float32Array(this.parts.length);
+    walls.forEach((v, i) => { this.middle[v] = Math.sin(Math.PI * (heights[i] - low) / Math.max(long, 1e-9)) ** 2; });
   }
 
-  /** @param keeps how much of the dent stays where nothing presses any more, 0 .. 1 */
-  update(list: readonly Pressing[], keeps = 0): void {
-    if (list.length === 0 && !this.dented) return;
+  private isWall(v: number): boolean { return Math.hypot(this.rest[3 * v], this.rest[3 * v + 2]) > WALL_SHARE * this.radius_m; }
+
+  /**
+   * @param keeps how much of the dent stays where nothing presses any more, 0 .. 1
+   * @param waist how much narrower the whole wall is in its middle, 0 .. 1
+   */
+  update(list: readonly Pressing[], keeps = 0, waist = 0): void {
+    if (list.length === 0 && !this.dented && waist === 0) return;
     this.dented = false;
     const at = this.geometry.attributes.position, to = at.array, { rest, parts } = this;
     for (let i = 0, v = 0; i < rest.length; i += 3, v++) {
       const x = rest[i], y = rest[i + 1], z = rest[i + 2], r = Math.hypot(x, z);
-      let part = 1;
-      if (r > WALL_SHARE * this.radius_m)
+      let part = 1 - waist * this.middle[v];
+      if (this.isWall(v))
         for (let n = 0; n < STEPS; n++) {
           const depth = depthIn(list, part * x, y, part * z);
           if (depth <= 0) break;

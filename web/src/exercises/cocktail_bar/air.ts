@@ -13,6 +13,8 @@ const FROM_M = 0.045;
 const RISE_M = 0.09;
 const RISES_M_S = 0.13;
 const RADIUS_M = 0.0034;
+/** In the plastic, which is narrower while air comes: at this share of its radius. */
+const IN_WALL = 0.95;
 /** How far to the sides of what is seen they rise, and how far they swing [rad]. */
 const ASIDE = [-0.2, 0.55, -0.75, 0.2, 0.85, -0.5, 0, 0.4, -0.9, 0.7] as const;
 const SWING = 0.12;
@@ -38,7 +40,7 @@ export class AirView {
     for (; this.air_l >= BUBBLE_L; this.air_l -= BUBBLE_L) {
       const bubble = this.bubbles[this.next]!, seen = bottle.worldToLocal(eye.clone());
       if (bubble.bottle) { this.air_l = 0; return; }
-      Object.assign(bubble, { bottle, risen_m: 0, angle: Math.atan2(seen.x, seen.z) + ASIDE[this.next]!, radius_m: d.radius_m, from_m: d.nozzle_m[2] + FROM_M });
+      Object.assign(bubble, { bottle, risen_m: 0, angle: Math.atan2(seen.x, seen.z) + ASIDE[this.next]!, radius_m: IN_WALL * d.radius_m, from_m: d.nozzle_m[2] + FROM_M });
       bubble.mesh.material.color.set(liquidLook(d.liquid).bubble);
       this.next = (this.next + 1) % BUBBLES;
     }

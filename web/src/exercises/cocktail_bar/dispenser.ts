@@ -18,7 +18,7 @@ const CAP_M = 0.0335;
 const STRAIGHT_M = 0.0525;
 /** Of the brass ring that holds the bottle [m]. */
 const RING_M = 0.013;
-/** Without dents a bottle gets narrower, by this a litre that is pressed out, and by this share at most. */
+/** A bottle that is pressed in is narrower, by this a litre, and by this share at most. */
 const NARROWER_PER_L = 10;
 const NARROWEST = 0.12;
 const SIGN_WIDTH_M = 0.121;
@@ -81,18 +81,20 @@ const EMPTY_OPACITY = 0.28;
 export class Shell {
   private readonly dent: Dent | undefined;
   private empty = false;
+  private narrower = 0;
 
   constructor(private readonly mesh: Mesh, private readonly radius_m: number, quality: Quality) {
-    // Plain materials have few points: there it gets narrower.
+    // Plain materials have few points: there all of it gets narrower.
     this.dent = quality === 'high' ? new Dent(mesh.geometry, radius_m) : undefined;
   }
 
   /** @param keeps how much of its dents stays where no finger is, 0 .. 1 */
-  yieldTo(skin: SkinUniforms, root: Group, keeps: number): void { this.dent?.update(pressingOn(root, skin, this.radius_m), keeps); }
+  yieldTo(skin: SkinUniforms, root: Group, keeps: number): void { this.dent?.update(pressingOn(root, skin, this.radius_m), keeps, this.narrower); }
 
   /** @param pressed_l liquid that was pressed out, and no air has come for */
   show(pressed_l: number, empty: boolean): void {
-    const wide = this.dent ? 1 : 1 - Math.min(NARROWEST, NARROWER_PER_L * pressed_l);
+    this.narrower = Math.min(NARROWEST, NARROWER_PER_L * pressed_l);
+    const wide = this.dent ? 1 : 1 - this.narrower;
     this.mesh.scale.set(wide, 1, wide);
     if (empty === this.empty) return;
     this.empty = empty;
