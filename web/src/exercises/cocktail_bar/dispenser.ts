@@ -19,8 +19,8 @@ const STRAIGHT_M = 0.0525;
 /** Of the brass ring that holds the bottle [m]. */
 const RING_M = 0.013;
 /** A bottle that is pressed in is narrower, by this a litre, and by this share at most. */
-const NARROWER_PER_L = 10;
-const NARROWEST = 0.12;
+const NARROWER_PER_L = 15;
+const NARROWEST = 0.18;
 const SIGN_WIDTH_M = 0.121;
 const SIGN_HEIGHT_M = 0.0369;
 
@@ -84,7 +84,7 @@ export class Shell {
   private narrower = 0;
 
   constructor(private readonly mesh: Mesh, private readonly radius_m: number, quality: Quality) {
-    // Plain materials have few points: there all of it gets narrower.
+    // Plain materials have few points: there all of it gets narrower, by half of what a waist would be.
     this.dent = quality === 'high' ? new Dent(mesh.geometry, radius_m) : undefined;
   }
 
@@ -94,7 +94,7 @@ export class Shell {
   /** @param pressed_l liquid that was pressed out, and no air has come for */
   show(pressed_l: number, empty: boolean): void {
     this.narrower = Math.min(NARROWEST, NARROWER_PER_L * pressed_l);
-    const wide = this.dent ? 1 : 1 - this.narrower;
+    const wide = this.dent ? 1 : 1 - 0.5 * this.narrower;
     this.mesh.scale.set(wide, 1, wide);
     if (empty === this.empty) return;
     this.empty = empty;
