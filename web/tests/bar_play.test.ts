@@ -52,6 +52,7 @@ test('Instruction_NamesOneThingToDo', () => {
   expect(say({ stage: Stage.Reach })).toBe('Reach for the cherry');
   expect(say({ stage: Stage.Squeeze })).toBe('Squeeze gently');
   expect(say({ stage: Stage.Pour, flow_l_s: 0.004, over_glass: 0 })).toBe('Not over the glass');
+  expect(say({ stage: Stage.Breathe })).toBe('Let go a little');
   expect(say({ stage: Stage.LetGo })).toBe('Let go');
   expect(say({ stage: Stage.DrawBack })).toBe('Draw your hand back');
 });
@@ -69,6 +70,30 @@ test('Instruction_ForTheWrongBottle_SpeaksOnlyWhenItIsSqueezed', () => {
 test('CallOut_InWholeMillilitres_WhileThereIsSomethingToFill', () => {
   expect(playOfSunset().goal(moment({ stage: Stage.Pour, poured_l: 0.01249 }))?.amount).toBe('12 of 20 ml');
   expect(playOfSunset().goal(moment({ stage: Stage.Reach }))).toBeNull();
+});
+
+/** 60 states a second of a bottle that loses `flow_l_s`, or takes in as much air. */
+function poured(flow_l_s: number, long_s: number, pressed_l: (t_s: number) => number = () => 0): ReturnType<typeof moment>[] {
+  return Array.from({ length: Math.round(60 * long_s) + 1 }, (_, i) => moment({ stage: Stage.Pour, flow_l_s, pressed_l: pressed_l(i / 60), poured_l: 0.006 }, { sentMonotonicNs: BigInt(Math.round(1e9 * (i / 60))) }));
+}
+
+test('CallOut_WhileItPours_SaysHowFastInWholeMillilitresASecond', () => {
+  const said = (...states: ReturnType<typeof moment>[]) => playOfSunset(...states).goal(states.at(-1)!);
+  expect(said(...poured(0.0052, 2))).toEqual({ amount: '6 of 20 ml', more: '5 ml/s' });
+  expect(said(...poured(0.0052, 2), ...poured(0, 2).map((state) => Object.assign(state, { sentMonotonicNs: state.sentMonotonicNs + 3_000_000_000n })))?.more).toBe('Fill to here');
+  // A single state that jumps does not make the figure jump: 9 against 5 ml/s for 17 ms.
+  expect(said(...poured(0.0052, 2), moment({ stage: Stage.Pour, flow_l_s: 0.009 }, { sentMonotonicNs: 2_016_000_000n }))?.more).toBe('5 ml/s');
+});
+
+test('Flow_WhileTheShellComesBack_HasAir', () => {
+  const air = (rate_l_s: number) => { const states = poured(0, 0.5, (t_s) => 0.01 + rate_l_s * t_s); return playOfSunset(...states).flow(states.at(-1)!).air; };
+  expect(air(-0.01)).toBeCloseTo(0.5, 6);   // 10 of 20 ml/s
+  expect(air(0.01)).toBe(0);
+});
+
+test('Meter_OfABottleThatIsPressedIn_SaysEnough', () => {
+  expect(playOfSunset().meter(moment({ stage: Stage.Breathe, squeeze_n: 6 }))).toMatchObject({ shown: true, zone: 'stop' });
+  expect(playOfSunset().todo(moment({ stage: Stage.Breathe }))).toBe('ease 1 1');   // hints come
 });
 
 test('FilledPercent_IsOneMinusTheMissedPart', () => {

@@ -10,7 +10,7 @@ const play = playOfSunset();
 const playing: Situation = { status: 'open', problem: null, everOpen: true, attempts: 0, wish: 'play', loading: false, resting: 'no', framing: false, unseen: 'no', loss: '', held: { heldByYou: true, held: true } };
 
 test.each([
-  [Stage.Reach, 'reach'], [Stage.Squeeze, 'squeeze'], [Stage.Pour, 'hold'], [Stage.LetGo, 'letgo'], [Stage.DrinkDone, 'success'],
+  [Stage.Reach, 'reach'], [Stage.Squeeze, 'squeeze'], [Stage.Pour, 'hold'], [Stage.Breathe, 'ease'], [Stage.LetGo, 'letgo'], [Stage.DrinkDone, 'success'],
   [Stage.LevelDone, 'success'], [Stage.DrawBack, 'drawback'],
 ] as const)('PageState_WhilePlayingInStage%i_Is%s', (stage, expected) => {
   expect(pageState(playing, play, moment({ stage }))).toBe(expected);

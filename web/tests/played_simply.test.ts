@@ -86,7 +86,14 @@ describe('the strip', () => {
   it('says how to let go, or that nothing is to be done', () => {
     expect(more({ now: 'letgo', help: 'none', closing: true })).toBe(input.letGo.keys);
     expect(more({ now: 'letgo', help: 'none' })).toBe('of the thing');
-    for (const now of ['hold', 'letgo'] as const) expect(more({ now, closing: true })).toBe(en['game.letsGo']);
+    for (const now of ['hold', 'ease', 'letgo'] as const) expect(more({ now, closing: true })).toBe(en['game.letsGo']);
+  });
+
+  it('for a bottle that is pressed in says what comes next, and how to let go once a person does not', () => {
+    for (const help of ['some', 'none'] as const) {
+      expect(more({ now: 'ease', help, closing: true })).toBe('of the thing');
+      expect(more({ now: 'ease', help, closing: true, hint: 1 })).toBe(input.letGo.keys);
+    }
   });
 });
 

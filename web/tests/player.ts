@@ -4,6 +4,9 @@ import { AimModel } from '../src/input/aim_model';
 import type { Help, Wish } from '../src/input/wish';
 import { LOOK_S, type SteeredHand } from './steered_hand';
 
+/** A hand at the bar that is aimed, look by look. */
+export type PlayedHand = Pick<SteeredHand, 'axes' | 'scene' | 'state' | 'perceiver' | 'now' | 'aim' | 'value' | 'bodyOf'>;
+
 /** An open hand that presses more than this is held, and longer than that is too long. */
 export const HELD_N = 1.5;
 export const HELD_S = 3;
@@ -11,13 +14,13 @@ export const HELD_S = 3;
 const OPENED_S = 1.5;
 
 /** Plays on for a time; what an open hand bears, and for how long at most, is looked at all along. */
-export class Player {
+export class Player<H extends PlayedHand = PlayedHand> {
   longest_s = 0;
   private held_s = 0;
   private open_s = 0;
   readonly model: AimModel;
 
-  constructor(readonly hand: SteeredHand, help: Help) {
+  constructor(readonly hand: H, help: Help) {
     this.model = new AimModel(hand.axes, { help });
     this.model.begin(hand.now.q_m);
   }

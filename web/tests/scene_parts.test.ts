@@ -1,13 +1,15 @@
-import { CylinderGeometry, Matrix3, Matrix4, Quaternion, Vector3 } from 'three';
+import { CylinderGeometry, Group, Matrix3, Matrix4, Quaternion, Vector3, type Mesh } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { ContactPointT } from '../src/protocol';
 import { ContactFilter } from '../src/scene/contacts';
 import { Dent, depthIn } from '../src/scene/dent';
+import { AirView } from '../src/exercises/cocktail_bar/air';
 import { barOf } from '../src/exercises/cocktail_bar/bar';
 import { arrowsOf } from '../src/scene/force_arrows';
 import { FrameClock } from '../src/scene/frame_clock';
 import { programFrame, quaternionToThree, toThree } from '../src/scene/frames';
 import { layersOf, lineHeight, surfaceHeight } from '../src/exercises/cocktail_bar/layers';
+import { StreamView } from '../src/exercises/cocktail_bar/stream';
 import { QualityChooser } from '../src/scene/quality';
 
 describe('frames', () => {
@@ -105,6 +107,79 @@ describe('dents', () => {
     for (let i = 0; i < at.count; i++) expect(depthIn([finger], at.getX(i), at.getY(i), at.getZ(i))).toBeLessThan(5e-5);
     dent.update([]);
     expect(nearest()).toBeCloseTo(0.025, 6);
+    // What lost its content stays in without the finger, and comes back as far as air does: half of 1 mm, then all.
+    dent.update([finger]);
+    dent.update([], 1);
+    expect(nearest()).toBeCloseTo(0.024, 5);
+    dent.update([], 0.5);
+    expect(nearest()).toBeCloseTo(0.0245, 5);
+    dent.update([], 0);
+    expect(nearest()).toBeCloseTo(0.025, 6);
+    // All of it is narrower in its middle, not at its ends: a tenth of 25 mm.
+    const ends = () => Math.max(...Array.from({ length: at.count }, (_, i) => (at.getY(i) > 0.0499 ? at.getX(i) : 0)));
+    dent.update([], 0, 0.1);
+    expect([nearest(), ends()].map((x) => Number(x.toFixed(5)))).toEqual([0.0225, 0.025]);
+    dent.update([]);
+    expect(nearest()).toBeCloseTo(0.025, 6);
+  });
+});
+
+describe('the stream', () => {
+  const from = { x: 0, y: 0.15, z: 0 }, none = { liquid: 'lemon', viscosity_pa_s: 0.157, flow_l_s: 0, from, floor_m: 0, overGlass: true, counter_m: 0, spilt_l: 0 };
+  const THICK_PA_S = 0.643, TICK_S = 1 / 60;
+  /** Plays on; where the stream is seen, from top to bottom [m], and how wide. */
+  function pour(view: StreamView, flow_l_s: number, long_s: number, viscosity_pa_s = 0.157): { top: number; bottom: number; wide: number; seen: boolean; drops: number } {
+    for (let t_s = 0; t_s < long_s - 1e-9; t_s += TICK_S) view.update({ ...none, viscosity_pa_s, flow_l_s }, TICK_S);
+    const [jet, , , ...drops] = view.root.children as [Mesh, Mesh, Mesh, ...Mesh[]];
+    return { top: jet.position.y, bottom: jet.position.y - jet.scale.y, wide: jet.scale.x, seen: jet.visible, drops: drops.filter(({ visible }) => visible).length };
+  }
+
+  it('falls from the nozzle into the glass, and leaves the nozzle when it ends', () => {
+    const view = new StreamView('low');
+    const begun = pour(view, 0.006, 0.05);
+    expect([begun.seen, begun.top]).toEqual([true, 0.15]);
+    expect(begun.bottom).toBeGreaterThan(0.05);
+    expect(pour(view, 0.006, 0.5)).toMatchObject({ seen: true, top: 0.15, bottom: 0 });
+    const ends = pour(view, 0, 0.05);
+    expect(ends.top).toBeLessThan(0.12);
+    expect(ends.bottom).toBeCloseTo(0, 12);
+    expect(pour(view, 0, 0.2).seen).toBe(false);
+  });
+
+  it('ends in drops, which end too', () => {
+    const view = new StreamView('low');
+    expect(pour(view, 0.006, 0.5).drops).toBe(0);
+    expect(pour(view, 0, 0.05).drops).toBe(1);
+    expect(pour(view, 0, 2).drops).toBe(0);
+    expect(pour(view, 0, 0.05).seen).toBe(false);
+  });
+
+  it('is wider the more flows, and of a thick liquid wider and slower than of a thin one', () => {
+    const wide = (flow_l_s: number, viscosity_pa_s?: number) => pour(new StreamView('low'), flow_l_s, 1, viscosity_pa_s).wide;
+    expect(wide(0.008)).toBeGreaterThan(1.3 * wide(0.003));
+    expect(wide(0.004, THICK_PA_S)).toBeGreaterThan(1.15 * wide(0.004));
+    expect(pour(new StreamView('low'), 0.004, 0.1, THICK_PA_S).bottom).toBeGreaterThan(pour(new StreamView('low'), 0.004, 0.1).bottom + 0.01);
+  });
+});
+
+describe('air that comes back into a bottle', () => {
+  it('rises in it as bubbles on the side that is seen, and only then', () => {
+    const view = new AirView(), bottle = new Group(), eye = new Vector3(0, 0, 0.6);
+    const d = { body: '', liquid: 'lemon', free: false, radius_m: 0.025, height_m: 0.2, nozzle_m: [0, 0, -0.109], grip_m: [0, 0, 0] } as const;
+    bottle.position.set(0.1, 0.2, -0.3);
+    const seen = () => view.root.children.filter(({ visible }) => visible);
+    view.take(d, bottle, eye, -0.005);   // it is squeezed
+    view.advance(0.1);
+    expect(seen()).toHaveLength(0);
+    view.take(d, bottle, eye, 0.003);    // 5 bubbles of 0.6 ml
+    view.advance(0.1);
+    expect(seen()).toHaveLength(5);
+    const heights = seen().map(({ position }) => position.y);
+    for (const { position } of seen()) expect(position.z).toBeGreaterThan(bottle.position.z);
+    view.advance(0.2);
+    seen().forEach(({ position }, i) => expect(position.y).toBeGreaterThan(heights[i]! + 0.02));
+    view.advance(2);
+    expect(seen()).toHaveLength(0);
   });
 });
 

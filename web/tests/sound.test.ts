@@ -9,6 +9,8 @@ function playAll(): void {
   const sound = new Sound();
   sound.unlock();
   sound.flow(0.8, 0.5);
+  sound.flow(0, 0.5);
+  sound.gurgle(0.5);
   for (const chime of ['line', 'step', 'done'] as const) sound.chime(chime);
   const on = sound.on;
   expect(sound.toggle()).toBe(!on);
@@ -59,5 +61,37 @@ describe('sound', () => {
     await new Promise((done) => setTimeout(done, 10));
     process.off('unhandledRejection', heard);
     expect(unhandled).toEqual([]);
+  });
+
+  /** Plays on a device that counts: how loud the gurgle was last, and how many drops were heard. */
+  function heard(play: (sound: Sound) => void): { gurgle: number; drops: number } {
+    let gains: { value: number }[] = [], begun = 0;
+    const gain = (): object => { const value = { ...param(), value: 0, setTargetAtTime(to: number) { value.value = to; } }; gains.push(value); return { ...node(), gain: value }; };
+    class Device {
+      currentTime = 0; sampleRate = 8; destination = {};
+      createGain = gain; createBiquadFilter = node; createBufferSource = node;
+      createOscillator = (): object => ({ ...node(), start: () => { begun += 1; } });
+      createBuffer(): object { return { getChannelData: () => new Float32Array(16) }; }
+    }
+    vi.stubGlobal('AudioContext', Device);
+    vi.stubGlobal('document', { addEventListener: () => {} });
+    const sound = new Sound();
+    sound.unlock();
+    const silent = begun;
+    gains = gains.slice(2, 3);   // after the whole and the stream: the gurgle
+    play(sound);
+    return { gurgle: gains[0]!.value, drops: begun - silent };
+  }
+
+  it('gurgles while air comes back, and not after it', () => {
+    expect(heard((sound) => sound.gurgle(0.5)).gurgle).toBeGreaterThan(0);
+    expect(heard((sound) => { sound.gurgle(0.5); sound.gurgle(0); }).gurgle).toBe(0);
+  });
+
+  it('ends a stream in drops, once; warm air has none, and nothing is heard where sounds are off', () => {
+    const ends = (sound: Sound): void => { for (const rate of [0, 0.5, 0.5, 0.01, 0, 0]) sound.flow(rate, 0.5); };
+    expect(heard(ends).drops).toBe(3);
+    expect(heard((sound) => { for (const rate of [0, 0.5, 0]) sound.flow(rate, 0.5, 'air'); }).drops).toBe(0);
+    expect(heard((sound) => { sound.on = false; ends(sound); }).drops).toBe(0);
   });
 });

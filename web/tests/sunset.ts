@@ -4,7 +4,7 @@ import { BarPlay } from '../src/exercises/cocktail_bar/play';
 import { RunState, SceneT, Steering, WorldStateT } from '../src/protocol';
 
 const NAMES = ['stage', 'drink', 'drinks', 'step', 'steps', 'target_dispenser', 'engaged_dispenser', 'squeeze_n', 'squeeze_low_n', 'squeeze_high_n',
-  'squeeze_full_n', 'flow_l_s', 'over_glass', 'poured_l', 'asked_l', 'glass_l', 'spilt_l', 'stars', 'drink_time_s', 'layer_l/0', 'layer_l/1', 'layer_l/2'];
+  'squeeze_full_n', 'flow_l_s', 'pressed_l', 'over_glass', 'poured_l', 'asked_l', 'glass_l', 'spilt_l', 'stars', 'drink_time_s', 'layer_l/0', 'layer_l/1', 'layer_l/2'];
 
 export function sceneOfSunset(): SceneT {
   const scene = new SceneT();

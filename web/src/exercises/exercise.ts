@@ -18,10 +18,12 @@ export interface GraspTargets {
   awayFromUse?(state: WorldStateT, grip: number): Position | undefined;
   /** Whether nothing is to be held now. */
   letGo(state: WorldStateT): boolean;
+  /** Whether what is held is to be eased, and squeezed again after it; undefined: never. */
+  easesOff?(state: WorldStateT): boolean;
 }
 
 /** Where the person is in the task. */
-export type Phase = 'reach' | 'squeeze' | 'hold' | 'letgo' | 'drawback' | 'free' | 'success';
+export type Phase = 'reach' | 'squeeze' | 'hold' | 'ease' | 'letgo' | 'drawback' | 'free' | 'success';
 
 /** What the strip says. */
 export interface Prompt {
@@ -121,8 +123,8 @@ export interface Play {
   goal(state: WorldStateT): GoalWords | null;
   /** @param ownGrip the person's own hand squeezed, not the page's help */
   praise(state: WorldStateT, ownGrip: boolean): Praise | null;
-  /** What flows, and how full it makes what it flows into, each 0 .. 1. */
-  flow(state: WorldStateT): { readonly rate: number; readonly level: number; readonly sound?: FlowSound };
+  /** What flows, how full it makes what it flows into, and the air that flows back, each 0 .. 1. */
+  flow(state: WorldStateT): { readonly rate: number; readonly level: number; readonly air?: number; readonly sound?: FlowSound };
   /** What is to be heard though the program reports no event; once. */
   heard?(): Chime | undefined;
   /** What the picture is to show beside the program's values. */

@@ -57,7 +57,10 @@ export class Game {
     const { memory, connection } = this;
     const { latestState: state, status } = connection;
     memory.everOpen ||= status === 'open';
-    if (performance.now() - connection.latestStateAt_ms > SILENT_MS) this.sound.flow(0, 0);
+    if (performance.now() - connection.latestStateAt_ms > SILENT_MS) {
+      this.sound.flow(0, 0);
+      this.sound.gurgle(0);
+    }
     if (state && state !== this.followed) this.takeState(state);
     const now = pageState(memory.situation(connection), memory.play, state);
     if (memory.unseen === 'back' && now !== 'unseen') memory.unseen = 'no';
@@ -76,8 +79,10 @@ export class Game {
     if (this.controls.help !== this.memory.help) this.controls.help = this.memory.help;
     this.screen.setState(state);
     const { play } = this.memory;
-    const { rate, level, sound } = play?.flow(state) ?? { rate: 0, level: 0 };
-    this.sound.flow(state.runState === RunState.Rendering ? rate : 0, level, sound);
+    const { rate, level, air = 0, sound } = play?.flow(state) ?? { rate: 0, level: 0 };
+    const renders = state.runState === RunState.Rendering;
+    this.sound.flow(renders ? rate : 0, level, sound);
+    this.sound.gurgle(renders ? air : 0);
     const chime = play?.heard?.();
     if (chime) this.sound.chime(chime);
   }

@@ -24,6 +24,15 @@ const FLOWS: Readonly<Record<FlowSound, { readonly low_hz: number; readonly high
   tone: { low_hz: 220, high_hz: 330, narrow: 40, loud: 6 },
 };
 
+/** A stream that gets thinner than this, 0 .. 1, ends in drops: when each falls, and how loud it is. */
+const ENDS = 0.04;
+const DROPS = [{ after_s: 0.17, loud: 0.12 }, { after_s: 0.37, loud: 0.08 }, { after_s: 0.72, loud: 0.05 }] as const;
+/** A drop's pitch rises while it is heard [Hz, s]. */
+const DROP_HZ = [620, 1240] as const;
+const DROP_S = 0.07;
+/** Air that comes back: the middle of its noise, how far and how often that swings [Hz], and how loud it is. */
+const GURGLE = { middle_hz: 260, swing_hz: 110, often_hz: 9, loud: 0.5 } as const;
+
 export class Sound {
   on = stored(STORED) !== 'off';
   musicVolume: MusicVolume = MUSIC_VOLUMES.find((volume) => volume === stored(STORED_MUSIC)) ?? 'off';
@@ -32,6 +41,8 @@ export class Sound {
   private musicGain: GainNode | null = null;
   private music: Music | null = null;
   private trickle: { gain: GainNode; filter: BiquadFilterNode } | null = null;
+  private air: GainNode | null = null;
+  private rate = 0;
 
   /** Begins the sound. To be called from a gesture of the person: browsers allow no sound before one. */
   unlock(): void {
@@ -41,7 +52,9 @@ export class Sound {
       this.master = this.context.createGain();
       this.master.gain.value = this.on ? VOLUME : 0;
       this.master.connect(this.context.destination);
-      this.trickle = this.makeTrickle(this.context, this.master);
+      const noise = makeNoise(this.context);
+      this.trickle = makeBand(this.context, noise, this.master);
+      this.air = makeGurgle(this.context, noise, this.master);
       this.makeMusic(this.context);
     } catch {
       this.context = null;   // no audio device: the game is complete without
@@ -72,6 +85,13 @@ export class Sound {
     this.trickle.gain.gain.setTargetAtTime(Math.min(1, rate) * loud, now, 0.08);
     this.trickle.filter.frequency.setTargetAtTime(low_hz + (high_hz - low_hz) * Math.min(1, Math.max(0, level)), now, 0.1);
     this.trickle.filter.Q.value = narrow;
+    if (sound === 'stream' && this.rate >= ENDS && rate < ENDS) this.drops(this.context);
+    this.rate = rate;
+  }
+
+  /** While air comes back into what is squeezed, 0 .. 1. */
+  gurgle(rate: number): void {
+    if (this.context && this.air) this.air.gain.setTargetAtTime(Math.min(1, rate) * GURGLE.loud, this.context.currentTime, 0.06);
   }
 
   chime(chime: Chime): void {
@@ -105,26 +125,57 @@ export class Sound {
     document.addEventListener('visibilitychange', () => { void (document.hidden ? context.suspend() : context.resume()); });
   }
 
-  /** Two seconds of noise, round and round, through a band that makes it a stream, air or a tone. */
-  private makeTrickle(context: AudioContext, master: GainNode): { gain: GainNode; filter: BiquadFilterNode } {
-    const noise = context.createBuffer(1, 2 * context.sampleRate, context.sampleRate);
-    const samples = noise.getChannelData(0);
-    for (let i = 0, drop = 0; i < samples.length; i++) {
-      if (Math.random() < 0.004) drop = 1;
-      drop *= 0.996;
-      samples[i] = (Math.random() * 2 - 1) * (0.25 + 0.75 * drop);
+  private drops(context: AudioContext): void {
+    if (!this.master || !this.on) return;
+    for (const { after_s, loud } of DROPS) {
+      const at = context.currentTime + after_s, gain = context.createGain(), tone = context.createOscillator();
+      tone.frequency.setValueAtTime(DROP_HZ[0], at);
+      tone.frequency.exponentialRampToValueAtTime(DROP_HZ[1], at + DROP_S);
+      gain.gain.setValueAtTime(loud, at);
+      gain.gain.exponentialRampToValueAtTime(0.001, at + DROP_S);
+      tone.connect(gain).connect(this.master);
+      tone.start(at);
+      tone.stop(at + DROP_S);
     }
-    const source = context.createBufferSource();
-    source.buffer = noise;
-    source.loop = true;
-    const filter = context.createBiquadFilter();
-    filter.type = 'bandpass';
-    filter.frequency.value = 600;
-    filter.Q.value = 1.2;
-    const gain = context.createGain();
-    gain.gain.value = 0;
-    source.connect(filter).connect(gain).connect(master);
-    source.start();
-    return { gain, filter };
   }
+}
+
+/** Two seconds of noise, round and round. */
+function makeNoise(context: AudioContext): AudioBufferSourceNode {
+  const noise = context.createBuffer(1, 2 * context.sampleRate, context.sampleRate);
+  const samples = noise.getChannelData(0);
+  for (let i = 0, drop = 0; i < samples.length; i++) {
+    if (Math.random() < 0.004) drop = 1;
+    drop *= 0.996;
+    samples[i] = (Math.random() * 2 - 1) * (0.25 + 0.75 * drop);
+  }
+  const source = context.createBufferSource();
+  source.buffer = noise;
+  source.loop = true;
+  source.start();
+  return source;
+}
+
+/** A band of the noise that makes it a stream, air or a tone; silent at first. */
+function makeBand(context: AudioContext, noise: AudioNode, to: AudioNode): { gain: GainNode; filter: BiquadFilterNode } {
+  const filter = context.createBiquadFilter();
+  filter.type = 'bandpass';
+  filter.frequency.value = 600;
+  filter.Q.value = 1.2;
+  const gain = context.createGain();
+  gain.gain.value = 0;
+  noise.connect(filter).connect(gain).connect(to);
+  return { gain, filter };
+}
+
+/** A band that swings to and fro: bubbles. */
+function makeGurgle(context: AudioContext, noise: AudioNode, to: AudioNode): GainNode {
+  const { gain, filter } = makeBand(context, noise, to), swing = context.createOscillator(), far = context.createGain();
+  filter.frequency.value = GURGLE.middle_hz;
+  filter.Q.value = 5;
+  swing.frequency.value = GURGLE.often_hz;
+  far.gain.value = GURGLE.swing_hz;
+  swing.connect(far).connect(filter.frequency);
+  swing.start();
+  return gain;
 }

@@ -48,7 +48,7 @@ export function wayTo({ ahead_m, left_m, goesIn }: Beside): TextKey {
 function hintOf(now: PageState, help: Help): TextKey {
   if (now === 'reach') return help === 'full' ? 'hint.press' : 'hint.forward';
   if (now === 'squeeze') return help === 'full' ? 'hint.again' : 'hint.hold';
-  return now === 'letgo' ? 'hint.open' : 'hint.back';
+  return now === 'letgo' || now === 'ease' ? 'hint.open' : 'hint.back';
 }
 
 export interface Asked {
@@ -75,8 +75,8 @@ export function playWords(play: Play, state: WorldStateT, asked: Asked): Prompt 
   if (now === 'reach' && help === 'none' && beside) return hinted(wayTo(beside));
   // A person who is asked to close the hand would press again, and so end what the first press began.
   if (now === 'squeeze' && help === 'full' && (closing || oneButton)) return hinted(closing ? 'game.closing' : 'hint.again');
-  if ((now === 'hold' || now === 'letgo') && help === 'full' && closing && oneButton) return hinted('game.letsGo');
-  if (now === 'letgo' && closing && letGo) return { ...said, more: letGo };
+  if ((now === 'hold' || now === 'ease' || now === 'letgo') && help === 'full' && closing && oneButton) return hinted('game.letsGo');
+  if ((now === 'letgo' || (now === 'ease' && hint > 0)) && closing && letGo) return { ...said, more: letGo };
   if (hint > 0) return hinted(hintOf(now, help));
   return now === 'reach' && help === 'full' && oneButton ? hinted('hint.press') : said;
 }

@@ -31,6 +31,8 @@ export interface Perception {
   target: number;
   /** Nothing is to be held now: the step has enough, the row moves, or the task is done. */
   letGo: boolean;
+  /** What is held is to be eased, and squeezed again after it. */
+  easesOff?: boolean;
   /** What presses on the hand. */
   touches: readonly Touch[];
 }
@@ -71,6 +73,7 @@ export class Perceiver {
       squeezeHigh_n: values.get(state, 'squeeze_high_n'),
       target: targets.wanted(state),
       letGo: targets.letGo(state),
+      easesOff: targets.easesOff?.(state),
       touches: state.contacts.map(({ body, forceN }) => ({
         at: targets.grips.findIndex((grip) => grip.body === body), force_n: forceN ?? { x: 0, y: 0, z: 0 },
       })),

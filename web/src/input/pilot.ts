@@ -1,5 +1,6 @@
 import { Carry, isInPlace } from './carry';
 import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
+import { ROUND } from './posture';
 import { Trigger } from './trigger';
 import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
 
@@ -26,6 +27,8 @@ export interface Sight {
   closed: boolean;
   /** Nothing is to be held now: the step has enough, the row moves, or the task is done. */
   letGo: boolean;
+  /** What is held is to be eased, and squeezed again after it. */
+  easesOff?: boolean;
 }
 
 /** What the hand is to do now, as if a person had pressed keys for it. */
@@ -55,8 +58,13 @@ const AT_GRIP_M = 0.03;
 /** Drawn back, to within this [m]. */
 const BACK_AT_M = 0.004;
 
-/** What is held is squeezed well. */
-const isWell = ({ squeeze_n, squeezeLow_n }: Sight): boolean => squeezeLow_n > 0 && squeeze_n >= squeezeLow_n;
+/** What is held is squeezed well, or eased for a moment. */
+const isWell = ({ squeeze_n, squeezeLow_n, easesOff }: Sight): boolean => easesOff === true || (squeezeLow_n > 0 && squeeze_n >= squeezeLow_n);
+
+/** Whether help keeps the force of a squeeze. With some help it does where the person does not say how far. */
+function keepsForce(squeeze: Wish['squeeze'], help: Help): boolean {
+  return help === 'full' ? asksToSqueeze(squeeze) : help === 'some' && squeeze === true;
+}
 
 /**
  * "This target" is one intent. The pilot turns it into moves: out of the row where the hand is in
@@ -125,6 +133,7 @@ export class Pilot {
     this.choose(wish, sight, own, help);
     if (this.leaving) return this.leave(wish, sight);
     if (help === 'full' && sight.letGo) wish.squeeze = false;
+    if (sight.easesOff && keepsForce(wish.squeeze, help)) wish.squeeze = ROUND;
     if (help === 'none') return { wish, leaving: false };
     if (help === 'full' && this.meant !== undefined && sight.closed && asksToSqueeze(wish.squeeze) && sight.awayFromUse?.[this.meant]) {
       this.carry = { target: this.meant, carry: new Carry() };

@@ -19,7 +19,7 @@ const POSTURES: Readonly<Record<string, HandAxisPosture>> = {
   thumb_flexion: { open_rad: 0, stretched_rad: 0, closed_rad: 61 * DEGREE },
 };
 /** The first part of a squeeze brings the hand round the target, the rest closes it. */
-const ROUND = 0.15;
+export const ROUND = 0.15;
 
 /** Fingers and thumb may be aimed this far beyond the closed end of their range: what is held firmly is closed on further than it gives way. The program takes no more. */
 const PAST_RANGE_RAD = 30 * DEGREE;

@@ -13,7 +13,7 @@ export interface Pressed {
   readonly closed: boolean;
   /** It asks for what is being done: a tap more ends nothing. */
   readonly same?: boolean;
-  /** It is squeezed well: no press ends that, not even one that is held. */
+  /** It is squeezed well: no press that meets this ends it, not even one that is held. */
   readonly well?: boolean;
 }
 
@@ -28,11 +28,13 @@ export class Trigger {
   private latched = false;
   private spent = false;
   private ends = false;
+  private met = false;
 
   /** @param asked what the way of playing says: pressed or not, or how far */
   step(asked: boolean | number, { taps, closed, same = false, well = false }: Pressed, dt_s: number): boolean | number {
     const down = typeof asked === 'number' ? asked > PRESSED : asked;
     if (!down) this.up_s += dt_s;
+    this.met = well || (this.met && this.down);
     if (down && !this.down) {
       this.held_s = 0;
       // Who presses squeezes, and who lets go lets go: it ends what a tap before it began.
@@ -42,7 +44,7 @@ export class Trigger {
       this.held_s += dt_s;
     } else if (this.down) {
       const tap = this.held_s < TAP_S || !closed;
-      this.latched = this.latched ? tap || well : tap && taps && typeof asked === 'boolean' && !this.spent && !this.ends;
+      this.latched = this.latched ? tap || this.met : tap && taps && typeof asked === 'boolean' && !this.spent && !this.ends;
       this.spent = this.ends = false;
       this.up_s = 0;
     }

@@ -33,8 +33,8 @@ const PARAMETERS = [
   ['effort_limit_arm_n', ParameterGroup.Patient, 'N', 4, 20, 20, 4],
   ['damping_full_n', ParameterGroup.Patient, 'N', 1, 10, 5, 2],
   ['damping_decay_s', ParameterGroup.Hand, 's', 0.05, 1, 0.3, 0.2],
-  ['wall_stiffness_ratio', ParameterGroup.Exercise, '', 0.2, 1, 0.8, 0.2],
-  ['wall_damping_ratio', ParameterGroup.Exercise, '', 0.2, 2, 1, 0.5],
+  ['wall_stiffness_ratio', ParameterGroup.Exercise, '', 0, 1.2, 1, 0.2],
+  ['viscosity_ratio', ParameterGroup.Exercise, '', 0.1, 2, 1, 0.5],
   ['lead_in_m', ParameterGroup.Exercise, 'm', 0.001, 0.01, 0.004, 0.002],
   ['squeeze_threshold_ratio', ParameterGroup.Exercise, '', 0.5, 2, 1, 0.25],
 ] as const;

@@ -1,5 +1,5 @@
 // Squeezed plastic yields to the skin: where a finger is inside a soft thing, its wall goes in
-// as far as the finger does. So the hand is never seen sunk into what it holds.
+// as far as the finger does. So the hand is never seen sunk into what it holds. What lost its content stays in.
 
 import { Vector3, type BufferGeometry, type Object3D } from 'three';
 import type { SkinUniforms } from '../hand/skin_shader';
@@ -40,29 +40,44 @@ export function pressingOn(object: Object3D, skin: SkinUniforms, radius_m: numbe
 
 export class Dent {
   private readonly rest: Float32Array;
-  private pressed = false;
+  /** Of each vertex: its radius, as a part of that at rest. */
+  private readonly parts: Float32Array;
+  /** Of each vertex: 0 at the wall's ends, 1 in its middle. */
+  private readonly middle: Float32Array;
+  private dented = false;
 
   constructor(private readonly geometry: BufferGeometry, private readonly radius_m: number) {
     this.rest = Float32Array.from(geometry.attributes.position.array);
+    this.parts = new Float32Array(this.rest.length / 3).fill(1);
+    const walls = [...this.parts.keys()].filter((v) => this.isWall(v)), heights = walls.map((v) => this.rest[3 * v + 1]);
+    const low = Math.min(...heights), long = Math.max(...heights) - low;
+    this.middle = new Float32Array(this.parts.length);
+    walls.forEach((v, i) => { this.middle[v] = Math.sin(Math.PI * (heights[i] - low) / Math.max(long, 1e-9)) ** 2; });
   }
 
-  update(list: readonly Pressing[]): void {
-    if (list.length === 0 && !this.pressed) return;
-    this.pressed = list.length > 0;
-    const at = this.geometry.attributes.position, to = at.array, { rest } = this;
-    for (let i = 0; i < rest.length; i += 3) {
-      let x = rest[i], z = rest[i + 2];
-      const y = rest[i + 1];
-      if (Math.hypot(x, z) > WALL_SHARE * this.radius_m)
+  private isWall(v: number): boolean { return Math.hypot(this.rest[3 * v], this.rest[3 * v + 2]) > WALL_SHARE * this.radius_m; }
+
+  /**
+   * @param keeps how much of the dent stays where nothing presses any more, 0 .. 1
+   * @param waist how much narrower the whole wall is in its middle, 0 .. 1
+   */
+  update(list: readonly Pressing[], keeps = 0, waist = 0): void {
+    if (list.length === 0 && !this.dented && waist === 0) return;
+    this.dented = false;
+    const at = this.geometry.attributes.position, to = at.array, { rest, parts } = this;
+    for (let i = 0, v = 0; i < rest.length; i += 3, v++) {
+      const x = rest[i], y = rest[i + 1], z = rest[i + 2], r = Math.hypot(x, z);
+      let part = 1 - waist * this.middle[v];
+      if (this.isWall(v))
         for (let n = 0; n < STEPS; n++) {
-          const depth = depthIn(list, x, y, z);
+          const depth = depthIn(list, part * x, y, part * z);
           if (depth <= 0) break;
-          const share = Math.max(0.5, 1 - depth / Math.hypot(x, z));
-          x *= share;
-          z *= share;
+          part *= Math.max(0.5, 1 - depth / (part * r));
         }
-      to[i] = x;
-      to[i + 2] = z;
+      parts[v] = Math.min(part, 1 - keeps * (1 - parts[v]));
+      this.dented ||= parts[v] < 1;
+      to[i] = parts[v] * x;
+      to[i + 2] = parts[v] * z;
     }
     at.needsUpdate = true;
   }

@@ -86,7 +86,7 @@ export async function keysFillAGlass(t) {
   const game = await openGame(t.plain, watcher.url, {}, { init: GOES_ON });
   const { glass_l: glass, asked_l: asked, tolerance_l: tolerance, score, drink_time_s: took_s, 'layer_l/0': layer } = (await playOneDrink(game, watcher)).values;
   const drink = glass > 0 ? glass : layer;
-  expect(drink > 0.02, `the glass holds ${1000 * drink} ml`);
+  expect(drink > 0.01, `the glass holds ${1000 * drink} ml`);
   await game.waitForSelector('[data-testid=success]');
   return `a glass of ${(1000 * drink).toFixed(1)} ml (asked ${(1000 * asked).toFixed(0)} ± ${(1000 * tolerance).toFixed(0)}) in ${took_s.toFixed(1)} s, score ${score.toFixed(0)}`;
 }

@@ -1,6 +1,6 @@
 // A person who plays with keys alone: looks ten times a second, and presses what the help says.
 
-const STAGE = { reach: 0, squeeze: 1, pouring: 2, letGo: 3, drinkDone: 4, levelDone: 5, drawBack: 6 };
+const STAGE = { reach: 0, squeeze: 1, pouring: 2, letGo: 3, drinkDone: 4, levelDone: 5, drawBack: 6, breathe: 7 };
 /** In front of the row, and at a dispenser, along x [m]. */
 const IN_FRONT_M = -0.055;
 const AT_M = 0.058;
@@ -16,7 +16,7 @@ export function keysFor(now, help = 'full') {
   const [x, y] = [now.q[now.axes.indexOf('x')], now.q[now.axes.indexOf('y')]];
   const { stage, target_dispenser: target, squeeze_n: squeeze } = now.values;
   const body = now.bodies[now.dispensers[target]];
-  if (!body || stage === STAGE.drinkDone || stage === STAGE.levelDone) return [];
+  if (!body || stage === STAGE.drinkDone || stage === STAGE.levelDone || stage === STAGE.breathe) return [];
   if (stage === STAGE.letGo || stage === STAGE.drawBack) return squeeze > 1 || x < -0.074 ? [] : ['ArrowDown'];
   const aside = body[1] - GRIP_SIDE_M - y;
   const alone = help === 'none';

@@ -153,7 +153,6 @@ export const de: ConsoleTexts = {
       damping_full_n: 'Dämpfung, voll ab',
       damping_decay_s: 'Dämpfung klingt ab in',
       wall_stiffness_ratio: 'Steifigkeit der Wand',
-      wall_damping_ratio: 'Dämpfung der Wand',
       viscosity_ratio: 'Zähigkeit',
       lead_in_m: 'Wand vor dem Kontakt',
       level_ratio: 'Verlangte Kraft',

@@ -153,7 +153,6 @@ export const en = {
       damping_full_n: 'Adaptive damping, full at',
       damping_decay_s: 'Damping fades out in',
       wall_stiffness_ratio: 'Wall stiffness',
-      wall_damping_ratio: 'Wall damping',
       viscosity_ratio: 'Viscosity',
       lead_in_m: 'Wall before contact',
       level_ratio: 'Force asked for',

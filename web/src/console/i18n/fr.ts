@@ -153,7 +153,6 @@ export const fr: ConsoleTexts = {
       damping_full_n: 'Amortissement, plein à',
       damping_decay_s: 'L’amortissement s’éteint en',
       wall_stiffness_ratio: 'Raideur du mur',
-      wall_damping_ratio: 'Amortissement du mur',
       viscosity_ratio: 'Viscosité',
       lead_in_m: 'Mur avant le contact',
       level_ratio: 'Force demandée',

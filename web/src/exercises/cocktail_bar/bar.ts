@@ -16,6 +16,7 @@ export interface BarStep { readonly liquid: string; readonly amount_l: number; r
 export interface BarDrink { readonly name: string; readonly steps: readonly BarStep[] }
 export interface Bar {
   readonly dispensers: readonly BarDispenser[];
+  readonly viscosities_pa_s: Readonly<Record<string, number>>;   // of the liquids, by name
   readonly glass: BarGlass;
   readonly counter_z_m: number;
   readonly rail_z_m: number;
@@ -28,7 +29,10 @@ export interface Bar {
 export const BAR_FILE = 'cocktail-bar';
 
 /** The value `stage`. */
-export const Stage = { Reach: 0, Squeeze: 1, Pour: 2, LetGo: 3, DrinkDone: 4, LevelDone: 5, DrawBack: 6 } as const;
+export const Stage = { Reach: 0, Squeeze: 1, Pour: 2, LetGo: 3, DrinkDone: 4, LevelDone: 5, DrawBack: 6, Breathe: 7 } as const;
+
+/** Less than this does not pour, it drips [l/s]. */
+export const DRIP_L_S = 0.0005;
 
 type Json = Readonly<Record<string, unknown>>;
 
@@ -66,6 +70,7 @@ export function barOf(scene: Pick<SceneT, 'exerciseJson'> | null | undefined): B
   const row = Array.isArray(parsed.row_y_m) ? parsed.row_y_m.map(number) : [];
   return {
     dispensers: objects(parsed.dispensers).map(readDispenser),
+    viscosities_pa_s: Object.fromEntries(objects(parsed.liquids).map(({ name, viscosity_pa_s }) => [words(name), number(viscosity_pa_s)])),
     glass: { body: words(glass.body), radius_m: number(glass.radius_m), height_m: number(glass.height_m), m_per_l: number(glass.m_per_l), capacity_l: number(glass.capacity_l) },
     counter_z_m: number(parsed.counter_z_m), rail_z_m: number(parsed.rail_z_m),
     row_y_m: row.length === 2 ? [row[0], row[1]] : undefined,

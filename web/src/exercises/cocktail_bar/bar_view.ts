@@ -9,8 +9,8 @@ import type { Quality } from '../../scene/quality';
 import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { Stage, type Bar } from './bar';
-import { Dent, pressingOn } from '../../scene/dent';
-import { Sign, makeDispenser } from './dispenser';
+import { AirView } from './air';
+import { Sign, makeDispenser, type Shell } from './dispenser';
 import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
 import { GuestView } from './guest';
 import { nameOf } from './i18n';
@@ -29,7 +29,10 @@ const GLASS_AWAY_M = 0.8;
 /** So much of a shelf's height the guest stands higher: the chest is seen over it, and the face under the signs. */
 const SEEN_OVER_SHELF = 0.42;
 
-interface Hung { readonly body: number; readonly root: Group; readonly dent: Dent | undefined; readonly sign: Sign; slot: Vector3 | undefined }
+/** The air that comes back into a bottle that nobody is at [s]. */
+const AIR_S = 0.3;
+
+interface Hung { readonly body: number; readonly root: Group; readonly shell: Shell; readonly sign: Sign; slot: Vector3 | undefined; pressed_l: number; keeps: number }
 
 /** Steps of a drink whose poured amounts the program reports. */
 const STEPS = [0, 1, 2, 3, 4, 5, 6, 7] as const;
@@ -40,6 +43,7 @@ export class BarView implements ExerciseView {
   private readonly hung: Hung[];
   private readonly glass: GlassView;
   private readonly stream: StreamView;
+  private readonly air = new AirView();
   private readonly guest: GuestView;
   private readonly serving = new ServingClock();
   private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
@@ -59,14 +63,12 @@ export class BarView implements ExerciseView {
     this.glass = new GlassView(bar.glass, quality);
     this.stream = new StreamView(quality);
     this.guest = new GuestView(quality);
-    this.root.add(this.glass.root, this.stream.root, this.guest.root, this.guest.counterEnd);
+    this.root.add(this.glass.root, this.stream.root, this.air.root, this.guest.root, this.guest.counterEnd);
     this.hung = bar.dispensers.map((d) => {
-      const { root, wall } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
+      const { root, shell } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
       const sign = new Sign(d.liquid);
       this.root.add(root, sign.root);
-      // Plain materials do without: a finger is at most a millimetre or two inside.
-      const dent = quality === 'high' ? new Dent(wall, d.radius_m) : undefined;
-      return { body: bodyIndex(d.body), root, dent, sign, slot: undefined };
+      return { body: bodyIndex(d.body), root, shell, sign, slot: undefined, pressed_l: 0, keeps: 0 };
     });
   }
 
@@ -85,18 +87,19 @@ export class BarView implements ExerciseView {
   }
 
   yieldTo(skin: SkinUniforms): void {
-    this.hung.forEach((h, i) => h.dent?.update(pressingOn(h.root, skin, this.bar.dispensers[i].radius_m)));
+    for (const { shell, root, keeps } of this.hung) shell.yieldTo(skin, root, keeps);
   }
 
   update(state: WorldStateT, eye: Vector3, dt_s: number): void {
     this.target = this.values.get(state, 'target_dispenser');
     const stage = this.values.get(state, 'stage'), done = stage === Stage.DrinkDone || stage === Stage.LevelDone;
     this.placeDispensers(state, eye, done);
+    this.showShells(state, eye, dt_s);
     const poured = STEPS.map((i) => this.values.get(state, `layer_l/${i}`)), drink = this.bar.drinks[this.values.get(state, 'drink')];
     const rim = rimHeight(this.bar.glass), rise = this.bar.glass.m_per_l, step = this.values.get(state, 'step');
     const liquids = drink?.steps.map((s) => s.liquid) ?? [];
     this.line_m = done || !drink ? undefined : lineHeight(poured, step, this.values.get(state, 'asked_l'), rise, rim);
-    const still = this.still.matches, inUse = stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo;
+    const still = this.still.matches, inUse = stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo || stage === Stage.Breathe;
     const serving = this.serving.look(done, inUse, dt_s, still || this.shelf_m > 0);
     this.glass.update(serving.empty ? [] : layersOf(poured, liquids, rise, rim), this.line_m, done && !serving.empty);
     const body = state.bodies[this.glassBody];
@@ -165,6 +168,19 @@ export class BarView implements ExerciseView {
     });
   }
 
+  /** How far the shells are in, and the air that comes back into them. */
+  private showShells(state: WorldStateT, eye: Vector3, dt_s: number): void {
+    const engaged = this.values.get(state, 'engaged_dispenser', -1), reported_l = this.values.get(state, 'pressed_l');
+    this.hung.forEach((h, i) => {
+      const { liquid } = this.bar.dispensers[i], before_l = h.pressed_l;
+      h.pressed_l = i === engaged ? reported_l : before_l * Math.exp(-dt_s / AIR_S);
+      h.keeps = before_l > 0 ? Math.min(1, h.pressed_l / before_l) : 0;
+      h.shell.show(h.pressed_l, this.values.get(state, `left_l/${liquid}`, 1) === 0);
+      if (!this.still.matches) this.air.take(this.bar.dispensers[i], h.root, eye, before_l - h.pressed_l);
+    });
+    this.air.advance(dt_s);
+  }
+
   railZ(state: WorldStateT): number | undefined {
     const at = state.bodies[this.railBody]?.positionM;
     return at ? toThree(at).z : undefined;
@@ -177,7 +193,10 @@ export class BarView implements ExerciseView {
     const tip = toThree({ x: d.nozzle_m[0], y: d.nozzle_m[1], z: d.nozzle_m[2] }).applyQuaternion(h.root.quaternion).add(h.root.position);
     const over = this.values.get(state, 'over_glass') > 0.5;
     const floor = over ? this.glass.root.position.y + FLOOR_M + surface_m : this.bar.counter_z_m;
-    this.stream.update(d.liquid, flow, tip, floor, over, this.bar.counter_z_m, this.values.get(state, 'spilt_l'), dt_s);
+    this.stream.update({
+      liquid: d.liquid, viscosity_pa_s: this.bar.viscosities_pa_s[d.liquid], flow_l_s: flow, from: tip, floor_m: floor, overGlass: over,
+      counter_m: this.bar.counter_z_m, spilt_l: this.values.get(state, 'spilt_l'),
+    }, dt_s);
   }
 }
 

@@ -1,10 +1,12 @@
 // A squeeze bottle that hangs from the rail, nozzle down, and the sign over it.
 
 import {
-  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, PlaneGeometry, Vector2, type BufferGeometry, type Texture,
+  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, PlaneGeometry, Vector2, type Material, type Texture,
 } from 'three';
 import { liquidLook } from './liquids';
 import type { BarDispenser } from './bar';
+import type { SkinUniforms } from '../../hand/skin_shader';
+import { Dent, pressingOn } from '../../scene/dent';
 import { flat, surface } from '../../scene/materials';
 import { picture } from '../../scene/textures';
 import { drawSymbol, patternTexture } from './liquid_textures';
@@ -16,6 +18,9 @@ const CAP_M = 0.0335;
 const STRAIGHT_M = 0.0525;
 /** Of the brass ring that holds the bottle [m]. */
 const RING_M = 0.013;
+/** A bottle that is pressed in is narrower, by this a litre, and by this share at most. */
+const NARROWER_PER_L = 15;
+const NARROWEST = 0.18;
 const SIGN_WIDTH_M = 0.121;
 const SIGN_HEIGHT_M = 0.0369;
 
@@ -69,11 +74,42 @@ function holder(d: BarDispenser, quality: Quality, rail_m: number): Mesh[] {
   return [ring, stem];
 }
 
+/** A bottle without liquid is only its plastic. */
+const EMPTY_OPACITY = 0.28;
+
+/** The plastic of a dispenser, which yields. */
+export class Shell {
+  private readonly dent: Dent | undefined;
+  private empty = false;
+  private narrower = 0;
+
+  constructor(private readonly mesh: Mesh, private readonly radius_m: number, quality: Quality) {
+    // Plain materials have few points: there all of it gets narrower, by half of what a waist would be.
+    this.dent = quality === 'high' ? new Dent(mesh.geometry, radius_m) : undefined;
+  }
+
+  /** @param keeps how much of its dents stays where no finger is, 0 .. 1 */
+  yieldTo(skin: SkinUniforms, root: Group, keeps: number): void { this.dent?.update(pressingOn(root, skin, this.radius_m), keeps, this.narrower); }
+
+  /** @param pressed_l liquid that was pressed out, and no air has come for */
+  show(pressed_l: number, empty: boolean): void {
+    this.narrower = Math.min(NARROWEST, NARROWER_PER_L * pressed_l);
+    const wide = this.dent ? 1 : 1 - 0.5 * this.narrower;
+    this.mesh.scale.set(wide, 1, wide);
+    if (empty === this.empty) return;
+    this.empty = empty;
+    const material = this.mesh.material as Material;
+    material.transparent = empty;
+    material.opacity = empty ? EMPTY_OPACITY : 1;
+    material.needsUpdate = true;
+  }
+}
+
 /** @param rail_m height of the rail over the body's origin */
-export function makeDispenser(d: BarDispenser, quality: Quality, rail_m: number): { root: Group; wall: BufferGeometry } {
+export function makeDispenser(d: BarDispenser, quality: Quality, rail_m: number): { root: Group; shell: Shell } {
   const root = new Group(), body = bottle(d, quality);
   root.add(body, nozzle(d, quality), ...holder(d, quality, rail_m));
-  return { root, wall: body.geometry };
+  return { root, shell: new Shell(body, d.radius_m, quality) };
 }
 
 function signTexture(liquid: string, name: string, lit: boolean): Texture {

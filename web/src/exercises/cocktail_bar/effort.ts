@@ -1,7 +1,7 @@
 // What is measured of a person's effort while a drink is mixed: the amounts, and how steadily the bottle is squeezed.
 import type { WorldStateT } from '../../protocol';
 import type { ExerciseValues } from '../values';
-import type { BarDrink } from './bar';
+import { DRIP_L_S, type BarDrink } from './bar';
 import { nameOf, text } from './i18n';
 
 /** A grip is called steady up to this standard deviation of the squeeze, as a part of its mean. */
@@ -29,7 +29,7 @@ export class EffortMeter {
     const dt_s = now_s - this.last_s;
     this.last_s = now_s;
     const engaged = values.get(state, 'engaged_dispenser', -1);
-    const pours = values.get(state, 'flow_l_s') > 0 && engaged >= 0 && engaged === values.get(state, 'target_dispenser', -1);
+    const pours = values.get(state, 'flow_l_s') > DRIP_L_S && engaged >= 0 && engaged === values.get(state, 'target_dispenser', -1);
     if (!pours || !(dt_s > 0) || dt_s > GAP_S) return;
     const squeeze_n = values.get(state, 'squeeze_n');
     this.time_s += dt_s;

@@ -1,14 +1,14 @@
-// A bar that behaves well enough to draw and to play with: kinematic contact, flow, recipe. The truth is the
-// program's; nothing here is more than plausible.
+// A bar that behaves well enough to draw and to play with: kinematic contact, squeeze bottles, recipe. The truth is
+// the program's; nothing here is more than plausible.
 import { capsulesOf, jointsOf, linkPoses, type RigidPose, type Triple, type WorldCapsule } from '../../net/fake_hand';
-import { Stage } from './bar';
+import { DRIP_L_S, Stage } from './bar';
 
 const DEGREE = Math.PI / 180;
 const LIQUIDS = [
-  { name: 'lemon', color: '#F6C636', pattern: 'stripes', symbol: 'triangle', viscosity: 1, stiffness: 1 },
-  { name: 'cherry', color: '#A31D38', pattern: 'dots', symbol: 'circle', viscosity: 1.6, stiffness: 1.4 },
-  { name: 'blueberry', color: '#3B6FD1', pattern: 'waves', symbol: 'square', viscosity: 2.6, stiffness: 2 },
-  { name: 'coconut', color: '#FBF4E6', pattern: 'rings', symbol: 'diamond', viscosity: 4.2, stiffness: 2.8 },
+  { name: 'lemon', color: '#F6C636', pattern: 'stripes', symbol: 'triangle', viscosity_pa_s: 0.157, resistance_n_s_m: 80 },
+  { name: 'cherry', color: '#A31D38', pattern: 'dots', symbol: 'circle', viscosity_pa_s: 0.251, resistance_n_s_m: 128 },
+  { name: 'blueberry', color: '#3B6FD1', pattern: 'waves', symbol: 'square', viscosity_pa_s: 0.402, resistance_n_s_m: 205 },
+  { name: 'coconut', color: '#FBF4E6', pattern: 'rings', symbol: 'diamond', viscosity_pa_s: 0.643, resistance_n_s_m: 328 },
 ] as const;
 type Step = { liquid: string; amount_l: number; tolerance_l: number };
 export interface Drink { name: string; steps: Step[] }
@@ -16,10 +16,10 @@ export interface Drink { name: string; steps: Step[] }
 const step = (liquid: string, amount_ml: number, tolerance_ml: number): Step => (
   { liquid, amount_l: amount_ml / 1000, tolerance_l: tolerance_ml / 1000 });
 const LEVELS: { name: string; liquids: number; drinks: Drink[] }[] = [
-  { name: 'one', liquids: 1, drinks: [{ name: 'lemonade', steps: [step('lemon', 60, 12)] }, { name: 'lemonade', steps: [step('lemon', 80, 12)] }] },
-  { name: 'two', liquids: 2, drinks: [{ name: 'blush', steps: [step('lemon', 40, 8), step('cherry', 30, 8)] }] },
-  { name: 'three', liquids: 3, drinks: [{ name: 'blush', steps: [step('cherry', 40, 5), step('lemon', 40, 5)] }, { name: 'sunset', steps: [step('blueberry', 40, 5), step('lemon', 30, 5), step('cherry', 30, 5)] }] },
-  { name: 'four', liquids: 4, drinks: [{ name: 'sunset', steps: [step('blueberry', 40, 3), step('lemon', 30, 3), step('cherry', 30, 3)] }, { name: 'island', steps: [step('coconut', 40, 3), step('blueberry', 30, 3)] }] },
+  { name: 'one', liquids: 1, drinks: [{ name: 'lemonade', steps: [step('lemon', 20, 5)] }, { name: 'lemonade', steps: [step('lemon', 24, 5)] }] },
+  { name: 'two', liquids: 2, drinks: [{ name: 'blush', steps: [step('lemon', 16, 5), step('cherry', 14, 5)] }] },
+  { name: 'three', liquids: 3, drinks: [{ name: 'blush', steps: [step('cherry', 16, 4), step('lemon', 16, 4)] }, { name: 'sunset', steps: [step('blueberry', 16, 4), step('lemon', 14, 4), step('cherry', 14, 4)] }] },
+  { name: 'four', liquids: 4, drinks: [{ name: 'sunset', steps: [step('blueberry', 16, 3), step('lemon', 14, 3), step('cherry', 14, 3)] }, { name: 'island', steps: [step('coconut', 18, 3), step('blueberry', 14, 3)] }] },
 ];
 export const LEVEL_NAMES = LEVELS.map((level) => level.name);
 
@@ -33,14 +33,28 @@ export const AXES = [
 ] as const;
 export const GEOMETRY = {
   counter_z: -0.253, rail_z: 0.128, row_x: 0.119, pitch: 0.128, bottle_r: 0.025, soft: 0.005, bottle_h: 0.2, bottle_z: 0.004, nozzle_z: -0.109,
-  glass_r: 0.034, glass_h: 0.116, m_per_l: 0.74, capacity_l: 0.14, grip: [0.049, 0.041, 0.004] as Triple,
+  glass_r: 0.034, glass_h: 0.116, m_per_l: 1.48, capacity_l: 0.07, grip: [0.049, 0.041, 0.004] as Triple,
 };
 /** Felt at the fingertips, as in config/exercises/cocktail-bar.toml, level 1. */
-export const SQUEEZE = { threshold_n: 1, low_n: 1.4, high_n: 2.6, full_n: 6 };
-const FLOW_L_S_N = 0.0048;
-/** Of the softest liquid, and of the bottle's core, at the tip [N/m]. */
-const LIQUID_N_M = 100;
+export const SQUEEZE = { threshold_n: 0.5, low_n: 1.4, high_n: 2.6, full_n: 6 };
+/** Of the shell under a digit, of what brings it back, and of the bottle's core, at the tip [N/m]. */
+const SHELL_N_M = 280;
+const RETURN_N_M = 25;
 const CORE_N_M = 625;
+/** Of a digit: what opens the valve [N]; of the air that comes back [N·s/m]; on the liquid [m²]. */
+const OPENING_N = 0.25;
+const AIR_N_S_M = 7.5;
+const AREA_M2 = 8e-4;
+/** A digit presses the shell in no deeper than this, at the tip [m]. */
+const DEEPEST_M = 0.012;
+/**
+ * A stroke that took this much is spent when less than this share of its fastest flow comes for so long, until air has
+ * brought the shell back to this share: src/exercise/cocktail_bar/pouring.cpp.
+ */
+const LEAST_STROKE_L = 0.002;
+const SLOW = 0.15;
+const SLOW_S = 0.3;
+const BACK = 0.15;
 const LEVER_M = 0.08;
 /** Overlap that is no touch yet [m], and how much deeper a digit gets as its axis closes [m/rad]. */
 const SKIN_M = 0.0008;
@@ -50,6 +64,19 @@ const NEUTRAL = [-0.04, 0, -0.01, 65 * DEGREE, 5 * DEGREE, 0];
 
 export interface BarContact { capsule: number; dispenser: number; point: Triple; force: Triple }
 export interface BarEvent { name: string; index: number; value: number }
+
+/**
+ * How far a cushion is pressed in `dt` later [m], backward Euler in closed form as in src/control/viscoelastic.cpp.
+ * @param travel_m before @param depth_m of the digit behind its first touch
+ */
+function pressCushion(travel_m: number, depth_m: number, resistance_n_s_m: number, open: boolean, dt: number): number {
+  const push_n = SHELL_N_M * depth_m, q_n = Math.max(0, push_n - SHELL_N_M * travel_m) - RETURN_N_M * travel_m;
+  const after_m = (d: number, force_n: number, spring_n_m: number): number => (d * travel_m + dt * force_n) / (d + dt * spring_n_m);
+  if (open && q_n > OPENING_N) return after_m(resistance_n_s_m, push_n - OPENING_N, SHELL_N_M + RETURN_N_M);
+  if (q_n >= 0) return travel_m;
+  const back_m = after_m(AIR_N_S_M, push_n, SHELL_N_M + RETURN_N_M);
+  return SHELL_N_M * back_m > push_n ? after_m(AIR_N_S_M, 0, RETURN_N_M) : back_m;
+}
 
 export class FakeBar {
   time_s = 0;
@@ -65,6 +92,7 @@ export class FakeBar {
   step = 0;
   squeeze_n = 0;
   flow_l_s = 0;
+  pressed_l = 0;
   engaged = -1;
   poured_l = 0;
   spilt_l = 0;
@@ -77,6 +105,11 @@ export class FakeBar {
   layers_l: number[] = [];
   palmDistance_m = 1;
   paused = false;
+  /** How far the shell under fingers and thumb is pressed in [m]. */
+  private readonly travel_m = [0, 0];
+  private fastest_l_s = 0;
+  private slow_s = 0;
+  private spentAt_l = 0;
   private rowTarget_y = 0;
   private rest_s = 0;
   private events: BarEvent[] = [];
@@ -113,7 +146,7 @@ export class FakeBar {
       const wanted = Math.min(axis.upper, Math.max(axis.lower, this.intention[i]));
       this.qM[i] += (wanted - this.qM[i]) * follow;
     });
-    this.touch(dt);
+    this.touch(dt, pushing && !this.paused);
     if (!this.paused && pushing) this.pour(dt);
     this.slide(dt);
   }
@@ -150,7 +183,9 @@ export class FakeBar {
     const y = this.dispenserY(this.target) - GEOMETRY.grip[1];
     const x = GEOMETRY.row_x - GEOMETRY.grip[0];
     const side = y - 0.045;
-    const grasping = this.stage === Stage.Reach || this.stage === Stage.Squeeze || this.stage === Stage.Pour;
+    const { amount_l, tolerance_l } = this.steps[Math.min(this.step, this.steps.length - 1)];
+    const fillsUp = this.stage === Stage.LetGo && this.flow_l_s > DRIP_L_S && this.poured_l < amount_l - 0.3 * tolerance_l;
+    const grasping = fillsUp || [Stage.Reach, Stage.Squeeze, Stage.Pour, Stage.Breathe].some((stage) => stage === this.stage);
     const open = this.qM[3] < 60 * DEGREE;
     const [nowX, nowY] = this.qM;
     let wanted = [-0.04, side, -0.01, 40 * DEGREE, 5 * DEGREE, 0];
@@ -159,8 +194,8 @@ export class FakeBar {
     // Out again: open first, then sideways, then back.
     if (!grasping && nowX > 0.03) wanted = [x, open ? side : y, 0, 40 * DEGREE, open ? 5 * DEGREE : 20 * DEGREE, 0];
     if (!grasping && nowX > 0.03 && open && nowY < side + 0.01) wanted[0] = -0.04;
-    if (grasping && this.stage !== Stage.Reach && nowX > x - 0.004 && Math.abs(nowY - y) < 0.004) {
-      const wish_n = this.poured_l > 0.85 * this.steps[this.step].amount_l ? 1.6 : 2;
+    if (grasping && this.stage !== Stage.Reach && this.stage !== Stage.Breathe && nowX > x - 0.004 && Math.abs(nowY - y) < 0.004) {
+      const wish_n = this.poured_l > 0.85 * amount_l ? 1.6 : 2;
       const more = Math.max(-1, Math.min(1, wish_n - this.squeeze_n)) * dt;
       wanted = [x, y, 0, Math.min(155 * DEGREE, this.intention[3] + 1.2 * more), 20 * DEGREE, Math.min(55 * DEGREE, this.intention[5] + 0.5 * more)];
     }
@@ -192,25 +227,27 @@ export class FakeBar {
     return Math.max(...capsules.filter((c) => parts(c.part)).map((c) => this.depth(c, bottle).depth));
   }
 
-  /** The liquid is felt from the bottle's surface on, the core from where the avatar's digits stop. */
-  private touch(dt: number): void {
+  /** The shell is felt from the bottle's surface on, the core from where the avatar's digits stop. @param open liquid may leave */
+  private touch(dt: number, open: boolean): void {
     const q = [...this.qM];
     const near = this.liquids.findIndex((_, i) => Math.hypot(GEOMETRY.row_x - q[0] - GEOMETRY.grip[0], this.dispenserY(i) - q[1] - GEOMETRY.grip[1]) < 0.04);
     this.contacts = [];
-    this.squeeze_n = 0;
+    this.squeeze_n = this.flow_l_s = 0;
+    const depths_m = [0, 0];
     this.palmDistance_m = 0.2;
     if (near >= 0) {
       const palm = this.deepest(q, near, (part) => part === 0);
       this.palmDistance_m = Math.max(0, -palm);
       if (palm > SKIN_M) q[0] -= Math.min(0.03, palm - SKIN_M);
-      const liquid_n_m = LIQUID_N_M * this.liquids[near].stiffness * this.alpha;
-      for (const axis of [3, 5]) {
+      for (const [digit, axis] of [3, 5].entries()) {
         const deep_m = Math.max(0, this.deepest(q, near, (part) => (axis === 5 ? part === 5 : part >= 1 && part <= 4)) - SKIN_M);
         const inCore = Math.max(0, deep_m - GEOMETRY.soft) / DEEPER_M;
         q[axis] = Math.max(0, q[axis] - inCore);
-        this.squeeze_n += LEVER_M * (liquid_n_m * deep_m / DEEPER_M + CORE_N_M * inCore);
+        depths_m[digit] = Math.min(DEEPEST_M, LEVER_M * deep_m / DEEPER_M);
+        this.squeeze_n += LEVER_M * CORE_N_M * inCore;
       }
     }
+    this.press(dt, near, depths_m, open);
     // Blended over some steps: the search above moves in whole degrees.
     this.qS = q.map((v, i) => this.qS[i] + (v - this.qS[i]) * (1 - Math.exp(-dt * 30)));
     this.theta = jointsOf(this.qS);
@@ -221,6 +258,18 @@ export class FakeBar {
     if (!engaged && this.engaged >= 0) this.events.push({ name: 'disengaged', index: this.engaged, value: 0 });
     this.engaged = engaged ? near : -1;
     this.alpha = Math.max(0, Math.min(1, this.alpha + (engaged ? dt : -dt / 0.3)));
+  }
+
+  /** The cushions behind the digits: what they lose flows. @param depths_m how deep each digit is, at the tip */
+  private press(dt: number, bottle: number, depths_m: readonly number[], open: boolean): void {
+    const resistance = this.liquids[bottle]?.resistance_n_s_m ?? 1, opens = open && this.left_l[bottle] > 0;
+    depths_m.forEach((depth_m, digit) => {
+      const before_m = this.travel_m[digit], after_m = pressCushion(before_m, depth_m, resistance, opens, dt);
+      this.travel_m[digit] = after_m;
+      this.squeeze_n += this.alpha * Math.max(0, SHELL_N_M * (depth_m - after_m));
+      this.flow_l_s += this.alpha * 1000 * AREA_M2 * Math.max(0, after_m - before_m) / dt;
+    });
+    this.pressed_l = 1000 * AREA_M2 * (this.travel_m[0] + this.travel_m[1]);
   }
 
   private findContacts(bottle: number): void {
@@ -235,30 +284,40 @@ export class FakeBar {
 
   private pour(dt: number): void {
     const asked = this.steps[Math.min(this.step, this.steps.length - 1)];
-    if (this.stage < Stage.DrinkDone) { this.drinkTime_s += dt; this.rest_s = 0; } else this.rest_s += dt;
-    this.flow_l_s = 0;
-    if (this.engaged < 0 || this.squeeze_n < 0.5) {
+    if (this.stage !== Stage.DrinkDone && this.stage !== Stage.LevelDone) { this.drinkTime_s += dt; this.rest_s = 0; } else this.rest_s += dt;
+    if (this.isSpent(dt)) this.stage = Stage.Breathe;
+    if (this.stage === Stage.Breathe && this.pressed_l <= BACK * this.spentAt_l) this.stage = Stage.Squeeze;
+    if (this.engaged < 0 || this.flow_l_s === 0) {
       if (this.stage === Stage.LetGo && this.qM[0] < 0.03) this.stepDone();
       else if (this.stage === Stage.Pour) this.stage = Stage.Squeeze;
-      else if (this.stage === Stage.Squeeze && this.engaged < 0) this.stage = Stage.Reach;
+      else if ((this.stage === Stage.Squeeze || this.stage === Stage.Breathe) && this.engaged < 0) this.stage = Stage.Reach;
       else if (this.stage === Stage.Reach && this.engaged === this.target) this.stage = Stage.Squeeze;
       return;
     }
-    const liquid = this.liquids[this.engaged];
-    this.flow_l_s = Math.min(this.left_l[this.engaged] / dt, Math.max(0, this.squeeze_n - SQUEEZE.threshold_n) * FLOW_L_S_N / Math.sqrt(liquid.viscosity));
-    const volume = this.flow_l_s * dt;
-    if (volume <= 0) return;
+    const volume = Math.min(this.left_l[this.engaged], this.flow_l_s * dt);
     this.left_l[this.engaged] -= volume;
-    const caught = this.engaged === this.target && this.stage <= Stage.LetGo && Math.abs(this.glass_y - this.dispenserY(this.engaged)) < 0.03;
+    const caught = this.engaged === this.target && (this.stage <= Stage.LetGo || this.stage === Stage.Breathe) && Math.abs(this.glass_y - this.dispenserY(this.engaged)) < 0.03;
     if (!caught) { this.spilt_l += volume; return; }
     if (this.poured_l === 0) this.events.push({ name: 'pour_began', index: this.engaged, value: 0 });
-    if (this.stage < Stage.LetGo) this.stage = Stage.Pour;
+    if (this.stage < Stage.LetGo && this.flow_l_s > DRIP_L_S) this.stage = Stage.Pour;
     this.poured_l += volume;
     this.layers_l[this.step] += volume;
-    if (this.stage === Stage.Pour && this.poured_l >= asked.amount_l - 0.3 * asked.tolerance_l) {
+    if (this.stage < Stage.LetGo && this.poured_l >= asked.amount_l - asked.tolerance_l) {
       this.stage = Stage.LetGo;
       this.events.push({ name: 'line_reached', index: this.engaged, value: this.poured_l });
     }
+  }
+
+  /** The stroke gave what it can: let go until air is back in the bottle. */
+  private isSpent(dt: number): boolean {
+    if (this.pressed_l < LEAST_STROKE_L) this.fastest_l_s = 0;
+    this.fastest_l_s = Math.max(this.fastest_l_s, this.flow_l_s);
+    const fills = this.stage === Stage.Squeeze || this.stage === Stage.Pour, squeezes = this.squeeze_n >= SQUEEZE.threshold_n;
+    const slow = fills && squeezes && this.pressed_l >= LEAST_STROKE_L && this.flow_l_s < SLOW * this.fastest_l_s;
+    this.slow_s = slow ? this.slow_s + dt : 0;
+    if (this.slow_s < SLOW_S) return false;
+    this.spentAt_l = this.pressed_l;
+    return true;
   }
 
   private stepDone(): void {

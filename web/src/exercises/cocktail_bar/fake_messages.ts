@@ -11,7 +11,7 @@ const FIRST_DISPENSER = 3;
 
 /** Plays until a stage of a step, as the address names it ("pour"); not at all where it names none. */
 export function playTo(bar: FakeBar, at: string, drink: number, step: number): void {
-  const stages: Record<string, number> = { reach: Stage.Reach, squeeze: Stage.Squeeze, pour: Stage.Pour, letgo: Stage.LetGo, success: Stage.DrinkDone, level: Stage.LevelDone, drawback: Stage.DrawBack };
+  const stages: Record<string, number> = { reach: Stage.Reach, squeeze: Stage.Squeeze, pour: Stage.Pour, letgo: Stage.LetGo, breathe: Stage.Breathe, success: Stage.DrinkDone, level: Stage.LevelDone, drawback: Stage.DrawBack };
   const stage = stages[at];
   const there = (): boolean => bar.stage === stage && bar.drink >= drink && bar.step >= step;
   for (let k = 0; stage !== undefined && k < 12000 && !there(); k++) bar.advance(1 / 60, true, true);
@@ -22,7 +22,7 @@ function valuesOf(bar: FakeBar): [string, number][] {
   return [
     ['stage', bar.stage], ['drink', bar.drink], ['drinks', bar.drinks.length], ['step', bar.step], ['steps', bar.steps.length],
     ['target_dispenser', bar.target], ['engaged_dispenser', bar.engaged], ['squeeze_n', bar.squeeze_n], ['squeeze_low_n', SQUEEZE.low_n],
-    ['squeeze_high_n', SQUEEZE.high_n], ['squeeze_full_n', SQUEEZE.full_n], ['flow_l_s', bar.flow_l_s],
+    ['squeeze_high_n', SQUEEZE.high_n], ['squeeze_full_n', SQUEEZE.full_n], ['flow_l_s', bar.flow_l_s], ['pressed_l', bar.pressed_l],
     ['over_glass', Number(bar.flow_l_s > 0 && bar.engaged === bar.target)], ['poured_l', bar.poured_l], ['asked_l', asked.amount_l],
     ['tolerance_l', asked.tolerance_l], ['glass_l', bar.layers_l.reduce((a, b) => a + b, 0)], ['spilt_l', bar.spilt_l], ['score', bar.score],
     ['stars', bar.stars], ['drink_time_s', bar.drinkTime_s], ['row_y_m', bar.row_y],

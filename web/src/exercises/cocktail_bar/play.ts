@@ -3,7 +3,7 @@ import { duration } from '../../shared/format';
 import type { SceneT, WorldStateT } from '../../protocol';
 import type { Chime, GoalWords, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep, Zone } from '../exercise';
 import { ExerciseValues } from '../values';
-import { Stage, type Bar, type BarDrink } from './bar';
+import { DRIP_L_S, Stage, type Bar, type BarDrink } from './bar';
 import { effortText, EffortMeter, gripWord } from './effort';
 import { inSentence, nameOf, text, type BarTextKey } from './i18n';
 import { swatch } from './pictures';
@@ -12,10 +12,14 @@ import { barWords } from './words';
 const PHASES: Readonly<Record<number, Phase>> = {
   [Stage.Reach]: 'reach', [Stage.Squeeze]: 'squeeze', [Stage.Pour]: 'hold', [Stage.LetGo]: 'letgo',
   [Stage.DrinkDone]: 'success', [Stage.LevelDone]: 'success', [Stage.DrawBack]: 'drawback',
+  [Stage.Breathe]: 'ease',
 };
-/** For the sound: a strong flow [l/s], and what fills the glass [l]. */
+/** For the sound: a strong flow of liquid and of air [l/s], and what fills the glass [l]. */
 const FULL_FLOW_L_S = 0.012;
-const FULL_GLASS_L = 0.12;
+const FULL_AIR_L_S = 0.02;
+const FULL_GLASS_L = 0.06;
+/** Time constant of the speed that is shown: a figure is read, not watched [s]. */
+const SPEED_S = 0.25;
 
 /** Amounts in whole millilitres: nothing finer can be seen or asked for. */
 const millilitres = (litres: number): number => Math.round(1000 * litres);
@@ -28,7 +32,7 @@ export function filledPercent(drink: BarDrink, layers_l: readonly number[]): num
 }
 
 /** What is remembered of the drink that is mixed. */
-interface Progress { drink: number; spiltBefore_l: number; wrong: number; readonly effort: EffortMeter }
+interface Progress { drink: number; spiltBefore_l: number; wrong: number; speed_l_s: number; pressed_l: number; air_l_s: number; last_s: number; readonly effort: EffortMeter }
 
 export class BarPlay implements Play {
   readonly words = barWords;
@@ -40,13 +44,15 @@ export class BarPlay implements Play {
   /** @param before the bar of an earlier scene: a drink that is praised goes on being praised */
   constructor(private readonly bar: Bar, scene: SceneT, before?: BarPlay) {
     this.values = new ExerciseValues(scene.valueNames);
-    this.progress = before ? { ...before.progress, drink: -1 } : { drink: -1, spiltBefore_l: 0, wrong: -1, effort: new EffortMeter() };
+    this.progress = before ? { ...before.progress, drink: -1 } : { drink: -1, spiltBefore_l: 0, wrong: -1, speed_l_s: 0, pressed_l: 0, air_l_s: 0, last_s: NaN, effort: new EffortMeter() };
   }
 
   follow(state: WorldStateT): boolean {
     const { progress } = this;
     progress.wrong = this.wrongDispenser(state);
-    progress.effort.look(this.values, state, Number(state.sentMonotonicNs) / 1e9);
+    const now_s = Number(state.sentMonotonicNs) / 1e9;
+    progress.effort.look(this.values, state, now_s);
+    this.lookAtFlow(state, now_s);
     const drink = this.value(state, 'drink');
     const begins = this.value(state, 'step') === 0 && this.value(state, 'poured_l') === 0;
     if (drink === progress.drink || (!begins && progress.drink >= 0) || this.isDone(state)) return false;
@@ -67,11 +73,12 @@ export class BarPlay implements Play {
     };
     if (outOfReach) return say('tooFar', 'reachMore');
     switch (this.value(state, 'stage')) {
-      case Stage.Squeeze: return say('squeeze', 'graspMore');
+      case Stage.Squeeze: return say('squeeze', this.value(state, 'poured_l') > 0 ? 'squeezeMore' : 'graspMore');
       case Stage.Pour: {
         const spilling = this.value(state, 'flow_l_s') > 0 && this.value(state, 'over_glass', 1) === 0;
         return spilling ? say('offGlass', 'offGlassMore', undefined, true) : say('squeeze', 'squeezeMore');
       }
+      case Stage.Breathe: return say('breathe', 'breatheMore');
       case Stage.LetGo: return say('letGo', 'letGoMore');
       case Stage.DrawBack: return say('drawBack', 'drawBackMore');
       default: return wrong >= 0 ? say('wrong', 'wrongMore', wrong, true) : say('reach', 'reachMore');
@@ -86,7 +93,7 @@ export class BarPlay implements Play {
 
   todo(state: WorldStateT): string {
     const phase = this.phase(state);
-    const waits = phase === 'reach' || phase === 'drawback' || phase === 'letgo' || (phase === 'squeeze' && this.value(state, 'flow_l_s') === 0);
+    const waits = phase === 'reach' || phase === 'drawback' || phase === 'letgo' || phase === 'ease' || (phase === 'squeeze' && this.value(state, 'flow_l_s') < DRIP_L_S);
     return waits ? `${phase} ${this.value(state, 'drink')} ${this.value(state, 'step')}` : '';
   }
 
@@ -111,7 +118,7 @@ export class BarPlay implements Play {
     const part = (force_n: number): number => Math.min(1, Math.max(0, force_n / full_n));
     const stage = this.value(state, 'stage'), engaged = this.value(state, 'engaged_dispenser', -1);
     const wrong = engaged >= 0 && engaged !== this.value(state, 'target_dispenser', -1) && stage !== Stage.LetGo;
-    const past = stage === Stage.LetGo || this.value(state, 'poured_l') > this.value(state, 'asked_l', Infinity);
+    const past = stage === Stage.LetGo || stage === Stage.Breathe || this.value(state, 'poured_l') > this.value(state, 'asked_l', Infinity);
     const felt: Zone = squeeze_n < 0.1 * low_n ? 'none' : squeeze_n < low_n ? 'soft' : squeeze_n <= high_n ? 'right' : 'strong';
     const zone = felt === 'none' ? 'none' : wrong ? 'wrong' : past ? 'stop' : felt;
     return {
@@ -120,11 +127,12 @@ export class BarPlay implements Play {
     };
   }
 
-  /** The amount beside the line on the glass. */
+  /** The amount beside the line on the glass, and how fast it rises. */
   goal(state: WorldStateT): GoalWords | null {
     if (!isFilling(this.value(state, 'stage'))) return null;
     const [a, b] = [millilitres(this.value(state, 'poured_l')), millilitres(this.value(state, 'asked_l'))];
-    return { amount: text('amountOf', { a, b }), more: text('fillToHere') };
+    const speed = millilitres(this.progress.speed_l_s);
+    return { amount: text('amountOf', { a, b }), more: speed > 0 ? text('mlPerS', { a: speed }) : text('fillToHere') };
   }
 
   praise(state: WorldStateT, ownGrip: boolean): Praise | null {
@@ -147,8 +155,8 @@ export class BarPlay implements Play {
     };
   }
 
-  flow(state: WorldStateT): { rate: number; level: number } {
-    return { rate: this.value(state, 'flow_l_s') / FULL_FLOW_L_S, level: this.value(state, 'glass_l') / FULL_GLASS_L };
+  flow(state: WorldStateT): { rate: number; level: number; air: number } {
+    return { rate: this.value(state, 'flow_l_s') / FULL_FLOW_L_S, level: this.value(state, 'glass_l') / FULL_GLASS_L, air: Math.min(1, this.progress.air_l_s / FULL_AIR_L_S) };
   }
 
   private value(state: WorldStateT, name: string, otherwise = 0): number { return this.values.get(state, name, otherwise); }
@@ -164,6 +172,17 @@ export class BarPlay implements Play {
     return text('drinkOf', { n: this.value(state, 'drink') + 1, m: Math.max(this.value(state, 'drinks', this.bar.drinks.length), 1) });
   }
 
+  /** How fast it pours, smoothed, and how fast air comes back into the bottle. */
+  private lookAtFlow(state: WorldStateT, now_s: number): void {
+    const { progress } = this, dt_s = now_s - progress.last_s, pressed_l = this.value(state, 'pressed_l');
+    if (dt_s > 0) {
+      progress.speed_l_s += (this.value(state, 'flow_l_s') - progress.speed_l_s) * (1 - Math.exp(-dt_s / SPEED_S));
+      progress.air_l_s = Math.max(0, progress.pressed_l - pressed_l) / dt_s;
+    }
+    progress.pressed_l = pressed_l;
+    progress.last_s = now_s;
+  }
+
   /** The dispenser that is not asked for and was squeezed, until it is left; -1: none. Passing by another one is no fault. */
   private wrongDispenser(state: WorldStateT): number {
     const engaged = this.value(state, 'engaged_dispenser', -1);
@@ -173,4 +192,4 @@ export class BarPlay implements Play {
   }
 }
 
-const isFilling = (stage: number): boolean => stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo;
+const isFilling = (stage: number): boolean => stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo || stage === Stage.Breathe;

@@ -2,10 +2,11 @@ import { Quaternion, Vector3 } from 'three';
 import type { SceneT, WorldStateT } from '../../protocol';
 import type { GraspTargets, Position } from '../exercise';
 import { ExerciseValues } from '../values';
-import { Stage, type Bar, type BarDispenser } from './bar';
+import { DRIP_L_S, Stage, type Bar, type BarDispenser } from './bar';
 
-/** The help goes on to so many tolerances before the line: a hand that opens lets some more run. */
-const BEFORE_LINE = 0.3;
+/** What flows goes on for so long when the hand opens, and when it eases its grip on a bottle that it carries [s]. */
+const OPENS_S = 0.05;
+const EASES_S = 0.5;
 /** A carried dispenser is squeezed with its nozzle this far over the glass [m]. */
 const OVER_GLASS_M = 0.02;
 
@@ -15,10 +16,13 @@ export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
   const bodies = scene.bodies.map(({ name }) => String(name));
   const grips = bar.dispensers.map(({ body, grip_m: [x, y, z] }, dispenser) => ({ dispenser, body: bodies.indexOf(body), at_m: { x, y, z } }))
     .filter(({ body }) => body >= 0);
+  const isFree = (state: WorldStateT): boolean => bar.dispensers[values.get(state, 'target_dispenser', -1)]?.free ?? false;
   return {
     grips, counter_z_m: bar.counter_z_m,
     wanted: (state) => grips.findIndex(({ dispenser }) => dispenser === values.get(state, 'target_dispenser', -1)),
-    letGo: (state) => isToLetGo(values, state),
+    letGo: (state) => isToLetGo(values, state, isFree(state) ? EASES_S : OPENS_S),
+    // A bottle that is carried would fall.
+    easesOff: (state) => values.get(state, 'stage') === Stage.Breathe && !isFree(state),
     awayFromUse(state, grip) {
       const dispenser = bar.dispensers[grips[grip]?.dispenser ?? -1];
       return dispenser?.free ? nozzleToGlass(bar, dispenser, state.bodies[grips[grip]!.body], state.bodies[bodies.indexOf(bar.glass.body)]) : undefined;
@@ -36,9 +40,10 @@ function nozzleToGlass(bar: Bar, { nozzle_m }: BarDispenser, dispenser: Body, gl
   return { x: goal.x - nozzle.x, y: goal.y - nozzle.y, z: goal.z + bar.glass.height_m / 2 + OVER_GLASS_M - nozzle.z };
 }
 
-/** A step may end a tolerance early, and the help fills it further. After it nothing is held either. */
-function isToLetGo(values: ExerciseValues, state: WorldStateT): boolean {
+/** A step may end a tolerance early, and the help fills it to the line. After it nothing is held either. */
+function isToLetGo(values: ExerciseValues, state: WorldStateT, lag_s: number): boolean {
   const stage = values.get(state, 'stage');
-  if (stage !== Stage.LetGo) return stage > Stage.LetGo;
-  return values.get(state, 'flow_l_s') === 0 || values.get(state, 'poured_l') >= values.get(state, 'asked_l') - BEFORE_LINE * values.get(state, 'tolerance_l');
+  if (stage !== Stage.LetGo) return stage > Stage.LetGo && stage !== Stage.Breathe;
+  const flow_l_s = values.get(state, 'flow_l_s');
+  return flow_l_s < DRIP_L_S || values.get(state, 'poured_l') + flow_l_s * lag_s >= values.get(state, 'asked_l');
 }
