@@ -15,13 +15,13 @@
 namespace wholehand {
 namespace {
 
-constexpr double kBegins_s = 4.0;         // the hand is in place, the other digit holds
-constexpr double kApproach_m_s = 0.02;    // until the wall is felt
-constexpr double kPress_n = 1.25;         // d v of a steady squeeze
+constexpr double kBegins_s = 4.0;                   // the hand is in place, the other digit holds
+constexpr double kApproach_m_s = 0.02;              // until the wall is felt
+constexpr double kPress_n = 1.25;                   // d v of a steady squeeze
 constexpr double kFrom_m = 0.0105, kTo_m = 0.0125;  // where it is steady
-constexpr double kDrift_n = 0.35;         // d v of the motion under the oscillation ...
-constexpr double kSwing = 0.6;            // ... whose speed is this share of it
-constexpr double kSettles_s = 2.0, kFitted_s = 4.0;
+constexpr double kDrift_n = 0.35;                   // d v of the motion under the oscillation ...
+constexpr double kSwing = 0.6;                      // ... whose speed is this share of it
+constexpr double kFitted_s = 4.0;
 constexpr double kOmega = 2.0 * std::numbers::pi * kLiquidHz;
 
 /// How the digit moves on from the wall.
@@ -32,7 +32,8 @@ struct Motion {
   }
 };
 
-/// A device that is where a script says, whatever is sent: the palm at a dispenser, one digit closing.
+/// A device that is where a script says, whatever is sent: the palm at a dispenser, one digit
+/// closing.
 class ScriptedHand final : public HapticDevice {
  public:
   ScriptedHand(std::vector<AxisPosition> places, int axis, double lever_m, Motion motion)
@@ -93,6 +94,7 @@ std::vector<Dispenser> dispensersOf(const Exercise& exercise) {
   std::vector<Dispenser> out;
   if (!json.contains("dispensers") || !json.contains("liquids")) return out;
   for (const auto& d : json["dispensers"]) {
+    if (d["free"]) return {};
     for (const auto& liquid : json["liquids"]) {
       if (liquid["name"] != d["liquid"]) continue;
       out.push_back({liquid["name"], d["body"], liquid["resistance_n_s_m"]});
@@ -120,7 +122,8 @@ Expected<std::vector<Sample>> press(const ModelFiles& files, const Dispenser& di
   std::vector<SceneBody>& bodies = loaded->scene.bodies;
   const double at_y_m = bodies[loaded->scene.bodyIndex(dispenser.body)].pose.translation_m.y();
   for (SceneBody& body : bodies) body.pose.translation_m.y() -= at_y_m;
-  const double grip_x_m = bodies[loaded->scene.bodyIndex(dispenser.body)].pose.translation_m.x() - 0.049;
+  const double grip_x_m =
+      bodies[loaded->scene.bodyIndex(dispenser.body)].pose.translation_m.x() - 0.049;
   const double side = loaded->hand.side == Side::kLeft ? -1.0 : 1.0;
   const auto place = [&](double y_m, double fingers_rad, double thumb_rad, double turn_rad) {
     AxisPosition q(device.axisCount());
@@ -128,8 +131,8 @@ Expected<std::vector<Sample>> press(const ModelFiles& files, const Dispenser& di
     if (turn >= 0) q[turn] = turn_rad;
     return q;
   };
-  // A power grasp: the palm's middle 41 mm beside the hand's base. The other digit holds against the
-  // one that closes, because one side alone opens no nozzle.
+  // A power grasp: the palm's middle 41 mm beside the hand's base. The other digit holds against
+  // the one that closes, because one side alone opens no nozzle.
   const AxisPosition beside = place(-0.065, 12.0 * kDeg, 0.0, 6.0 * kDeg);
   const AxisPosition open = place(-0.041, 50.0 * kDeg, 0.0, 20.0 * kDeg);
   AxisPosition held = open;
@@ -183,11 +186,12 @@ double meanForce_n(const std::vector<Sample>& samples) {
 }
 
 /// Force over path of the oscillation, by least squares beside a line.
-std::complex<double> stiffnessOf(const std::vector<Sample>& samples, double swing_m) {
+std::complex<double> stiffnessOf(const std::vector<Sample>& samples, double from_s,
+                                 double swing_m) {
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
   for (const Sample& s : samples) {
-    if (s.time_s < kSettles_s || s.time_s > kSettles_s + kFitted_s) continue;
+    if (s.time_s < from_s || s.time_s > from_s + kFitted_s) continue;
     const Eigen::Vector4d row(1.0, s.time_s, std::sin(kOmega * s.time_s),
                               std::cos(kOmega * s.time_s));
     normal += row * row.transpose();
@@ -210,10 +214,12 @@ Expected<LiquidFelt> feel(const ModelFiles& files, const Dispenser& dispenser) {
   }
   const double drift_m_s = kDrift_n / dispenser.resistance_n_s_m;
   const double swing_m = kSwing * drift_m_s / kOmega;
-  const auto swung = press(files, dispenser, digits[0], {drift_m_s, swing_m}, 1.0,
-                           kSettles_s + kFitted_s);
+  constexpr double kSettles_n_m = 60.0;  // a fifth of k + k_s: five time constants
+  const double settled_s = dispenser.resistance_n_s_m / kSettles_n_m;
+  const auto swung =
+      press(files, dispenser, digits[0], {drift_m_s, swing_m}, 1.0, settled_s + kFitted_s);
   if (!swung) return swung.errors();
-  out.stiffness_n_m = stiffnessOf(*swung, swing_m);
+  out.stiffness_n_m = stiffnessOf(*swung, settled_s, swing_m);
   const auto equal = press(files, dispenser, digits[0], {kSqueeze_m_s, 0.0}, kTo_m, 60.0);
   if (!equal) return equal.errors();
   for (std::size_t i = 0; i < equal->size(); i += 20) {
@@ -228,15 +234,16 @@ Expected<std::vector<LiquidFelt>> feelLiquids(const ModelFiles& files) {
   ModelFiles last = files;
   Expected<Models> models = loadModels(last);
   if (!models) return models.errors();
-  if (models->exercise == nullptr) return refused(files, "has no dispensers");
+  if (models->exercise == nullptr) return refused(files, "has no dispensers that are fixed");
   last.level = models->exercise->description().levels;
   models = loadModels(last);
   if (!models) return models.errors();
   for (const char* axis : {"x", "y", "finger_flexion", "thumb_flexion"}) {
-    if (models->device.axisIndex(axis) < 0) return refused(files, "needs an axis that the device lacks");
+    if (models->device.axisIndex(axis) < 0)
+      return refused(files, "needs an axis that the device lacks");
   }
   const std::vector<Dispenser> dispensers = dispensersOf(*models->exercise);
-  if (dispensers.empty()) return refused(files, "has no dispensers");
+  if (dispensers.empty()) return refused(files, "has no dispensers that are fixed");
   std::vector<LiquidFelt> out;
   for (const Dispenser& dispenser : dispensers) {
     Expected<LiquidFelt> felt = feel(last, dispenser);

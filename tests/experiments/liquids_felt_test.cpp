@@ -1,75 +1,56 @@
-// What the person feels of every liquid, device included: a slow and a fast squeeze of the shipped
-// dispenser by a device that follows a script, through the whole renderer.
-#include "experiments/felt_squeeze.hpp"
-#include "support/file_bytes.hpp"
-#include "support/folder.hpp"
-#include "support/tolerance.hpp"
+// What the person feels of every liquid, device included, through the whole renderer.
+#include "experiments/liquid_trial.hpp"
+#include "model/shipped_models.hpp"
+#include "support/constants.hpp"
+#include "support/rig_tools.hpp"
 
-#include <nlohmann/json.hpp>
-
-#include <cmath>
-#include <vector>
+#include <complex>
 
 namespace wholehand::test {
 namespace {
 
-/// Level 1 with a liquid of this viscosity in its one dispenser.
-Models barWith(double viscosity_pa_s, const Folder& folder) {
-  const std::string text =
-      replaced(bytesOfFile(kConfig + "exercises/cocktail-bar.toml"), "viscosity_pa_s = 0.157",
-               "viscosity_pa_s = " + std::to_string(viscosity_pa_s));
-  folder.write("scenes/cocktail-bar.toml", bytesOfFile(kConfig + "scenes/cocktail-bar.toml"));
-  ModelFiles files = shippedFiles();
-  files.scene.clear();
-  files.exercise = folder.write("exercises/bar.toml", text);
-  return load(files);
+/// Force over path of a cushion whose valve stays open, and the device's own damping:
+/// k (k_s + iωd)/(k + k_s + iωd) + iωb.
+std::complex<double> closedForm(double resistance, double own_damping) {
+  const double k = 280.0, k_s = 25.0, omega = 2.0 * kPi * kLiquidHz;
+  const std::complex<double> flows(k_s, omega * resistance);
+  return k * flows / (k + flows) + std::complex<double>(0.0, omega * own_damping);
 }
 
-/// Resistances at the tip of the shipped liquids [N·s/m].
-std::vector<double> shippedResistances() {
-  const Models models = load(exerciseFiles("cocktail-bar"));
-  const auto json = nlohmann::json::parse(models.exercise->description().json);
-  std::vector<double> out;
-  for (const auto& liquid : json["liquids"]) out.push_back(liquid["resistance_n_s_m"]);
-  return out;
-}
-
-/// Felt force over speed where the shell gives way steadily [N·s/m]. The speed is the one that
-/// 1.5 N has through valve and liquid, so that every liquid is pressed alike.
-double feltViscosity(double resistance, int axis, const Folder& folder) {
-  const double per_pa_s = 8.0 * 0.02 * 16e-8 / (kPi * 16e-12);  // 8 L A²/(π r⁴)
-  const double speed_m_s = (1.5 - 0.25) / resistance;
-  const Squeeze s =
-      squeeze(barWith(resistance / per_pa_s, folder), "dispenser_lemon", axis, speed_m_s);
-  double sum_n = 0.0;
-  int count = 0;
-  for (const Sample& p : s.samples) {
-    if (p.path_m < 0.0105 || p.path_m > 0.0125) continue;
-    sum_n += p.felt_n;
-    ++count;
-  }
-  EXPECT_GT(count, 20);
-  return sum_n / count / speed_m_s;
-}
-
-/// The figure: neighbours 1.6 apart by the file are felt at least 1.55 apart, device included
-/// (threshold 1.34, Jones 1997), on both axes.
-TEST(Liquids, BehindTheirShell_NeighboursDifferInViscosity) {
-  const Folder folder;
-  for (const int axis : {kFingerAxis, kThumbAxis}) {
-    double before = 0.0;
-    for (const double resistance : shippedResistances()) {
-      const double now = feltViscosity(resistance, axis, folder);
-      const std::string of =
-          ", " + std::to_string(std::lround(resistance)) + " N·s/m, axis " + std::to_string(axis);
-      figure("force over speed felt in series" + of, now, "N·s/m");
-      if (before > 0.0) {
-        EXPECT_GE(now / before, 1.55);
-        figure("ratio of it to the one before" + of, now / before, "");
-      }
-      before = now;
+/// The figures: neighbours 1.6 apart by the file are felt at least 1.55 apart (threshold 1.34,
+/// Jones 1997), by fingers as by the thumb, and 0.13 in impedance at 0.5 Hz.
+TEST(Liquids, FeltThroughTheWholeLoop_NeighboursAreToldApart) {
+  const auto liquids = orThrow(feelLiquids(exerciseFiles("cocktail-bar")));
+  const DeviceModel device = deviceNamed();
+  const DeviceAxis& fingers = device.axes[device.axisIndex("finger_flexion")];
+  const double own = fingers.damping / (fingers.lever_arm_m * fingers.lever_arm_m);
+  ASSERT_EQ(liquids.size(), 4U);
+  for (std::size_t i = 0; i < liquids.size(); ++i) {
+    const LiquidFelt& now = liquids[i];
+    const std::string of = ", " + now.liquid;
+    figure("felt by fingers" + of, now.felt_n_s_m[0], "N·s/m");
+    figure("felt by the thumb" + of, now.felt_n_s_m[1], "N·s/m");
+    EXPECT_NEAR(now.felt_n_s_m[1], now.felt_n_s_m[0], 0.05 * now.felt_n_s_m[0]);
+    const std::complex<double> exact = closedForm(now.resistance_n_s_m, own);
+    EXPECT_LE(std::abs(now.stiffness_n_m - exact), 0.03 * std::abs(exact))
+        << now.stiffness_n_m << " " << exact;
+    if (i == 0) continue;
+    const LiquidFelt& before = liquids[i - 1];
+    for (const std::size_t digit : {0U, 1U}) {
+      const double ratio = now.felt_n_s_m.at(digit) / before.felt_n_s_m.at(digit);
+      EXPECT_GE(ratio, 1.55);
+      EXPECT_GE(toldApart(ratio), 0.9);
+      figure("ratio to the one before" + of, ratio, "");
     }
+    EXPECT_GE(impedanceChange(before, now), 0.13);
+    figure("change of impedance at 0.5 Hz" + of, impedanceChange(before, now), "");
   }
+}
+
+/// Φ(ln 1.34/(√2 · 0.222)): Jones's threshold, of two intervals.
+TEST(Liquids, ObserverAtTheThreshold_IsRightInFourOfFive) {
+  EXPECT_NEAR(toldApart(1.34), 0.8243, 1e-3);
+  EXPECT_EQ(toldApart(1.0), 0.5);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ std::string orShipped(const std::string& named, const char* shipped) {
   return named.empty() ? shippedFile(shipped) : named;
 }
 
-/// The two experiments in the cocktail bar.
+/// The experiments in the cocktail bar.
 void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int& code) {
   CLI::App* bar = experiment.add_subcommand(
       "cocktail-bar", "Every level of the cocktail bar, played by many virtual patients");
@@ -58,6 +58,15 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
   addFiles(*exercise, e.files);
   exercise->footer("On the simulated clock; opens no port.");
   exercise->callback([&] { code = exerciseCommand(options.exercise); });
+
+  CLI::App* liquids = experiment.add_subcommand(
+      "liquids", "What a fingertip feels of every liquid, device included");
+  LiquidsOptions& l = options.liquids;
+  liquids->add_option("--json", l.json, "Write the results to this file");
+  liquids->add_option("--out", l.folder, "Folder for results and chart")->capture_default_str();
+  addFiles(*liquids, l.files);
+  liquids->footer("On the simulated clock; opens no port.");
+  liquids->callback([&] { code = liquidsCommand(options.liquids); });
 }
 
 void addComplexity(CLI::App& larger, ExperimentOptions& o) {

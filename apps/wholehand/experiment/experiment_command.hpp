@@ -61,15 +61,24 @@ struct ExerciseOptions {
   std::string json, record, charts;
 };
 
+struct LiquidsOptions {
+  BarFiles files;
+  std::string folder = "out/experiment", json;
+};
+
 struct BarExperimentOptions {
   CocktailOptions cocktail;
   ExerciseOptions exercise;
+  LiquidsOptions liquids;
 };
 
 /// Plays the levels of the cocktail bar with many virtual patients. Returns the exit code.
 int cocktailCommand(const CocktailOptions& options);
 /// Reproduces the paper's Fig. 7.
 int exerciseCommand(const ExerciseOptions& options);
+
+/// Measures what a person feels of every liquid. Returns the exit code.
+int liquidsCommand(const LiquidsOptions& options);
 
 /// Adds `wholehand experiment` with all of them. @pre options outlive the parsing
 void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,

@@ -1,8 +1,8 @@
 #include "apps/wholehand/experiment/experiment_command.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
+#include "core/printable.hpp"
 #include "experiments/liquid_trial.hpp"
-#include "files/text_file.hpp"
 #include "page/chart_page.hpp"
 
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -68,14 +69,13 @@ void print(const Liquids& liquids) {
 ChartPage figureOf(const Liquids& liquids) {
   ChartPage page;
   page.title = sentence("liquids.title");
-  page.notes = {
-      sentence("liquids.note", {{"speed", fmt::format("{:.0f}", 1e3 * kSqueeze_m_s)}})};
+  page.notes = {sentence("liquids.note", {{"speed", fmt::format("{:.0f}", 1e3 * kSqueeze_m_s)}})};
   Chart chart;
   chart.title = sentence("liquids.force");
   chart.height_px = 260;
   chart.x = {"mm", 0.0};
   chart.y = {"", 0.0};
-  const char* const colors[] = {"--gold", "--accent", "--info", "--ink-2", "--ink", "--warn"};
+  const char* const colors[] = {"--amber", "--stop", "--focus", "--good", "--ink-2", "--ink"};
   for (std::size_t i = 0; i < liquids.size(); ++i) {
     ChartLine line{fmt::format("{} ({:.0f} N·s/m)", liquids[i].liquid, liquids[i].resistance_n_s_m),
                    colors[i % std::size(colors)],
@@ -84,8 +84,6 @@ ChartPage figureOf(const Liquids& liquids) {
     line.points = liquids[i].squeeze;
     chart.lines.push_back(std::move(line));
   }
-  page.legend = chart.lines;
-  for (ChartLine& line : page.legend) line.points.clear();
   page.charts = {std::move(chart)};
   return page;
 }
@@ -95,19 +93,17 @@ ChartPage figureOf(const Liquids& liquids) {
 int liquidsCommand(const LiquidsOptions& options) {
   const auto files = barModelFiles(options.files);
   if (!files) return refuse(files.errors());
-  if (auto ready = prepareCharts(options.charts, {options.json}); !ready) {
-    return refuse(ready.errors());
-  }
+  const auto paths = prepareResults(options.folder, options.json, "liquids");
+  if (!paths) return refuse(paths.errors());
   const auto liquids = feelLiquids(*files);
   if (!liquids) return refuse(liquids.errors());
   print(*liquids);
-  if (auto written = writeResults(options.json, resultsJson(*liquids)); !written) {
-    return refuse(written.errors());
+  if (auto done = writeResults(jsonText(resultsJson(*liquids)), figureOf(*liquids), *paths);
+      !done) {
+    return refuse(done.errors());
   }
-  if (auto drawn = writeCharts(options.charts, figureOf(*liquids)); !drawn) {
-    return refuse(drawn.errors());
-  }
-  return kDone;
+  std::printf("%s\n%s\n", printable(paths->json).c_str(), printable(paths->charts).c_str());
+  return kExitDone;
 }
 
 }  // namespace wholehand

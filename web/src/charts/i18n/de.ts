@@ -20,6 +20,8 @@ export const de: ChartTexts = {
     'exercise.bumps': '① stösst an', 'exercise.approaches': '② nähert sich', 'exercise.squeezes': '③ drückt', 'exercise.letsGo': '④ lässt los, zieht zurück',
     'exercise.fingers': 'Finger, N an den Spitzen', 'exercise.thumb': 'Daumen, N an der Spitze (Drehung in 0,1 Nm)', 'exercise.arm': 'Arm, N', 'exercise.phi': 'Adaptive Dämpfung φ',
     'exercise.alpha': 'Übergang α der Haptik der Übung', 'exercise.flow': 'Fluss, ml/s', 'exercise.glass': 'Im Glas, ml', 'exercise.wall': 'Wand', 'exercise.asked': 'verlangt: {ml}',
+    'liquids.title': 'Was die Fingerkuppe von jeder Flüssigkeit spürt', 'liquids.note': 'Die Finger schließen sich mit {speed} mm/s um eine Flasche, der Daumen hält dagegen; der Anteil des Geräts ist enthalten.',
+    'liquids.force': 'Kraft an der Fingerkuppe, N, über ihren Weg',
     'grasping.title': 'Greifen, 20 cm tragen, 10 s halten', 'grasping.chart': 'Rutschen beim Halten: Anteil der Versuche, die nicht weiter rutschen',
     'grasping.asked': 'verlangt: 0,1 mm', 'grasping.tuned': 'abgestimmt', 'grasping.jittered': 'gestört',
     'timing.title': 'Zeit je Takt, {ticks} Takte', 'timing.chart': 'Takte nach ihrer Zeit auf der Wanduhr', 'timing.mark': '{name}: {us} µs', 'timing.deadline': 'Frist: 1 ms',

@@ -20,6 +20,8 @@ export const en = {
     'exercise.bumps': '① bumps into it', 'exercise.approaches': '② approaches', 'exercise.squeezes': '③ squeezes', 'exercise.letsGo': '④ lets go, retrieves',
     'exercise.fingers': 'Fingers, N at the tips', 'exercise.thumb': 'Thumb, N at the tip (turn in 0.1 Nm)', 'exercise.arm': 'Arm, N', 'exercise.phi': 'Adaptive damping φ',
     'exercise.alpha': 'Transition α of the exercise’s haptics', 'exercise.flow': 'Flow, ml/s', 'exercise.glass': 'In the glass, ml', 'exercise.wall': 'wall', 'exercise.asked': 'asked: {ml}',
+    'liquids.title': 'What a fingertip feels of each liquid', 'liquids.note': 'The fingers close on a bottle at {speed} mm/s, the thumb holds against them; what the device adds is included.',
+    'liquids.force': 'Force at the fingertip, N, over its path',
     'grasping.title': 'Grasp, carry 20 cm, hold for 10 s', 'grasping.chart': 'Slip during the hold: share of the trials that slip no further',
     'grasping.asked': 'asked: 0.1 mm', 'grasping.tuned': 'tuned', 'grasping.jittered': 'jittered',
     'timing.title': 'Time per tick, {ticks} ticks', 'timing.chart': 'Ticks by their time on the wall clock', 'timing.mark': '{name}: {us} µs', 'timing.deadline': 'deadline: 1 ms',

@@ -20,6 +20,8 @@ export const fr: ChartTexts = {
     'exercise.bumps': '① heurte', 'exercise.approaches': '② approche', 'exercise.squeezes': '③ presse', 'exercise.letsGo': '④ lâche, se retire',
     'exercise.fingers': 'Doigts, N aux extrémités', 'exercise.thumb': 'Pouce, N à l’extrémité (rotation en 0,1 Nm)', 'exercise.arm': 'Bras, N', 'exercise.phi': 'Amortissement adaptatif φ',
     'exercise.alpha': 'Transition α de l’haptique de l’exercice', 'exercise.flow': 'Débit, ml/s', 'exercise.glass': 'Dans le verre, ml', 'exercise.wall': 'paroi', 'exercise.asked': 'demandé : {ml}',
+    'liquids.title': 'Ce que le bout du doigt ressent de chaque liquide', 'liquids.note': 'Les doigts se ferment sur une bouteille à {speed} mm/s, le pouce retient; la part de l’appareil est comprise.',
+    'liquids.force': 'Force au bout du doigt, N, selon son trajet',
     'grasping.title': 'Saisir, porter sur 20 cm, tenir 10 s', 'grasping.chart': 'Glissement pendant la tenue : part des essais qui ne glissent pas davantage',
     'grasping.asked': 'demandé : 0,1 mm', 'grasping.tuned': 'réglés', 'grasping.jittered': 'perturbés',
     'timing.title': 'Durée par cycle, {ticks} cycles', 'timing.chart': 'Cycles selon leur durée à l’horloge', 'timing.mark': '{name} : {us} µs', 'timing.deadline': 'délai : 1 ms',
