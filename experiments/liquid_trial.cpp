@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -15,13 +16,13 @@
 namespace wholehand {
 namespace {
 
-constexpr double kBegins_s = 4.0;                   // the hand is in place, the other digit holds
+constexpr double kHolds_m = 0.01;                   // so far into the shell the other digit holds
 constexpr double kApproach_m_s = 0.02;              // until the wall is felt
 constexpr double kPress_n = 1.25;                   // d v of a steady squeeze
 constexpr double kFrom_m = 0.0105, kTo_m = 0.0125;  // where it is steady
 constexpr double kDrift_n = 0.35;                   // d v of the motion under the oscillation ...
 constexpr double kSwing = 0.6;                      // ... whose speed is this share of it
-constexpr double kFitted_s = 4.0;
+constexpr double kFitted_s = 2.0;
 constexpr double kOmega = 2.0 * std::numbers::pi * kLiquidHz;
 
 /// How the digit moves on from the wall.
@@ -32,37 +33,39 @@ struct Motion {
   }
 };
 
-/// A device that is where a script says, whatever is sent: the palm at a dispenser, one digit
-/// closing.
+/// A device that is where a script says, whatever is sent: the palm at a dispenser, digits closing.
 class ScriptedHand final : public HapticDevice {
  public:
-  ScriptedHand(std::vector<AxisPosition> places, int axis, double lever_m, Motion motion)
-      : places_(std::move(places)), axis_(axis), lever_m_(lever_m), motion_(motion) {}
+  static constexpr double kInPlace_s = 2.4;
 
-  /// The digit is at the wall: from here on it moves as it is to.
-  void touch() noexcept {
-    touched_s_ = time_s_;
-    touched_ = at_[axis_];
+  /// @param places where it is after 0, 0.8, 1.6 and 2.4 s
+  ScriptedHand(const std::array<AxisPosition, 4>& places, const DeviceModel& device)
+      : places_(places), moved_(device.axisCount()) {
+    for (const DeviceAxis& axis : device.axes) lever_m_.push_back(axis.lever_arm_m);
   }
-  [[nodiscard]] double sinceTouch_s() const noexcept { return time_s_ - touched_s_; }
+
+  /// From now on this axis moves on so from where it is, and no other one does.
+  void move(int axis, Motion motion) noexcept {
+    for (int i = 0; i < moved_.size(); ++i) moved_[i] = at_[i] - places_.back()[i];
+    axis_ = axis;
+    motion_ = motion;
+    since_s_ = time_s_;
+  }
+  [[nodiscard]] double sinceMove_s() const noexcept { return time_s_ - since_s_; }
 
   [[nodiscard]] Expected<Done> open() override { return Done{}; }
   [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
-    constexpr double kWay_s = 0.8;  // from place to place
-    const double along = std::min(time_s_ / kWay_s, static_cast<double>(places_.size() - 1) - 1e-9);
+    const double along = std::min(3.0 * time_s_ / kInPlace_s, 3.0 - 1e-9);
     const auto from = static_cast<std::size_t>(along);
     const double u = along - static_cast<double>(from);
-    at_ = places_[from];
+    at_ = places_.at(from);
     for (int i = 0; i < at_.size(); ++i) {
-      at_[i] += u * u * u * (10.0 + u * (-15.0 + 6.0 * u)) * (places_[from + 1][i] - at_[i]);
+      at_[i] += u * u * u * (10.0 + u * (-15.0 + 6.0 * u)) * (places_.at(from + 1)[i] - at_[i]) +
+                moved_[i];
     }
-    if (touched_s_ >= 0.0) {
-      at_[axis_] = touched_ + motion_.path_m(sinceTouch_s()) / lever_m_;
-    } else if (time_s_ > kBegins_s) {
-      at_[axis_] += (time_s_ - kBegins_s) * kApproach_m_s / lever_m_;
-    }
+    if (axis_ >= 0) at_[axis_] += motion_.path_m(sinceMove_s()) / lever_m_[axis_];
     reading.q_m = at_;
     time_s_ += 1e-3 * elapsed_periods;
     return Fault::kNone;
@@ -71,12 +74,12 @@ class ScriptedHand final : public HapticDevice {
   void close() noexcept override {}
 
  private:
-  std::vector<AxisPosition> places_;
-  int axis_;
-  double lever_m_;
+  std::array<AxisPosition, 4> places_;
+  AxisPosition moved_, at_;
+  std::vector<double> lever_m_;
   Motion motion_;
-  AxisPosition at_;
-  double time_s_ = 0.0, touched_s_ = -1.0, touched_ = 0.0;
+  int axis_ = -1;
+  double time_s_ = 0.0, since_s_ = 0.0;
 };
 
 struct Sample {
@@ -131,44 +134,51 @@ Expected<std::vector<Sample>> press(const ModelFiles& files, const Dispenser& di
     if (turn >= 0) q[turn] = turn_rad;
     return q;
   };
-  // A power grasp: the palm's middle 41 mm beside the hand's base. The other digit holds against
-  // the one that closes, because one side alone opens no nozzle.
+  // A power grasp: the palm's middle 41 mm beside the hand's base.
   const AxisPosition beside = place(-0.065, 12.0 * kDeg, 0.0, 6.0 * kDeg);
   const AxisPosition open = place(-0.041, 50.0 * kDeg, 0.0, 20.0 * kDeg);
-  AxisPosition held = open;
-  if (axis == fingers) {
-    held[thumb] = 14.0 * kDeg;
-  } else {
-    held[fingers] = 112.0 * kDeg;
-  }
   auto hand = std::make_unique<ScriptedHand>(
-      std::vector<AxisPosition>{beside, beside, open, open, held, held}, axis,
-      device.axes[axis].lever_arm_m, motion);
+      std::array<AxisPosition, 4>{beside, beside, open, open}, device);
   ScriptedHand& script = *hand;
   Expected<std::unique_ptr<Rig>> rig =
       buildRigWithoutPerson(std::move(*loaded), std::move(hand), {});
   if (!rig) return rig.errors();
   HapticRenderer& renderer = *(*rig)->renderer;
   if (Expected<Done> armed = renderer.arm(); !armed) return armed.errors();
+  // The other digit holds against the one that closes, because one side alone opens no nozzle.
+  enum class Phase { kPlaces, kOther, kHolds, kApproaches, kPresses };
+  Phase phase = Phase::kPlaces;
+  const int other = axis == fingers ? thumb : fingers;
   const double lever_m = device.axes[axis].lever_arm_m;
   std::vector<Sample> out;
   auto record = std::make_unique<TickRecord>();
   double wall = 0.0, before_m = 0.0;
-  for (int k = 0; k < 200'000; ++k) {
+  for (int k = 0; k < 100'000; ++k) {
     record->tick = static_cast<std::uint64_t>(k);
     record->time_s = 1e-3 * k;
     renderer.tick(1, *record);
-    if (record->time_s < kBegins_s || !(record->exercise.effort[axis] < 0.0)) continue;
-    if (out.empty()) {
+    const auto felt = [&](int a) { return record->exercise.effort[a] < 0.0; };
+    if (phase == Phase::kPlaces && record->time_s > ScriptedHand::kInPlace_s) {
+      phase = Phase::kOther;
+      script.move(other, {kApproach_m_s, 0.0});
+    } else if (phase == Phase::kOther && felt(other)) {
+      phase = Phase::kHolds;
+      script.move(other, {kApproach_m_s, 0.0});
+    } else if (phase == Phase::kHolds && script.sinceMove_s() * kApproach_m_s > kHolds_m) {
+      phase = Phase::kApproaches;
+      script.move(axis, {kApproach_m_s, 0.0});
+    } else if (phase == Phase::kApproaches && felt(axis)) {
+      phase = Phase::kPresses;
+      script.move(axis, motion);
       wall = record->q_m[axis];
-      script.touch();
     }
+    if (phase != Phase::kPresses) continue;
     const double path_m = lever_m * (record->q_m[axis] - wall);
     const double speed_m_s = (path_m - before_m) / 1e-3;
     const double own_n =
         (device.axes[axis].damping * speed_m_s / lever_m + device.axes[axis].coulomb) / lever_m;
     before_m = path_m;
-    out.push_back({script.sinceTouch_s(), path_m, -record->sent[axis] / lever_m + own_n});
+    out.push_back({script.sinceMove_s(), path_m, -record->sent[axis] / lever_m + own_n});
     if (path_m > most_m || out.back().time_s > most_s) break;
   }
   return out;

@@ -147,6 +147,8 @@ TEST(BarFile, WrongValues_AreReportedWithTheirKeyAndRemedy) {
        "wall.axes[finger_flexion].stiffness_tip_n_m", "out of range", "must be in"},
       {"filter_hz = 5.0", "filter_hz = 0.0", "squeeze.filter_hz", "out of range", "Hz"},
       {"area_m2 = 4.0e-4", "area_m2 = 0", "bottle.area_m2", "out of range", "must be in"},
+      {"return_n_m = 25.0", "return_n_m = 180.0", "levels[Four liquids, narrow tolerance].high_n",
+       "presses out 4.9 ml a stroke", "5 ml at least"},
       {"opening_n = 0.25", "opening_n = -1", "bottle.opening_n", "out of range", "must be in"},
       {"stiffness_tip_n_m = 280.0", "stiffness_tip_n_m = 280.0\ndamping_tip_n_s_m = 0.11",
        "wall.axes[finger_flexion].damping_tip_n_s_m", "no place beside a liquid", "remove it"},

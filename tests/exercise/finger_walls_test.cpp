@@ -181,7 +181,7 @@ TEST(FingerWalls, RandomClosures_EffortOfAStillFingerNeverJumps) {
     before_n = effort_n;
     pushed += effort_n < 0.0 ? 1 : 0;
   }
-  EXPECT_GT(pushed, ticks / 100);
+  EXPECT_GT(pushed, ticks / 200);
   // The wall's slope: k · 0.15 m/s over the lever arm twice · T.
   EXPECT_LE(largest_n, 1.5 * 0.15 / (0.08 * 0.08) * 1e-3 + 1e-12);
 }

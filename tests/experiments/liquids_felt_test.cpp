@@ -3,6 +3,8 @@
 #include "model/shipped_models.hpp"
 #include "support/constants.hpp"
 #include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+#include "support/shipped.hpp"
 
 #include <complex>
 
@@ -19,9 +21,8 @@ std::complex<double> closedForm(double resistance, double own_damping) {
 
 /// The figures: neighbours 1.6 apart by the file are felt at least 1.55 apart (threshold 1.34,
 /// Jones 1997), by fingers as by the thumb, and 0.13 in impedance at 0.5 Hz.
-TEST(Liquids, FeltThroughTheWholeLoop_NeighboursAreToldApart) {
-  const auto liquids = orThrow(feelLiquids(exerciseFiles("cocktail-bar")));
-  const DeviceModel device = deviceNamed();
+void expectToldApart(const ModelFiles& files, const DeviceModel& device) {
+  const auto liquids = orThrow(feelLiquids(files));
   const DeviceAxis& fingers = device.axes[device.axisIndex("finger_flexion")];
   const double own = fingers.damping / (fingers.lever_arm_m * fingers.lever_arm_m);
   ASSERT_EQ(liquids.size(), 4U);
@@ -44,6 +45,18 @@ TEST(Liquids, FeltThroughTheWholeLoop_NeighboursAreToldApart) {
     }
     EXPECT_GE(impedanceChange(before, now), 0.13);
     figure("change of impedance at 0.5 Hz" + of, impedanceChange(before, now), "");
+  }
+}
+
+TEST(Liquids, FeltThroughTheWholeLoop_NeighboursAreToldApart) {
+  expectToldApart(exerciseFiles("cocktail-bar"), deviceNamed("lambda-pride"));
+  const std::vector<std::string> hands = shipped("hands");
+  auto random = seededRandom(39);
+  for (const std::size_t i : sampleOf(hands.size(), fullCounts() ? hands.size() : 1, random)) {
+    for (const char* device : {"lambda-pride", "wrist-9axis"}) {
+      SCOPED_TRACE(hands[i] + ", " + device);
+      expectToldApart(exerciseFiles("cocktail-bar", 1, hands[i], device), deviceNamed(device));
+    }
   }
 }
 

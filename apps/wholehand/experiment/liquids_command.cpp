@@ -68,10 +68,10 @@ void print(const Liquids& liquids) {
 
 ChartPage figureOf(const Liquids& liquids) {
   ChartPage page;
-  page.title = sentence("liquids.title");
-  page.notes = {sentence("liquids.note", {{"speed", fmt::format("{:.0f}", 1e3 * kSqueeze_m_s)}})};
+  page.title = sentence("felt.title");
+  page.notes = {sentence("felt.note", {{"speed", fmt::format("{:.0f}", 1e3 * kSqueeze_m_s)}})};
   Chart chart;
-  chart.title = sentence("liquids.force");
+  chart.title = sentence("felt.force");
   chart.height_px = 260;
   chart.x = {"mm", 0.0};
   chart.y = {"", 0.0};

@@ -292,6 +292,22 @@ std::vector<LevelPart> readLevels(TomlTable& root, const BarParts& parts) {
   return levels;
 }
 
+/// A squeeze in the zone presses out enough: A (f − p₀)/k_s of every digit, until the shell's
+/// return holds it.
+void checkStroke(TomlTable& t, const LevelPart& level, const Bar& bar) {
+  constexpr double kLeast_ml = 5.0;
+  double shut_n = 0.0;
+  for (int a = 0; a < bar.walls.axes; ++a) {
+    if (bar.walls.stiffness[a] > 0.0) shut_n += bar.bottle.opening_n;
+  }
+  const double stroke_ml =
+      1e6 * bar.bottle.area_m2 * (level.high_n - shut_n) / bar.bottle.return_n_m;
+  if (!t.isGood("high_n") || !(stroke_ml < kLeast_ml)) return;
+  t.fail("high_n", fmt::format("presses out {:.1f} ml a stroke", std::max(0.0, stroke_ml)),
+         fmt::format("must press out {:g} ml at least: raise it or area_m2, or lower return_n_m",
+                     kLeast_ml));
+}
+
 /// Cross-checks tables: every drink of a level can be poured with the level's dispensers.
 void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar) {
   if (!root.isGood("levels")) return;
@@ -304,6 +320,7 @@ void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar) {
       continue;
     }
     checkDispensers(tables[i], parts.levels[i], parts);
+    checkStroke(tables[i], parts.levels[i], bar);
     checkDrinks(tables[i], parts.levels[i], parts, bar);
   }
 }

@@ -12,7 +12,7 @@ namespace {
 constexpr double kPerLitre = 1e12;
 /// A stroke that pressed the shell in by more than this is spent when its flow is less than this,
 /// and than this share of its fastest, for this long; until air has brought the shell back to this
-/// share.
+/// share, or it flows again.
 constexpr double kLeastStroke_l = 0.002, kSlow_l_s = 0.001, kSlow = 0.15, kSlow_s = 0.3,
                  kBack = 0.15;
 
@@ -103,7 +103,7 @@ bool Pouring::letGo(int dispenser) const noexcept {
 }
 
 void Pouring::follow(const Stroke& stroke, bool squeezes, double elapsed_s) noexcept {
-  if (spent_ && stroke.pressed_l <= kBack * spent_at_l_) spent_ = false;
+  if (stroke.pressed_l <= kBack * spent_at_l_ || flow_l_s_ > kSlow_l_s) spent_ = false;
   if (stroke.pressed_l < kLeastStroke_l) fastest_l_s_ = slow_s_ = 0.0;
   fastest_l_s_ = std::max(fastest_l_s_, flow_l_s_);
   const bool slow = squeezes && stroke.pressed_l >= kLeastStroke_l &&
