@@ -181,7 +181,7 @@ TEST(FingerWalls, RandomClosures_EffortOfAStillFingerNeverJumps) {
     before_n = effort_n;
     pushed += effort_n < 0.0 ? 1 : 0;
   }
-  EXPECT_GT(pushed, ticks / 200);
+  EXPECT_GT(pushed, ticks / 100);
   // The wall's slope: k · 0.15 m/s over the lever arm twice · T.
   EXPECT_LE(largest_n, 1.5 * 0.15 / (0.08 * 0.08) * 1e-3 + 1e-12);
 }
@@ -208,7 +208,7 @@ TEST(FingerWalls, RandomUntouchedFingers_GetNoMoreThanTheirOwnClosingAsksFor) {
     // The lead-in, and the 1 mm of path by which a touch may be missed.
     ASSERT_GE(effort, -1.5 * (0.05 + 1e-3 / 0.08) - 1e-12) << tick;
   }
-  EXPECT_GT(pushed, ticks / 100);
+  EXPECT_GT(pushed, ticks / 200);
 }
 
 /// A target with a soft side 10 mm deep; the finger is in it, the wall begins at its surface.
