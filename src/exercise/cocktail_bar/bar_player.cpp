@@ -11,7 +11,7 @@ namespace wholehand {
 namespace {
 
 // Speeds of the fingers' target while pressing.
-constexpr double kClosing_rad_s = 1.5, kPressing_rad_s = 0.6;
+constexpr double kClosing_rad_s = 0.9, kPressing_rad_s = 0.6;
 constexpr int kMostTries = 4;             // most squeezes per grasp
 constexpr double kGivesUp_s = 8.0;        // a squeeze is given up after this time without ...
 constexpr double kWorthwhile_l = 2e-3;    // ... this volume into the glass
@@ -20,7 +20,7 @@ constexpr double kFarthestOff_m = 0.012;  // ... at most
 constexpr double kHoldShare = 0.82;       // share of the zone's lower end: holds without pouring
 constexpr double kHeld = 0.08;            // relative tolerance of a hold
 constexpr double kReleaseLag_s = 0.1;     // time that a flow continues after letting go
-constexpr double kEaseLag_s = 0.7;        // and after easing the grip
+constexpr double kEaseLag_s = 1.1;        // and after easing the grip
 constexpr double kSettled_s = 0.3;        // a hold is stable after this time
 constexpr double kSlowerAtFirst = 2.0;    // the first motion of a hand that somebody else led
 constexpr double kNear_m = 0.06;          // the hand is at a dispenser within this distance
