@@ -24,6 +24,8 @@ constexpr Posture kOpposed{65 * kDeg, 20 * kDeg, 0.0};
 constexpr Posture kFirm{150 * kDeg, 20 * kDeg, 44 * kDeg};
 constexpr Posture kFirmer{152 * kDeg, 20 * kDeg, 46 * kDeg};
 constexpr Posture kGentle{112 * kDeg, 20 * kDeg, 22 * kDeg};
+constexpr Posture kGrips{140 * kDeg, 20 * kDeg, 42 * kDeg};
+constexpr Posture kFollows{158 * kDeg, 20 * kDeg, 54 * kDeg};
 constexpr Posture kHalfOpen{80 * kDeg, 5 * kDeg, 0.0};
 // Not stretched enough to pass beside it.
 constexpr Posture kGrazing{48 * kDeg, 5 * kDeg, 0.0};
@@ -102,10 +104,8 @@ Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& ho
   go(at::kEntered, beside, kStretched);
   go(at::kPositioned, touching, kOpposed);
   go(at::kCloses, touching, kOpposed);
-  go(at::kSqueezes, touching, kFirm);
-  go(at::kSqueezes + 0.7, touching, kFirmer);
-  go(at::kSqueezes + 1.6, touching, kGentle);
-  go(at::kLetsGo, touching, kGentle);
+  go(at::kSqueezes, touching, kGrips);
+  go(at::kLetsGo, touching, kFollows);  // the shell gives way
   go(at::kOpened, grip, kHalfOpen);
   go(at::kRetrieves, grip, kHalfOpen);
   go(at::kOff, beside, kGrazing);
