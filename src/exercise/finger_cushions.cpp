@@ -6,6 +6,11 @@
 #include <cmath>
 
 namespace wholehand {
+namespace {
+
+constexpr double kFastest_m_s = 0.14;
+
+}  // namespace
 
 Bottle readBottle(TomlTable& table) {
   Bottle out;
@@ -20,7 +25,9 @@ Bottle readBottle(TomlTable& table) {
 
 Bottle readLiquid(TomlTable& table, Bottle bottle) {
   bottle.nozzle.viscosity_pa_s = table.number("viscosity_pa_s", above(0.0, 1e3, "Pa·s"));
-  if (table.isGood("viscosity_pa_s") && bottle.resistance() < kLeastFelt_n_s_m) {
+  // NaN or 0 where the nozzle's own keys have faults: they are reported.
+  if (table.isGood("viscosity_pa_s") && bottle.resistance() > 0.0 &&
+      bottle.resistance() < kLeastFelt_n_s_m) {
     table.fail(
         "viscosity_pa_s",
         fmt::format("gives {:.3g} N·s/m at the fingertip, which is not felt", bottle.resistance()),
@@ -31,13 +38,14 @@ Bottle readLiquid(TomlTable& table, Bottle bottle) {
 }
 
 Cushions cushionsOf(const Bottle& bottle, const FingerWallConfig& walls) {
-  Cushions out{{}, {}, walls.effort_cap};
+  Cushions out{{}, {}, {}, walls.effort_cap};
   for (int i = 0; i < walls.axes; ++i) {
     const double arm = walls.lever_arm_m[i], square = arm * arm;
     out.axes.push_back({walls.stiffness[i], bottle.return_n_m * square,
                         bottle.resistance() * square, bottle.air_s * bottle.return_n_m * square,
                         bottle.opening_n * arm});
     out.out_m3.push_back(bottle.area_m2 * arm);
+    out.fastest.push_back(kFastest_m_s / arm);
   }
   return out;
 }
@@ -64,10 +72,16 @@ BottlePress pressBottle(const AxisPosition& travel, const BottleInput& seen,
     cushion.opening *= seen.ratios.opening;
     cushion.resistance *= seen.ratios.viscosity;
     if (seen.empty) cushion.resistance = std::min(cushion.resistance, cushion.air_resistance);
+    cushion.resistance /= seen.slit;
     const double before = i < travel.size() ? travel[i] : 0.0;
     const double depth = seen.walls.known[i] ? seen.q_m[i] - seen.walls.position[i] : 0.0;
     const bool open = (seen.open >> i & 1U) != 0U;
-    const CushionStep step = advanceCushion(cushion, before, depth, open, seen.elapsed_s);
+    CushionStep step = advanceCushion(cushion, before, depth, open, seen.elapsed_s);
+    const double most = cushions.fastest[i] * seen.elapsed_s;
+    if (cushion.stiffness > 0.0 && std::abs(step.travel - before) > most) {
+      step.travel = std::clamp(step.travel, before - most, before + most);
+      step.effort = std::max(0.0, cushion.stiffness * (std::max(0.0, depth) - step.travel));
+    }
     out.travel[i] = step.travel;
     out.effort[i] = -seen.alpha * std::min(step.effort, cushions.effort_cap[i]);
     const double m3 = seen.alpha * cushions.out_m3[i];

@@ -34,8 +34,8 @@ AxisEffort clampRendered(const AxisEffort& limit, const AxisEffort& device_limit
   return out;
 }
 
-// Energy stored in an exercise's walls: half their effort times the penetration, plus a bounded
-// part of the damping's, which comes and goes with the motion.
+// Energy stored in an exercise's walls: half their effort times the penetration. What brings a
+// shell back counts as spent.
 AxisEnergy wallStored(const TickRecord& record) noexcept {
   const ExerciseRecord& exercise = record.exercise;
   AxisEnergy out(exercise.wall_active.size());

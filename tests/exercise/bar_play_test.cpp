@@ -442,6 +442,29 @@ TEST(CocktailBar, DispenserSpiltEmpty_EndsTheStepWithWhatThereIs) {
   EXPECT_EQ(bar.value("stars"), 1.0);
 }
 
+TEST(CocktailBar, SqueezeThatBringsNothing_IsToldToLetGo) {
+  BarTable bar(1);
+  bar.tick();
+  bar.hold(0, 2.0);
+  bar.presses = false;  // the digits are at the core, and press no cushion
+  bar.record.closure[3] = bar.record.q_m[3] = BarTable::kTouch_rad;
+  bar.runUntil("stage", kBreathe);
+  EXPECT_EQ(bar.value("poured_l"), 0.0);
+  bar.squeeze(0, 0.0);
+  bar.runUntil("stage", kSqueeze);
+}
+
+TEST(CocktailBar, HandThatRestsWithoutOpening_IsAskedToSqueezeAgain) {
+  BarTable bar(2);
+  bar.tick();
+  bar.hold(0, 0.6);
+  bar.runUntil("stage", kBreathe);
+  bar.pressed_n = 0.2;  // it stays in the shell: no air comes
+  bar.record.contact_count = 0;
+  bar.runUntil("stage", kSqueeze);
+  EXPECT_GT(bar.value("pressed_l"), 0.002);
+}
+
 TEST(CocktailBar, EmptyDispenser_GivesWayWithoutFlowing) {
   BarTable bar(1);
   bar.tick();
@@ -449,7 +472,7 @@ TEST(CocktailBar, EmptyDispenser_GivesWayWithoutFlowing) {
   bar.run(20.0);
   ASSERT_EQ(bar.left_l(), 0.0);
   bar.drawBack();
-  bar.run(3.0);
+  bar.run(20.0);  // what 100 N have pressed in comes back at 0.14 m/s
   EXPECT_EQ(bar.value("pressed_l"), 0.0);
   bar.hold(0, 2.0);
   bar.run(3.0);  // against air: d_air / k_s = 0.3 s

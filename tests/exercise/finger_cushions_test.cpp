@@ -43,6 +43,7 @@ TEST(FingerCushions, WhatLeavesTheNozzle_IsWhatTheDigitsDisplaced) {
     BottleInput seen{.walls = walls, .q_m = q};
     seen.open = static_cast<std::uint32_t>(random() % 4);
     seen.empty = random() % 4 == 0;
+    seen.slit = uniform(random, 1e-6, 1.0);
     seen.ratios.viscosity = uniform(random, kThinnestRatio, kThickestRatio);
     seen.elapsed_s = kPeriod_s;
     const BottlePress press = pressBottle(travel, seen, cushions);
@@ -58,6 +59,35 @@ TEST(FingerCushions, WhatLeavesTheNozzle_IsWhatTheDigitsDisplaced) {
     EXPECT_NEAR(press.pressed_m3, 4e-4 * (0.08 * travel[0] + 0.05 * travel[1]), 1e-15);
   }
   EXPECT_GT(left_m3, 1e-5);
+}
+
+/// Whatever opens, empties or becomes thin under a finger that rests: 0.05 N a tick at the tip.
+TEST(FingerCushions, EffortOfARestingFinger_FallsGently) {
+  auto random = seededRandom(3912);
+  const FingerWallConfig config = twoFingers();
+  const Cushions cushions = cushionsOf(kBottle, config);
+  const FingerWallState walls{AxisPosition(2), AxisFlag(2, true), AxisPosition(2)};
+  for (int play = 0; play < cases(1000); ++play) {
+    AxisPosition travel(2), q(2);
+    for (int a = 0; a < 2; ++a) q[a] = uniform(random, 0.0, 0.04) / config.lever_arm_m[a];
+    AxisEffort before(2);
+    BottleInput seen{.walls = walls, .q_m = q, .elapsed_s = kPeriod_s};
+    seen.ratios.stiffness = kLargestWallRatio;
+    for (int i = 0; i < 60; ++i) {
+      if (i > 0 && random() % 10 == 0) {
+        seen.open = static_cast<std::uint32_t>(random() % 4);
+        seen.empty = random() % 2 == 0;
+        seen.slit = uniform(random, 1e-6, 1.0);
+        seen.ratios.viscosity = random() % 2 == 0 ? kThinnestRatio : kThickestRatio;
+      }
+      const BottlePress press = pressBottle(travel, seen, cushions);
+      for (int a = 0; a < 2 && i > 0; ++a) {
+        EXPECT_LT((press.effort[a] - before[a]) / config.lever_arm_m[a], 0.05);
+      }
+      before = press.effort;
+      travel = press.travel;
+    }
+  }
 }
 
 /// At the tip every digit feels the same bottle: after t at x the shell holds

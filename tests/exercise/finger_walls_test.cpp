@@ -36,7 +36,7 @@ FingerWallState follow(const FingerWallState& state, double closure, double fing
 /// Of the shell alone: the nozzle is closed.
 double effortAt(const FingerWallState& state, double finger) {
   const FingerWallConfig walls = oneFinger();
-  const Cushions shell{{{walls.stiffness[0], 0.1, 1.0, 1.0, 0.0}}, {0.0}, walls.effort_cap};
+  const Cushions shell{{{walls.stiffness[0], 0.1, 1.0, 1.0, 0.0}}, {0.0}, {1.0}, walls.effort_cap};
   return pressBottle({}, {.walls = state, .q_m = AxisPosition(1, finger), .elapsed_s = kPeriod_s},
                      shell)
       .effort[0];

@@ -255,7 +255,10 @@ void BarPlayer::next(const BarStatus& seen, const TickRecord& record) noexcept {
       return go(Phase::kOpen);
     case Phase::kOpen:
       // Too little yet: squeezes again from here. A failed grasp is restarted.
-      if (more && !free && seen.stage == BarStage::kBreathe && since_s_ < kGivesUp_s) return;
+      if (more && !free && seen.stage == BarStage::kBreathe) {
+        if (since_s_ < kGivesUp_s) return;
+        tries_ = kMostTries;  // it does not open far enough
+      }
       if (more && !free && tries_ < kMostTries) return go(Phase::kSqueeze);
       return go(dispenser_ >= 0 ? Phase::kLeave : Phase::kDrawBack);
     case Phase::kLeave:

@@ -221,18 +221,23 @@ class CocktailBar final : public Exercise {
     const double from_n = threshold * bar_.squeeze.threshold_n;
     const double over_n = pouring_.squeeze_n(at_) - from_n;
     const bool squeezed = over_n > 0.0 && held() == at_ && !paused_;
-    const double slit = squeezed ? std::min(over_n / (kOpens * from_n), 1.0) : 0.0;
+    const double slit = squeezed ? std::min(over_n / (kOpens * from_n), 1.0) : 1.0;
     std::uint32_t open =
         palmarAxes(*input.observed, bar_.dispensers[at_].body_index, posture_, axes_of_capsule_);
     for (int a = 0; a < bar_.walls.axes; ++a) {
       if (soft_touches_[a].palmar_depth_m > 0.0) open |= 1U << a;
     }
     if (!squeezed) open = 0;
-    const double viscosity = parameters_.viscosity(input.parameters);
     const CushionRatios ratios{parameters_.stiffness(input.parameters),
-                               squeezed ? viscosity / slit : viscosity, threshold};
-    const BottleInput bottle{walls_, input.observed->q_m, alpha, open, pouring_.empty(at_),
-                             ratios, senses.elapsed_s};
+                               parameters_.viscosity(input.parameters), threshold};
+    const BottleInput bottle{.walls = walls_,
+                             .q_m = input.observed->q_m,
+                             .alpha = alpha,
+                             .open = open,
+                             .slit = slit,
+                             .empty = pouring_.empty(at_),
+                             .ratios = ratios,
+                             .elapsed_s = senses.elapsed_s};
     const BottlePress pressed = pressBottle(travel_, bottle, cushions_[at_]);
     constexpr double kPerM3 = 1e3;
     travel_ = pressed.travel;

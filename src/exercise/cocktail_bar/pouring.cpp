@@ -10,11 +10,12 @@ namespace wholehand {
 namespace {
 
 constexpr double kPerLitre = 1e12;
-/// A stroke that pressed the shell in by more than this is spent when its flow is less than this,
-/// and than this share of its fastest, for this long; until air has brought the shell back to this
-/// share, or it flows again.
-constexpr double kLeastStroke_l = 0.002, kSlow_l_s = 0.001, kSlow = 0.15, kSlow_s = 0.3,
-                 kBack = 0.15;
+/// A stroke that pressed the shell in by this is spent when its flow is less than this, and than
+/// this share of its fastest, for this long; one of less, when nothing comes for longer. It ends
+/// when air has brought the shell back to this share, when it flows again, or when the hand has
+/// rested for so long.
+constexpr double kLeastStroke_l = 0.002, kSlow_l_s = 0.001, kSlow = 0.15, kNothing_l_s = 5e-5,
+                 kSlow_s = 0.3, kNothing_s = 1.0, kBack = 0.15, kRested_s = 1.5;
 
 std::int64_t picolitres(double volume_l) noexcept {
   return volume_l > 0.0 ? std::llround(std::min(volume_l, 1e3) * kPerLitre) : 0;  // NaN: 0
@@ -90,7 +91,7 @@ void Pouring::reset() noexcept {
   flowing_ = -1;
   flow_l_s_ = 0.0;
   into_glass_ = spilling_ = spent_ = false;
-  fastest_l_s_ = slow_s_ = spent_at_l_ = 0.0;
+  fastest_l_s_ = slow_s_ = rested_s_ = spent_at_l_ = 0.0;
 }
 
 double Pouring::squeeze_n(int dispenser) const noexcept {
@@ -103,13 +104,16 @@ bool Pouring::letGo(int dispenser) const noexcept {
 }
 
 void Pouring::follow(const Stroke& stroke, bool squeezes, double elapsed_s) noexcept {
-  if (stroke.pressed_l <= kBack * spent_at_l_ || flow_l_s_ > kSlow_l_s) spent_ = false;
-  if (stroke.pressed_l < kLeastStroke_l) fastest_l_s_ = slow_s_ = 0.0;
+  rested_s_ = squeezes ? 0.0 : rested_s_ + elapsed_s;
+  if (stroke.pressed_l <= kBack * spent_at_l_ || flow_l_s_ > kSlow_l_s || rested_s_ > kRested_s) {
+    spent_ = false;
+  }
+  const bool whole = stroke.pressed_l >= kLeastStroke_l;
+  if (!whole) fastest_l_s_ = 0.0;
   fastest_l_s_ = std::max(fastest_l_s_, flow_l_s_);
-  const bool slow = squeezes && stroke.pressed_l >= kLeastStroke_l &&
-                    flow_l_s_ < std::min(kSlow_l_s, kSlow * fastest_l_s_);
-  slow_s_ = slow ? slow_s_ + elapsed_s : 0.0;
-  if (spent_ || slow_s_ < kSlow_s) return;
+  const double slow_l_s = std::max(kNothing_l_s, std::min(kSlow_l_s, kSlow * fastest_l_s_));
+  slow_s_ = squeezes && flow_l_s_ < slow_l_s ? slow_s_ + elapsed_s : 0.0;
+  if (spent_ || slow_s_ < (whole ? kSlow_s : kNothing_s)) return;
   spent_ = true;
   spent_at_l_ = stroke.pressed_l;
 }

@@ -83,7 +83,7 @@ class Pouring {
   [[nodiscard]] bool empty(int dispenser) const noexcept {
     return !(ledger_.left_l(dispenser) > 0.0);
   }
-  /// The held dispenser is pressed in and hardly flows any more, until air has filled its shell.
+  /// The held dispenser is squeezed and hardly flows any more: until air has filled its shell.
   [[nodiscard]] bool spent() const noexcept { return spent_; }
   /// The dispenser does not flow and the hand does not press it.
   [[nodiscard]] bool letGo(int dispenser) const noexcept;
@@ -102,8 +102,8 @@ class Pouring {
   bool into_glass_ = false;
   bool spilling_ = false;
   bool spent_ = false;
-  double fastest_l_s_ = 0.0, slow_s_ = 0.0;  ///< of this stroke
-  double spent_at_l_ = 0.0;                  ///< pressed in when it was spent
+  double fastest_l_s_ = 0.0, slow_s_ = 0.0, rested_s_ = 0.0;  ///< of this stroke
+  double spent_at_l_ = 0.0;                                   ///< pressed in when it was spent
 };
 
 }  // namespace wholehand

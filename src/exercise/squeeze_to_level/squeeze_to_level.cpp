@@ -135,8 +135,14 @@ class SqueezeToLevel final : public Exercise {
     walls_ = followClosure(walls_, sight, input.parameters[kLeadIn], out.alpha, task_.wall.walls,
                            elapsed_s);
     const CushionRatios ratios{input.parameters[kWallStiffness], input.parameters[kViscosity]};
-    const BottlePress press = pressBottle(
-        travel_, {walls_, seen.q_m, out.alpha, open, false, ratios, elapsed_s}, cushions_);
+    const BottlePress press = pressBottle(travel_,
+                                          {.walls = walls_,
+                                           .q_m = seen.q_m,
+                                           .alpha = out.alpha,
+                                           .open = open,
+                                           .ratios = ratios,
+                                           .elapsed_s = elapsed_s},
+                                          cushions_);
     travel_ = press.travel;
     flow_ml_s_ = 1e6 * press.out_m3 / elapsed_s;
     out.effort = press.effort;

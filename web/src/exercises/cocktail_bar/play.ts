@@ -78,7 +78,7 @@ export class BarPlay implements Play {
         const spilling = this.value(state, 'flow_l_s') > 0 && this.value(state, 'over_glass', 1) === 0;
         return spilling ? say('offGlass', 'offGlassMore', undefined, true) : say('squeeze', 'squeezeMore');
       }
-      case Stage.Breathe: return say('breathe', 'breatheMore');
+      case Stage.Breathe: return dispensers[this.value(state, 'target_dispenser', -1)]?.free ? say('putDown', 'putDownMore') : say('breathe', 'breatheMore');
       case Stage.LetGo: return say('letGo', 'letGoMore');
       case Stage.DrawBack: return say('drawBack', 'drawBackMore');
       default: return wrong >= 0 ? say('wrong', 'wrongMore', wrong, true) : say('reach', 'reachMore');

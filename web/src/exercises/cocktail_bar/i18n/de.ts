@@ -33,6 +33,8 @@ export const de: BarTexts = {
   squeezeMore: 'Am weissen Strich loslassen',
   breathe: 'Ein wenig loslassen',
   breatheMore: 'Luft strömt nach, dann wieder drücken',
+  putDown: 'Stellen Sie sie ab',
+  putDownMore: 'Öffnen Sie die Hand und nehmen Sie sie wieder',
   letGo: 'Loslassen',
   letGoMore: 'Hand öffnen und zurückziehen',
   drawBack: 'Hand zurückziehen',

@@ -32,6 +32,8 @@ export const en = {
   squeezeMore: 'Let go at the white line',
   breathe: 'Let go a little',
   breatheMore: 'Air comes back, then squeeze again',
+  putDown: 'Put it down',
+  putDownMore: 'Open your hand, then take it again',
   letGo: 'Let go',
   letGoMore: 'Open your hand and draw it back',
   drawBack: 'Draw your hand back',

@@ -33,6 +33,8 @@ export const fr: BarTexts = {
   squeezeMore: 'Relâchez au trait blanc',
   breathe: 'Relâchez un peu',
   breatheMore: 'L’air revient, puis pressez encore',
+  putDown: 'Reposez-la',
+  putDownMore: 'Ouvrez la main, puis reprenez-la',
   letGo: 'Relâchez',
   letGoMore: 'Ouvrez la main et reculez-la',
   drawBack: 'Reculez la main',
