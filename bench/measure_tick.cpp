@@ -64,7 +64,7 @@ Prepared squeezeInBar(int ticks_before, const RigOptions& options) {
 /// The bar played by its virtual patient.
 Prepared playBar(std::uint64_t seed, const RigOptions& options) {
   Models models = orThrow(loadModels(barFiles()));
-  auto player = models.exercise->makePlayer(seed);
+  auto player = makeExercisePlayer(models, seed);
   return {orThrow(buildRig(std::move(models), std::move(player), options)), 0};
 }
 

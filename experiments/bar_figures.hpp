@@ -27,8 +27,8 @@ class BarFigures {
     kStartTotal,
     kCount
   };
-  /// Value of "stage" when the level is done.
-  static constexpr double kLevelDone = 5.0;
+  /// Values of "stage".
+  static constexpr double kDrinkDone = 4.0, kLevelDone = 5.0;
 
   explicit BarFigures(const ExerciseDescription& description);
 

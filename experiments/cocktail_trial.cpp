@@ -5,8 +5,11 @@
 #include "realtime/monotonic_clock.hpp"
 #include "runtime/interrupt_scope.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace wholehand {
 namespace {
@@ -24,7 +27,9 @@ class BarObserver {
 
   void operator()(const TickRecord& r) {
     const ExerciseRecord& e = r.exercise;
+    now_s_ = r.time_s;
     for (int i = 0; i < e.event_count; ++i) take(e.events[i]);
+    if (figures_(BarFigures::kStage, e) == BarFigures::kDrinkDone) began_s_ = now_s_;
     asked_l_ = figures_(BarFigures::kAsked, e);
     tolerance_l_ = figures_(BarFigures::kTolerance, e);
     result_.score = figures_(BarFigures::kScore, e);
@@ -42,6 +47,8 @@ class BarObserver {
     if (event.type != step_done_) return;
     const double error_l = std::abs(event.value - asked_l_);  // asked for until the tick before
     ++result_.steps;
+    result_.step_max_s = std::max(result_.step_max_s, now_s_ - began_s_);
+    began_s_ = now_s_;
     result_.amount_error_max_l = std::max(result_.amount_error_max_l, error_l);
     if (error_l <= tolerance_l_) ++result_.steps_in_tolerance;
   }
@@ -50,11 +57,39 @@ class BarObserver {
   CocktailResult& result_;
   int step_done_, wrong_, knocked_over_;
   double asked_l_ = 0.0, tolerance_l_ = 0.0;
+  double now_s_ = 0.0, began_s_ = 0.0;  ///< of this step
   bool done_ = false;
 };
 
 Diagnostic notPlayable(const std::string& file, const char* why) {
   return {file, 0, "", "", why, "give the file of a cocktail bar"};
+}
+
+std::optional<Diagnostic> startParameters(const CocktailPlan& plan, HapticRenderer& renderer) {
+  const std::vector<LiveParameter> all = renderer.liveParameters();
+  std::vector<double> values = renderer.parametersAtStart();
+  for (const auto& [name, value] : plan.parameters) {
+    const auto found =
+        std::find_if(all.begin(), all.end(),
+                     [wanted = name](const LiveParameter& p) { return p.name == wanted; });
+    if (found == all.end()) {
+      std::string names;
+      for (const LiveParameter& p : all) names += (names.empty() ? "" : ", ") + p.name;
+      return Diagnostic{plan.files.exercise, 0, name, "", "is no live parameter here",
+                        "one of " + names};
+    }
+    if (!(value >= found->lower && value <= found->upper)) {
+      return Diagnostic{plan.files.exercise,
+                        0,
+                        name,
+                        fmt::format("{:g}", value),
+                        "is out of range",
+                        fmt::format("{:g} to {:g}", found->lower, found->upper)};
+    }
+    values[found - all.begin()] = value;
+  }
+  renderer.startParametersAt(values);
+  return std::nullopt;
 }
 
 }  // namespace
@@ -65,12 +100,13 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   if (!models->exercise) return notPlayable(plan.files.exercise, "no exercise was named");
   const Exercise& exercise = *models->exercise;
   const BarFigures figures(exercise.description());
-  std::unique_ptr<Player> player = exercise.makePlayer(plan.seed);
+  std::unique_ptr<Player> player = makeExercisePlayer(*models, plan.seed);
   if (!figures.known() || !player) {
     return notPlayable(plan.files.exercise, "is not an exercise that a virtual patient can win");
   }
   auto rig = buildRig(std::move(*models), std::move(player), plan.rig);
   if (!rig) return rig.errors();
+  if (auto wrong = startParameters(plan, *(*rig)->renderer)) return *wrong;
 
   CocktailResult result;
   result.level = plan.files.level;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
@@ -15,6 +16,7 @@ struct CocktailPlan {
   std::uint64_t seed = 1;  ///< of the patient's start, aim and strength
   double most_s = 600.0;   ///< time limit, simulated; a longer trial has failed
   std::string record;      ///< HDF5 file; empty: none
+  std::vector<std::pair<std::string, double>> parameters;  ///< live ones other than the file's
   RigOptions rig;
 };
 
@@ -33,13 +35,14 @@ struct CocktailResult {
   int knocked_over = 0;
   double volume_error_l = 0.0;  ///< largest |in glasses + spilt + left - start|
   double time_s = 0.0;          ///< simulated
+  double step_max_s = 0.0;      ///< longest step, from the end of the one before
   double wall_s = 0.0;
   bool faulted = false;
   bool interrupted = false;
 };
 
 /// Plays the level on the simulated clock, without opening a port. Refused for an exercise without
-/// drinks or without a virtual patient.
+/// drinks or without a virtual patient, and for a parameter that it lacks or a value out of range.
 [[nodiscard]] Expected<CocktailResult> runCocktail(const CocktailPlan& plan);
 
 }  // namespace wholehand

@@ -131,6 +131,11 @@ Intention intentionOf(const Models& models, std::vector<std::string>* sentences)
                                sentences);
 }
 
+std::unique_ptr<Player> makeExercisePlayer(const Models& models, std::uint64_t seed) {
+  if (!models.exercise) return nullptr;
+  return models.exercise->makePlayer({seed, uncaughtOpening(models.patient)});
+}
+
 std::unique_ptr<Player> makeMotionPlayer(const Models& models) {
   return std::make_unique<ScriptedPlayer>(intentionOf(models, nullptr),
                                           models.motion ? Mover::kMotion : Mover::kNobody);

@@ -77,6 +77,9 @@ struct Models {
 /// of the changes made to the motion.
 [[nodiscard]] Intention intentionOf(const Models& models, std::vector<std::string>* sentences);
 
+/// The virtual patient who plays the exercise; null without an exercise or where it has none.
+[[nodiscard]] std::unique_ptr<Player> makeExercisePlayer(const Models& models, std::uint64_t seed);
+
 /// A player that follows intentionOf(), for exercises without a player of their own.
 [[nodiscard]] std::unique_ptr<Player> makeMotionPlayer(const Models& models);
 

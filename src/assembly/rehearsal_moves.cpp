@@ -2,6 +2,7 @@
 
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
+#include "patient/reach.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +14,6 @@ namespace wholehand {
 namespace {
 
 constexpr double kSpeedShare = 0.7;      // share of each axis's limit, at peak speed
-constexpr double kPeakOfMean = 1.875;    // peak over mean speed of a minimum-jerk movement
 constexpr double kPush_m = 0.04;         // beyond the first touch
 constexpr double kWithinReach_m = 0.06;  // distance from the hand's nearest pose
 constexpr double kGraspable_m = 0.12;    // wider bodies are pressed at their nearest point
@@ -235,7 +235,7 @@ void Rehearser::reachFor(const AxisPosition& goal) noexcept {
   double longest_s = 1e-3;
   for (int i = 0; i < goal.size(); ++i) {
     const double speed = kSpeedShare * device_.axes[i].speed_limit;
-    const double need_s = kPeakOfMean * std::abs(goal[i] - q_[i]) / speed;
+    const double need_s = kMinimumJerkPeak * std::abs(goal[i] - q_[i]) / speed;
     needs_s[i] = need_s;
     longest_s = std::max(longest_s, need_s);
   }

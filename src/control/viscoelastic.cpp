@@ -9,7 +9,7 @@ namespace wholehand {
 CushionStep advanceCushion(const Cushion& cushion, double travel, double depth, bool open,
                            double elapsed_s) noexcept {
   const double k = cushion.stiffness, k_s = cushion.return_stiffness;
-  if (!std::isfinite(travel) || !std::isfinite(depth) || !(k > 0.0)) return {};
+  if (!std::isfinite(travel) || !std::isfinite(depth) || !(k >= 0.0)) return {};
   const double before = std::max(0.0, travel), pressed = k * std::max(0.0, depth);
   const auto effort_at = [=](double y) { return std::max(0.0, pressed - k * y); };
   const auto after = [=](double resistance, double push, double spring) {

@@ -7,7 +7,7 @@ namespace wholehand {
 /// Squeeze bottle under one digit: a shell on a liquid that leaves through a nozzle. Its viscosity
 /// stands in series behind the shell. Units of its axis [m or rad], [N or N·m].
 struct Cushion {
-  double stiffness = 0.0;         ///< k of the shell under the digit, > 0
+  double stiffness = 0.0;         ///< k of the shell under the digit, >= 0
   double return_stiffness = 0.0;  ///< k_s: what brings the shell back, >= 0
   double resistance = 0.0;        ///< d of the liquid [N·s/m or N·m·s/rad], > 0
   double air_resistance = 0.0;    ///< d_air of the air that flows back, > 0
@@ -32,7 +32,7 @@ struct CushionStep {
                                                       double depth, bool open,
                                                       double elapsed_s) noexcept;
 
-/// S of a cushion [J].
+/// S of a cushion [J]. @pre k > 0
 [[nodiscard]] WHOLEHAND_RT double cushionEnergy_j(const Cushion& cushion,
                                                   const CushionStep& at) noexcept;
 

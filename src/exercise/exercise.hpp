@@ -63,7 +63,7 @@ class Exercise {
                                  BodyPlacements& placements) noexcept = 0;
 
   /// Makes a virtual patient who does this exercise; null where there is none. Not real-time safe.
-  [[nodiscard]] virtual std::unique_ptr<Player> makePlayer(std::uint64_t seed) const = 0;
+  [[nodiscard]] virtual std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const = 0;
 };
 
 /// Clears what a tick fills in: no effort, no wall, no values, nothing to be placed.

@@ -4,9 +4,17 @@
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 
-#include <cstddef>
+#include <cstdint>
+#include <limits>
 
 namespace wholehand {
+
+/// Who plays an exercise as a virtual patient.
+struct PlayerTraits {
+  std::uint64_t seed = 1;
+  /// Fastest opening of the hand that the person intends: that of uncaughtOpening().
+  double opening_rad_s = std::numeric_limits<double>::infinity();
+};
 
 /// Source of the hand's target, tick by tick: a script, a virtual patient who does an exercise, or
 /// a person at the screen. Deterministic except for commands.

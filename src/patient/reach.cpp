@@ -1,6 +1,7 @@
 #include "patient/reach.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace wholehand {
 
@@ -17,6 +18,17 @@ void Reach::begin(const AxisPosition& q, const AxisVelocity& qd, const AxisPosit
 void Reach::during(int axis, double from, double to) noexcept {
   const double begin = start_speed_[axis] == 0.0 ? from : 0.0;
   windows_[axis] = {begin * duration_s_, to * duration_s_};
+}
+
+void Reach::limitSpeed(int axis, double speed) noexcept {
+  const double needed_s = kMinimumJerkPeak * std::abs(goal_[axis] - start_[axis]) / speed;
+  const double longer = needed_s / (windows_[axis].to_s - windows_[axis].from_s);
+  if (!(longer > 1.0)) return;
+  duration_s_ *= longer;
+  for (Window& window : windows_) {
+    window.from_s *= longer;
+    window.to_s *= longer;
+  }
 }
 
 void Reach::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {

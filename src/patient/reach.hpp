@@ -7,6 +7,9 @@
 
 namespace wholehand {
 
+/// Peak over mean speed of a minimum-jerk movement.
+inline constexpr double kMinimumJerkPeak = 1.875;
+
 /// A reaching movement from any position and speed to rest at a goal: per axis a fifth-order
 /// polynomial that begins at its position and speed with zero acceleration. From rest it is minimum
 /// jerk (Flash and Hogan 1985). An axis may move during part of the time only.
@@ -20,6 +23,10 @@ class Reach {
   /// Restricts an axis to the part `from` .. `to` of the duration. An axis already in motion begins
   /// at once. @pre 0 <= from < to <= 1. Real-time safe.
   WHOLEHAND_RT void during(int axis, double from, double to) noexcept;
+
+  /// Lengthens the whole movement until the axis, from rest, is no faster than this speed. After
+  /// during().
+  WHOLEHAND_RT void limitSpeed(int axis, double speed) noexcept;
 
   /// Advances one period. Real-time safe.
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept;

@@ -1,10 +1,21 @@
 #include "patient/virtual_patient.hpp"
 
+#include <cmath>
+
 namespace wholehand {
 
 double impedanceEffort(const PatientAxis& person, double q, double qd, double q_intended,
                        double qd_intended) noexcept {
   return person.stiffness * (q_intended - q) + person.damping * (qd_intended - qd);
+}
+
+Pull pullOf(const PatientAxis& person, double q, double qd, double q_intended,
+            double qd_intended) noexcept {
+  const double effort = impedanceEffort(person, q, qd, q_intended, qd_intended);
+  if (!(std::abs(effort) > person.strength)) return {q_intended, qd_intended};
+  const double most = std::copysign(person.strength, effort);
+  if (person.stiffness > 0.0) return {q + most / person.stiffness, qd};
+  return {q, qd + most / person.damping};
 }
 
 double linkedEffort(const PatientLinks& links, int axis, const AxisPosition& e,

@@ -11,6 +11,14 @@ namespace wholehand {
 [[nodiscard]] WHOLEHAND_RT double impedanceEffort(const PatientAxis& person, double q, double qd,
                                                   double q_intended, double qd_intended) noexcept;
 
+/// Position and speed towards which a person of limited strength pulls: those intended, or nearer
+/// ones at which the impedance's effort is the axis's strength. Real-time safe.
+struct Pull {
+  double q, qd;
+};
+[[nodiscard]] WHOLEHAND_RT Pull pullOf(const PatientAxis& person, double q, double qd,
+                                       double q_intended, double qd_intended) noexcept;
+
 /// Effort that links add on one axis: the other axes' K e + B ė, e and ė the lead of the intention
 /// [N or N·m]. 0 without links. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double linkedEffort(const PatientLinks& links, int axis,

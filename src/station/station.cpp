@@ -1402,8 +1402,7 @@ void Station::Core::publishScene(const std::string& recording) {
 }
 
 std::unique_ptr<Player> Station::Core::makePlayer(const Models& models) const {
-  std::unique_ptr<Player> player;
-  if (models.exercise) player = models.exercise->makePlayer(config_.seed + arming_);
+  std::unique_ptr<Player> player = makeExercisePlayer(models, config_.seed + arming_);
   if (!player) player = config_.make_player(models);
   return player;
 }

@@ -110,7 +110,7 @@ std::optional<Outcome> Arena::run(const Case& c, int ticks, Random& random,
   if (change) change(*rig);
   Bones bones(*rig);
   for (const double aside : {0.0, 0.95, 0.0, 0.95}) {  // who plays begins elsewhere each time
-    std::unique_ptr<Player> player = models_.exercise->makePlayer(random());
+    std::unique_ptr<Player> player = models_.exercise->makePlayer({random()});
     if (!player) {
       player = std::make_unique<ScriptedPlayer>(graspAndFight(models_, aside, random));
     }

@@ -189,7 +189,7 @@ std::string config(const std::string& name) {
 
 /// As `run` and the station begin: its virtual patient, or a hand at rest where it has none.
 void expectBegins(Models models, std::uint64_t seed) {
-  std::unique_ptr<Player> player = models.exercise->makePlayer(seed);
+  std::unique_ptr<Player> player = makeExercisePlayer(models, seed);
   if (!player) player = makeMotionPlayer(models);
   const auto rig = orThrow(buildRig(std::move(models), std::move(player), {}));
   const auto armed = rig->renderer->arm();

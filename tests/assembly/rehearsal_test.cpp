@@ -42,7 +42,9 @@ class Awkward final : public Exercise {
     while (threadCpuNow_ns() < until_ns) {
     }
   }
-  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override { return nullptr; }
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {
+    return nullptr;
+  }
 
  private:
   ExerciseDescription text_;
@@ -52,7 +54,7 @@ TEST(Rehearsal, Bar_PassesWithTheContactsOfAWholePlayInHalfASecond) {
   const Models models = bar();
   const auto began = std::chrono::steady_clock::now();
   const std::int64_t cpu_ns = threadCpuNow_ns();
-  const Rehearsal r = orThrow(rehearse(models, models.exercise->makePlayer(1)->start(), {}));
+  const Rehearsal r = orThrow(rehearse(models, models.exercise->makePlayer({1})->start(), {}));
   figure("rehearsal_bar_wall",
          std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), "s");
   const double cpu_s = 1e-9 * static_cast<double>(threadCpuNow_ns() - cpu_ns);
@@ -181,9 +183,9 @@ TEST(Rehearsal, LeavesNoTrace) {
   const auto play = [](bool rehearsed) {
     const Models models = bar();
     if (rehearsed) {
-      orThrow(rehearse(models, models.exercise->makePlayer(3)->start(), {}));
+      orThrow(rehearse(models, models.exercise->makePlayer({3})->start(), {}));
     }
-    const auto rig = orThrow(buildRig(models, models.exercise->makePlayer(3), {}));
+    const auto rig = orThrow(buildRig(models, models.exercise->makePlayer({3}), {}));
     EXPECT_TRUE(rig->renderer->arm());
     std::vector<AxisEffort> sent;
     std::vector<AxisPosition> q_s;

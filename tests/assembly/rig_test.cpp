@@ -123,7 +123,9 @@ class Described final : public Exercise {
   void reset() override {}
   [[nodiscard]] WorldQuery query() const noexcept override { return {}; }
   void tick(const ExerciseInput&, ExerciseRecord&, BodyPlacements&) noexcept override {}
-  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override { return nullptr; }
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {
+    return nullptr;
+  }
 
  private:
   ExerciseDescription text_;

@@ -116,7 +116,7 @@ TEST(SafetyLog, ArmedAfterAFault_GoesFromFaultedToArmed) {
 // that tick on, and the exercise has let go within the time that its description states.
 TEST(SafetyLog, HolderSilent_IsRecordedAndTheExerciseFadesInItsTime) {
   const Models models = load(exerciseFiles("cocktail-bar"));
-  std::unique_ptr<Player> player = models.exercise->makePlayer(1);
+  std::unique_ptr<Player> player = models.exercise->makePlayer({1});
   Player& hand = *player;
   const auto rig = orThrow(buildRig(models, std::move(player), {}));
   orThrow(rig->renderer->arm());

@@ -54,7 +54,7 @@ class KilledRun : public testing::Test {
     progress_ = new (::mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE,
                             MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Progress;
     Models models = bar();
-    auto player = models.exercise->makePlayer(1);
+    auto player = models.exercise->makePlayer({1});
     ASSERT_NE(player, nullptr);
     auto telling = std::make_unique<Telling>(*player, *progress_);
     rig_ = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));

@@ -105,6 +105,17 @@ TEST(Cushion, LetGo_SucksItsAirBack) {
   }
 }
 
+/// A live factor of 0 on the stiffness: nothing is felt, and the shell keeps its time.
+TEST(Cushion, WithoutStiffness_ComesBackUnfelt) {
+  const Cushion bottle{0.0, 25.0, 80.0, 7.5, 0.25};
+  CushionStep at{0.02, 0.0};
+  for (int i = 0; i < 300; ++i) {
+    at = advanceCushion(bottle, at.travel, 0.03, true, kPeriod_s);
+    EXPECT_EQ(at.effort, 0.0);
+  }
+  EXPECT_NEAR(at.travel, 0.02 * std::exp(-1.0), 3e-5);
+}
+
 /// Any drive, valve and liquid: what stands in docs/certificate.md, to rounding.
 TEST(Cushion, RandomDrives_GiveNothingAndHeldNoMoreThanTheBareSpring) {
   auto random = seededRandom(3901);

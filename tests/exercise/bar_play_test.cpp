@@ -465,6 +465,22 @@ TEST(CocktailBar, HandThatRestsWithoutOpening_IsAskedToSqueezeAgain) {
   EXPECT_GT(bar.value("pressed_l"), 0.002);
 }
 
+/// Flexors that do not relax below what counts as let go, with the threshold raised over them.
+TEST(CocktailBar, HandThatCannotOpen_FinishesTheStepByResting) {
+  BarTable bar(1);
+  bar.parameters.at(3) = 2.0;  // squeeze_threshold_ratio: 1 N
+  bar.tick();
+  bar.hold(0, 3.0);
+  bar.run(0.5);
+  while (bar.value("poured_l") < 0.02) bar.tick();
+  bar.squeeze(0, 0.35);  // and the shell as much
+  bar.run(0.9);
+  EXPECT_EQ(bar.value("stage"), kLetGo);
+  bar.runUntil("stage", kDrinkDone);
+  EXPECT_GT(bar.value("squeeze_n"), 0.45);  // let_go_n
+  EXPECT_EQ(bar.value("spilt_l"), 0.0);
+}
+
 TEST(CocktailBar, EmptyDispenser_GivesWayWithoutFlowing) {
   BarTable bar(1);
   bar.tick();

@@ -70,7 +70,7 @@ TEST(SqueezeToLevel, PlayedByItsVirtualPatient_IsDoneWithin25s) {
   for (const std::string& hand : aTenth<std::string>({"adult-median-right", "adult-median-left"})) {
     SCOPED_TRACE(hand);
     Models models = load(exerciseFiles("squeeze-to-level", 1, hand));
-    std::unique_ptr<Player> player = models.exercise->makePlayer(7);
+    std::unique_ptr<Player> player = models.exercise->makePlayer({7});
     ASSERT_NE(player, nullptr);
     const auto rig = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
     ASSERT_TRUE(rig->renderer->arm());

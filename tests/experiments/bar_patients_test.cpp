@@ -96,7 +96,7 @@ TEST(BarWithShortReach, DrinkOfEitherHand_IsMixedWithinIt) {
     Models models = load(exerciseFiles("cocktail-bar", 2, name));
     const BarFigures figures(models.exercise->description());
     const int lemon = models.scene.bodyIndex("dispenser_lemon");
-    std::unique_ptr<Player> made = models.exercise->makePlayer(1);
+    std::unique_ptr<Player> made = models.exercise->makePlayer({1});
     Player* const player = made.get();
     const auto rig = orThrow(buildRig(std::move(models), std::move(made), {}));
     std::vector<double> values = rig->renderer->parametersAtStart();

@@ -68,7 +68,7 @@ class SteeredHand {
   explicit SteeredHand(Models models) {
     palm_link_ = palmLink(models.hand);
     std::cout << describe(models, palm_link_).dump() << std::endl;
-    auto steered = std::make_unique<SteeredPlayer>(models.exercise->makePlayer(1), models.device);
+    auto steered = std::make_unique<SteeredPlayer>(models.exercise->makePlayer({1}), models.device);
     player_ = steered.get();
     rig_ = orThrow(buildRig(std::move(models), std::move(steered), {}));
     orThrow(rig_->renderer->arm());

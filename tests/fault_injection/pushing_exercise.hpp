@@ -52,7 +52,9 @@ class PushingExercise final : public Exercise {
   /// Nothing goes wrong from now on.
   void clear() noexcept { fault_ = Push::kWell; }
 
-  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override { return nullptr; }
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {
+    return nullptr;
+  }
 
  private:
   void goWrong(const TickRecord& observed, AxisEffort& effort) const noexcept {

@@ -1,12 +1,16 @@
 // What a person does of their own accord, against closed forms.
 #include "patient/active_patient.hpp"
 #include "patient/person_tools.hpp"
+#include "patient/virtual_patient.hpp"
 #include "support/constants.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
 
 namespace wholehand::test {
 namespace {
@@ -160,6 +164,34 @@ TEST(ActivePatient, AllHabitsTogether_AreHeldToTheDevicesLimit) {
 }
 
 // ---- letting go
+
+/// The impedance's effort is the strength at most, at any speed, and what it was below it.
+TEST(Strength, WhateverIsIntended_PullsNoHarder) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  PatientAxis person;
+  int held = 0;
+  for (int k = 0; k < 1000; ++k) {
+    person.stiffness = k % 3 == 0 ? 0.0 : 100.0;
+    person.damping = 5.0;
+    person.strength = 0.5;
+    const double q = unit(random), qd = unit(random), meant = q + 0.01 * unit(random),
+                 speed = qd + 0.2 * unit(random);
+    const Pull pull = pullOf(person, q, qd, meant, speed);
+    const double wanted = impedanceEffort(person, q, qd, meant, speed);
+    const double effort = impedanceEffort(person, q, qd, pull.q, pull.qd);
+    EXPECT_NEAR(effort, std::clamp(wanted, -0.5, 0.5), 1e-12);
+    held += std::abs(wanted) > 0.5 ? 1 : 0;
+  }
+  EXPECT_GT(held, 100);
+}
+
+/// Threshold of the slowest catch; a healthy hand opens as it likes.
+TEST(SpasticCatch, UncaughtOpening_IsItsThreshold) {
+  EXPECT_EQ(uncaughtOpening(patientNamed("spastic")), 1.0);
+  EXPECT_EQ(uncaughtOpening(patientNamed("relaxed-adult")),
+            std::numeric_limits<double>::infinity());
+}
 
 TEST(LettingGo, AtItsTime_NothingOfThePersonIsLeft) {
   PatientConfig patient = trembling(1);

@@ -218,6 +218,25 @@ TEST(Reach, AxisWithItsOwnTime_MovesThenOnly) {
   EXPECT_NEAR(late.q[1], 0.5, 1e-9);
 }
 
+TEST(Reach, SpeedOfAnAxisIsLimited_WholeMovementTakesLonger) {
+  // Minimum jerk: the peak is 15/8 of the mean. 1 rad in 0.4 of the time at 0.5 rad/s.
+  Reach reach;
+  reach.begin(pose(0.0, 0.0), AxisVelocity(2), pose(-1.0, 1.0), 1.0);
+  reach.during(0, 0.0, 0.4);
+  reach.limitSpeed(0, 0.5);
+  const int whole_ms = static_cast<int>(1e3 * 15.0 / 8.0 / 0.5 / 0.4);
+  double fastest = 0.0;
+  for (int k = 0; k < whole_ms; ++k) fastest = std::min(fastest, after(reach, 1).qd[0]);
+  EXPECT_NEAR(fastest, -0.5, 1e-6);
+  const Moved end = after(reach, 2);
+  EXPECT_TRUE(reach.done());
+  EXPECT_EQ(end.q[1], 1.0);
+  reach.begin(pose(0.0, 0.0), AxisVelocity(2), pose(1.0, 1.0), 1.0);
+  reach.limitSpeed(0, std::numeric_limits<double>::infinity());
+  (void)after(reach, 1000);
+  EXPECT_TRUE(reach.done());
+}
+
 TEST(Waypoints, BetweenTwo_FollowFlashAndHogan) {
   // Flash and Hogan 1985: half way at half time, peak speed 15/8 of the mean, there.
   const Intention way =

@@ -71,7 +71,7 @@ TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
     Models m = load(files);
     RigOptions options;
     options.period_s = 1.0 / rate_hz;
-    std::unique_ptr<Player> player = m.exercise->makePlayer(random());
+    std::unique_ptr<Player> player = m.exercise->makePlayer({random()});
     Player& seeing = *player;
     auto device =
         std::make_unique<SimulatedDevice>(m.device, m.patient, std::move(player), options.period_s);

@@ -36,7 +36,7 @@ void writeLongBar(const std::string& path, std::uint64_t ticks) {
   ModelFiles files = shippedFiles();
   files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
   const Models models = load(files);
-  const auto rig = orThrow(buildRig(models, models.exercise->makePlayer(1), RigOptions{}));
+  const auto rig = orThrow(buildRig(models, models.exercise->makePlayer({1}), RigOptions{}));
   orThrow(rig->renderer->prepare());
   const RecordingMeta meta = orThrow(describeRecording(*rig, "an hour", 1, true));
   std::vector<TickRecord> bar;

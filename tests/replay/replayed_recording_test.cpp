@@ -92,7 +92,7 @@ class RecordedBar {
     const Models models = barModels();
     facts = std::make_shared<const SceneFacts>(sceneFacts(models, 1e-3));
     wire::StateEncoder live(facts);
-    const auto rig = orThrow(buildRig(models, models.exercise->makePlayer(1), RigOptions{}));
+    const auto rig = orThrow(buildRig(models, models.exercise->makePlayer({1}), RigOptions{}));
     RunPlan plan;
     plan.title = "bar";
     plan.simulated_clock = true;

@@ -62,7 +62,7 @@ TEST(LiveLoop, WithRecordingAndCommands_OnlyTicksAndSleeps) {
       fs::temp_directory_path() / ("wholehand-proof-" + std::to_string(::getpid()) + ".h5");
   plan.record = recording.string();
   plan.duration_ticks = CountingPlayer::kTo + 100;
-  auto player = std::make_unique<CountingPlayer>(models.exercise->makePlayer(1), counted);
+  auto player = std::make_unique<CountingPlayer>(models.exercise->makePlayer({1}), counted);
   auto steered = std::make_unique<SteeredPlayer>(std::move(player), models.device);
   std::shared_ptr<Rig> rig = orThrow(buildRig(models, std::move(steered), {}));
   plan.black_box = blackBoxPath(plan.record);

@@ -41,7 +41,7 @@ Played cocktailBar(double rate_hz = 1000.0) {
   files.scene.clear();
   files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
   Models models = load(files);
-  std::unique_ptr<Player> player = models.exercise->makePlayer(1);
+  std::unique_ptr<Player> player = models.exercise->makePlayer({1});
   return played(std::move(models), std::move(player), rate_hz);
 }
 

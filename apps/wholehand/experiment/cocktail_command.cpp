@@ -33,6 +33,7 @@ std::string lineOf(const CocktailResult& r) {
               {"knocked_over", r.knocked_over},
               {"volume_error_l", r.volume_error_l},
               {"time_s", r.time_s},
+              {"step_max_s", r.step_max_s},
               {"wall_s", r.wall_s},
               {"faulted", r.faulted},
               {"interrupted", r.interrupted}}
@@ -51,6 +52,7 @@ CocktailResult resultOf(const Json& json) {
   r.knocked_over = json.at("knocked_over");
   r.volume_error_l = json.at("volume_error_l");
   r.time_s = json.at("time_s");
+  r.step_max_s = json.at("step_max_s");
   r.wall_s = json.at("wall_s");
   r.faulted = json.at("faulted");
   r.interrupted = json.at("interrupted");
@@ -108,21 +110,22 @@ Json levelJson(int level, const Results& results) {
           {"knocked_over", sum(results, &CocktailResult::knocked_over)},
           {"volume_error_l_max", largest(results, &CocktailResult::volume_error_l)},
           {"time_s_median", median(each(results, &CocktailResult::time_s))},
+          {"step_s_max", largest(results, &CocktailResult::step_max_s)},
           {"real_time_factor", wall_s > 0.0 ? time_s / wall_s : 0.0},
           {"failed_seeds", failed}};
 }
 
 void printHeader() {
-  std::printf("%5s %6s %10s %8s %8s %10s %12s %8s %12s\n", "level", "seeds", "completed", "score",
-              "lowest", "spilt ml", "off by ml", "time s", "x real time");
+  std::printf("%5s %6s %10s %8s %8s %10s %12s %8s %8s %12s\n", "level", "seeds", "completed",
+              "score", "lowest", "spilt ml", "off by ml", "time s", "step s", "x real time");
 }
 
 void printLevel(const Json& j) {
-  std::printf("%5d %6d %10d %8.1f %8.1f %10.2f %12.2f %8.1f %12.1f\n", j["level"].get<int>(),
+  std::printf("%5d %6d %10d %8.1f %8.1f %10.2f %12.2f %8.1f %8.1f %12.1f\n", j["level"].get<int>(),
               j["seeds"].get<int>(), j["completed"].get<int>(), j["score_median"].get<double>(),
               j["score_min"].get<double>(), 1e3 * j["spilt_l_median"].get<double>(),
               1e3 * j["amount_error_l_median"].get<double>(), j["time_s_median"].get<double>(),
-              j["real_time_factor"].get<double>());
+              j["step_s_max"].get<double>(), j["real_time_factor"].get<double>());
   for (const auto& seed : j["failed_seeds"]) {
     std::printf("      not completed: --level %d --first-seed %llu --seeds 1\n",
                 j["level"].get<int>(), seed.get<unsigned long long>());
@@ -157,6 +160,7 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
     CocktailPlan plan;
     plan.files = files;
     plan.rig.engine = options.engine;
+    plan.parameters = options.parameters;
     plan.files.level = level;
     plan.seed = options.first_seed + static_cast<std::uint64_t>(job);
     if (InterruptScope::interrupted()) return Json{{"stopped", true}}.dump();

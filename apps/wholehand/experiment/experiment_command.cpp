@@ -38,6 +38,8 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
       ->check(finiteBetween(1, 1000, ""));
   bar->add_option("--processes", c.processes, "Processes at a time (default: one for each core)")
       ->check(finiteBetween(1, 256, ""));
+  bar->add_option("--set", c.parameters, "A live parameter and its value, repeatable")
+      ->type_name("NAME VALUE");
   bar->add_option("--json", c.json, "Write the results to this file");
   addEngine(*bar, c.engine);
   addFiles(*bar, c.files);

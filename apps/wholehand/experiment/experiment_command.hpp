@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): of CLI11
@@ -48,9 +49,10 @@ struct CocktailOptions {
   std::string engine = defaultEngine();
   int seeds = 100;
   std::uint64_t first_seed = 1;
-  int level = 0;      ///< 0: all
-  int processes = 0;  ///< 0: one per core
-  std::string json;   ///< empty: none
+  int level = 0;                                           ///< 0: all
+  int processes = 0;                                       ///< 0: one per core
+  std::vector<std::pair<std::string, double>> parameters;  ///< live ones, by name
+  std::string json;                                        ///< empty: none
 };
 
 struct ExerciseOptions {

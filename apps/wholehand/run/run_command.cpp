@@ -195,7 +195,7 @@ struct ChosenPlayer {
 
 ChosenPlayer chosenPlayer(const Models& models, std::uint64_t seed) {
   ChosenPlayer chosen;
-  if (models.exercise) chosen.player = models.exercise->makePlayer(seed);
+  chosen.player = makeExercisePlayer(models, seed);
   chosen.length_s = kExercise_s;
   if (chosen.player) return chosen;
   std::vector<std::string> sentences;

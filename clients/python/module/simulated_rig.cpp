@@ -15,8 +15,7 @@ namespace wholehand::python {
 namespace {
 
 std::unique_ptr<Player> playerOf(const Models& models, std::uint64_t seed) {
-  std::unique_ptr<Player> player;
-  if (models.exercise) player = models.exercise->makePlayer(seed);
+  std::unique_ptr<Player> player = makeExercisePlayer(models, seed);
   if (!player) player = makeMotionPlayer(models);
   return std::make_unique<SteeredPlayer>(std::move(player), models.device);
 }

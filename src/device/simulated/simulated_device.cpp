@@ -51,8 +51,8 @@ Expected<Done> SimulatedDevice::open() {
   player_->reset();
   person_.reset();
   held_.fill(true);
-  q_intended_ = player_->start();
-  qd_intended_ = AxisVelocity(device_.axisCount());
+  q_intended_ = q_pull_ = player_->start();
+  qd_pull_ = AxisVelocity(device_.axisCount());
   q_ = AxisPosition(device_.axisCount());
   qd_ = AxisVelocity(device_.axisCount());
   for (int i = 0; i < q_.size(); ++i) {
@@ -75,8 +75,8 @@ void SimulatedDevice::shiftDelayLine() noexcept {
 
 AxisEffort SimulatedDevice::impedance() const noexcept {
   // A released axis has no position error, so that it does not pull the linked ones.
-  AxisPosition q_meant = q_intended_;
-  AxisVelocity qd_meant = qd_intended_;
+  AxisPosition q_meant = q_pull_;
+  AxisVelocity qd_meant = qd_pull_;
   for (int i = 0; i < q_.size(); ++i) {
     if (person_.holds(i)) continue;
     q_meant[i] = q_[i];
@@ -102,8 +102,8 @@ void SimulatedDevice::letPersonAct() noexcept {
 }
 
 void SimulatedDevice::moveAxes(const AxisPosition& aim, const AxisVelocity& aim_speed) noexcept {
-  AxisPosition from = q_intended_, to = aim;
-  AxisVelocity from_speed = qd_intended_, to_speed = aim_speed;
+  AxisPosition from = q_pull_, to = aim;
+  AxisVelocity from_speed = qd_pull_, to_speed = aim_speed;
   for (int i = 0; i < q_.size(); ++i) {
     if (!held_[i]) from[i] = to[i] = from_speed[i] = to_speed[i] = 0.0;
   }
@@ -138,9 +138,15 @@ void SimulatedDevice::letPeriodPass() noexcept {
   AxisPosition aim;
   AxisVelocity aim_speed;
   player_->advance(period_s_, aim, aim_speed);
-  moveAxes(aim, aim_speed);
   q_intended_ = aim;
-  qd_intended_ = aim_speed;
+  for (int i = 0; i < q_.size(); ++i) {
+    const Pull pull = pullOf(patient_.axes[i], q_[i], qd_[i], aim[i], aim_speed[i]);
+    aim[i] = pull.q;
+    aim_speed[i] = pull.qd;
+  }
+  moveAxes(aim, aim_speed);
+  q_pull_ = aim;
+  qd_pull_ = aim_speed;
 }
 
 Fault SimulatedDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {

@@ -83,7 +83,8 @@ class SimulatedDevice final : public HapticDevice {
   std::array<AxisEffort, kMostDelay> delayed_{};  // ring buffer: sent, not yet acting
   int oldest_ = 0;
   AxisPosition q_, q_intended_;
-  AxisVelocity qd_, qd_intended_;
+  AxisPosition q_pull_;  // the intention, as far as the person's strength reaches
+  AxisVelocity qd_, qd_pull_;
 };
 
 }  // namespace wholehand

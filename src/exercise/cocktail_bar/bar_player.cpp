@@ -49,7 +49,8 @@ constexpr double kGripEnd_s = 0.2;          // time to come to rest at the end o
 
 }  // namespace
 
-BarPlayer::BarPlayer(const BarLayout& layout, std::uint64_t seed) : layout_(layout), seed_(seed) {
+BarPlayer::BarPlayer(const BarLayout& layout, const PlayerTraits& traits)
+    : layout_(layout), traits_(traits) {
   BarPlayer::reset();
 }
 
@@ -67,7 +68,7 @@ double BarPlayer::draw(double low, double high) noexcept {
 }
 
 void BarPlayer::reset() {
-  random_ = seed_;
+  random_ = traits_.seed;
   character_.reaction_s = draw(0.15, 0.28);
   character_.pace = draw(0.8, 1.2);
   character_.share = draw(0.3, 0.7);
@@ -313,8 +314,8 @@ void BarPlayer::pressBy(const BarStatus& seen) noexcept {
 }
 
 std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const DeviceModel& device,
-                                      const HandModel* hand, std::uint64_t seed) {
-  return std::make_unique<BarPlayer>(makeBarLayout(bar, device, hand), seed);
+                                      const HandModel* hand, const PlayerTraits& traits) {
+  return std::make_unique<BarPlayer>(makeBarLayout(bar, device, hand), traits);
 }
 
 double BarPlayer::durationTo(const AxisPosition& goal) const noexcept {
@@ -322,7 +323,7 @@ double BarPlayer::durationTo(const AxisPosition& goal) const noexcept {
   for (int i = 0; i < goal.size(); ++i) {
     const bool arm = i == layout_.x || i == layout_.y || i == layout_.z;
     const double peak = arm ? kArm_m_s : kFingers_rad_s;
-    longest_s = std::max(longest_s, 1.875 * std::abs(goal[i] - q_[i]) / peak);
+    longest_s = std::max(longest_s, kMinimumJerkPeak * std::abs(goal[i] - q_[i]) / peak);
   }
   return longest_s / character_.pace;
 }
@@ -442,6 +443,9 @@ void BarPlayer::go(Phase phase, double slower) noexcept {
   const AxisPosition goal = goalOf(phase);
   reach_.begin(q_, qd_, goal, slower * durationTo(goal));
   shape(phase);
+  for (const int axis : {layout_.fingers, layout_.thumb, layout_.turn}) {
+    if (axis >= 0 && goal[axis] < q_[axis]) reach_.limitSpeed(axis, traits_.opening_rad_s);
+  }
   if (layout_.fingers >= 0) fingers_ = q_[layout_.fingers];
   if (layout_.thumb >= 0) {
     thumb_ = q_[layout_.thumb] - kThumbAlong * (fingers_ - kHalfBent);

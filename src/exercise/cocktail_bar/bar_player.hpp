@@ -16,11 +16,11 @@ namespace wholehand {
 /// squeezes by the meter, anticipates the line and lets go, withdraws. A free dispenser is lifted
 /// until its nozzle is over the glass, then put back. A squeeze that pours nothing into the glass
 /// is given up. A failed grasp is repeated with another aim, whose error may grow every time. The
-/// seed sets the start pose, the accuracy, the strength and pace of this person, and the tremor.
-/// Deterministic.
+/// seed sets the start pose, the accuracy, the strength and pace of this person, and the tremor;
+/// the hand opens no faster than its reflexes allow. Deterministic.
 class BarPlayer final : public Player {
  public:
-  BarPlayer(const BarLayout& layout, std::uint64_t seed);
+  BarPlayer(const BarLayout& layout, const PlayerTraits& traits);
 
   [[nodiscard]] AxisPosition start() const override { return start_; }
   void reset() override;
@@ -84,7 +84,7 @@ class BarPlayer final : public Player {
   [[nodiscard]] bool wantsToGrasp(const BarStatus& seen) const noexcept;
 
   BarLayout layout_;
-  std::uint64_t seed_;
+  PlayerTraits traits_;
   std::uint64_t random_ = 0;
   Character character_;
   AxisPosition start_;
@@ -126,6 +126,7 @@ class BarPlayer final : public Player {
 
 /// Makes a virtual patient for a bar. @param hand null: the adult median right hand
 [[nodiscard]] std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const DeviceModel& device,
-                                                    const HandModel* hand, std::uint64_t seed);
+                                                    const HandModel* hand,
+                                                    const PlayerTraits& traits);
 
 }  // namespace wholehand

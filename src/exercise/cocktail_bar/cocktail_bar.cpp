@@ -105,8 +105,8 @@ class CocktailBar final : public Exercise {
     show(senses, input, out);
   }
 
-  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t seed) const override {
-    return makeBarPlayer(bar_, device_, &hand_, seed);
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const override {
+    return makeBarPlayer(bar_, device_, &hand_, traits);
   }
 
  private:

@@ -13,7 +13,9 @@ constexpr double kPerLitre = 1e12;
 /// A stroke that pressed the shell in by this is spent when its flow is less than this, and than
 /// this share of its fastest, for this long; one of less, when nothing comes for longer. It ends
 /// when air has brought the shell back to this share, when it flows again, or when the hand has
-/// rested for so long.
+/// rested for so long. A hand that cannot open has let go of a dispenser that hangs when it has
+/// rested for kAtRest_s.
+constexpr double kAtRest_s = 1.0;
 constexpr double kLeastStroke_l = 0.002, kSlow_l_s = 0.001, kSlow = 0.15, kNothing_l_s = 5e-5,
                  kSlow_s = 0.3, kNothing_s = 1.0, kBack = 0.15, kRested_s = 1.5;
 
@@ -99,8 +101,9 @@ double Pouring::squeeze_n(int dispenser) const noexcept {
 }
 
 bool Pouring::letGo(int dispenser) const noexcept {
-  return squeeze_n(dispenser) < bar_.squeeze.let_go_n &&
-         !(flowing_ == dispenser && flow_l_s_ > 0.0);
+  if (dispenser < 0 || (flowing_ == dispenser && flow_l_s_ > 0.0)) return false;
+  if (squeeze_n(dispenser) < bar_.squeeze.let_go_n) return true;
+  return !bar_.dispensers[dispenser].free && rested_s_ > kAtRest_s;
 }
 
 void Pouring::follow(const Stroke& stroke, bool squeezes, double elapsed_s) noexcept {

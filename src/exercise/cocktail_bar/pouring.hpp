@@ -85,7 +85,8 @@ class Pouring {
   }
   /// The held dispenser is squeezed and hardly flows any more: until air has filled its shell.
   [[nodiscard]] bool spent() const noexcept { return spent_; }
-  /// The dispenser does not flow and the hand does not press it.
+  /// The dispenser does not flow, and the hand does not press it or, where it hangs, has rested on
+  /// it below the squeeze's threshold.
   [[nodiscard]] bool letGo(int dispenser) const noexcept;
 
  private:

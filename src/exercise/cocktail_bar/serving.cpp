@@ -1,5 +1,7 @@
 #include "exercise/cocktail_bar/serving.hpp"
 
+#include "patient/reach.hpp"
+
 #include <algorithm>
 #include <cmath>
 

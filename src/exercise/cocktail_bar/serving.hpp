@@ -36,9 +36,6 @@ struct Slide {
   }
 };
 
-/// Peak over mean speed of a minimum-jerk slide.
-inline constexpr double kMinimumJerkPeak = 1.875;
-
 /// Moves the target dispenser within reach and the glass under its nozzle, only while the hand is
 /// withdrawn and touches nothing. Returns free dispensers that lie or are out of reach to their
 /// places, only while the hand is withdrawn, grips nothing and is clear of those places.

@@ -46,7 +46,7 @@ class FreeGrasping final : public Exercise {
     out.values[kHeldForce] = normalForce(*input.observed);
   }
 
-  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override {
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {
     return nullptr;  // the motion or the person steers a free hand
   }
 

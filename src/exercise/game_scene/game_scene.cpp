@@ -62,7 +62,7 @@ class GameScene final : public Exercise {
     out.values[kMoving] = input.pool->moving;
   }
 
-  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override {
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {
     return nullptr;  // the motion or the person steers a free hand
   }
 

@@ -21,10 +21,11 @@ constexpr double kClosing_rad_s = 1.0, kPressing_rad_s = 0.5, kFilter_s = 0.05;
 
 }  // namespace
 
-SqueezePlayer::SqueezePlayer(const BarLayout& layout, std::uint64_t seed)
+SqueezePlayer::SqueezePlayer(const BarLayout& layout, const PlayerTraits& traits)
     : layout_(layout),
-      pace_(0.8 + 0.1 * static_cast<double>(seed % 5)),
-      share_(0.35 + 0.1 * static_cast<double>(seed / 5 % 4)),
+      opening_rad_s_(traits.opening_rad_s),
+      pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
+      share_(0.35 + 0.1 * static_cast<double>(traits.seed / 5 % 4)),
       start_(layout.axes) {
   const auto put = [this](int axis, double value) {
     if (axis >= 0) start_[axis] = std::clamp(value, layout_.lower[axis], layout_.upper[axis]);
@@ -96,12 +97,15 @@ void SqueezePlayer::go(Phase phase) noexcept {
   for (int i = 0; i < goal.size(); ++i) {
     const bool arm = i == layout_.x || i == layout_.y || i == layout_.z;
     const double peak = arm ? kArm_m_s : kFingers_rad_s;
-    longest_s = std::max(longest_s, 1.875 * std::abs(goal[i] - q_[i]) / peak);
+    longest_s = std::max(longest_s, kMinimumJerkPeak * std::abs(goal[i] - q_[i]) / peak);
   }
   reach_.begin(q_, qd_, goal, longest_s / pace_);
   // The palm arrives before the fingers bend, so that they close around the object.
   if (phase == Phase::kTouch && layout_.y >= 0) reach_.during(layout_.y, 0.0, 0.7);
   if (phase == Phase::kTouch && layout_.fingers >= 0) reach_.during(layout_.fingers, 0.2, 1.0);
+  for (const int axis : {layout_.fingers, layout_.thumb, layout_.turn}) {
+    if (axis >= 0 && goal[axis] < q_[axis]) reach_.limitSpeed(axis, opening_rad_s_);
+  }
 }
 
 void SqueezePlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
@@ -132,6 +136,7 @@ void SqueezePlayer::press(double period_s) noexcept {
   }
   const double fingers = q_[layout_.fingers];
   wanted_rad_s = pace_ * std::clamp(wanted_rad_s, (lower - fingers) / 0.2, (upper - fingers) / 0.2);
+  wanted_rad_s = std::max(wanted_rad_s, -opening_rad_s_);
   rate_rad_s_ += (wanted_rad_s - rate_rad_s_) * std::min(period_s / kFilter_s, 1.0);
   q_[layout_.fingers] = fingers + rate_rad_s_ * period_s;
   qd_[layout_.fingers] = rate_rad_s_;

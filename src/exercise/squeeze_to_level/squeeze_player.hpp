@@ -14,7 +14,7 @@ namespace wholehand::squeeze_to_level {
 /// sets the pace and the aimed part of a band. Deterministic.
 class SqueezePlayer final : public Player {
  public:
-  SqueezePlayer(const BarLayout& layout, std::uint64_t seed);
+  SqueezePlayer(const BarLayout& layout, const PlayerTraits& traits);
 
   [[nodiscard]] AxisPosition start() const override { return start_; }
   void reset() override;
@@ -30,7 +30,8 @@ class SqueezePlayer final : public Player {
   [[nodiscard]] AxisPosition goalOf(Phase phase) const noexcept;
 
   BarLayout layout_;
-  double pace_, share_;  ///< pace of movements; aimed share of a band
+  double opening_rad_s_;  ///< fastest opening without a reflex
+  double pace_, share_;   ///< pace of movements; aimed share of a band
   AxisPosition start_, q_;
   AxisVelocity qd_;
   Reach reach_;

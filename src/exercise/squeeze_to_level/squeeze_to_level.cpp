@@ -76,13 +76,13 @@ class SqueezeToLevel final : public Exercise {
     show(input.parameters[kLevelRatio], out);
   }
 
-  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t seed) const override {
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const override {
     Bar one;  // the object as a bar's only dispenser
     BarDispenser& object = one.dispensers.emplace_back();
     object.body_index = task_.body;
     object.radius_m = task_.radius_m;
     object.nozzle_m = object.grip_m = Eigen::Vector3d::Zero();
-    return std::make_unique<SqueezePlayer>(makeBarLayout(one, device_, &hand_), seed);
+    return std::make_unique<SqueezePlayer>(makeBarLayout(one, device_, &hand_), traits);
   }
 
  private:

@@ -300,6 +300,7 @@ void readLinks(TomlTable& root, const DeviceModel& device, PatientConfig& config
 // Stronger than any tremor or finger, weaker than a slipped unit.
 constexpr AxisQuantity kTremor{"tremor_n", "tremor_nm", "tremor_tip_n", 1, 0.0, 10.0};
 constexpr AxisQuantity kTremorAlong{"along_n", "along_nm", "along_tip_n", 1, -10.0, 10.0};
+constexpr AxisQuantity kStrength{"strength_n", "strength_nm", "strength_tip_n", 1, 0.0, 1e4, true};
 constexpr AxisQuantity kFight{"fight_n", "fight_nm", "fight_tip_n", 1, 0.0, 100.0};
 
 MotionMapping readMotion(TomlTable& root) {
@@ -349,6 +350,7 @@ PatientAxis readAxis(TomlTable& table, const std::string& name, AxisKind kind, d
   axis.mass = readAxisQuantity(table, kPersonMass, kind, lever_m);
   axis.damping = readAxisQuantity(table, kPersonDamping, kind, lever_m);
   axis.stiffness = readAxisQuantity(table, kPersonStiffness, kind, lever_m);
+  axis.strength = readAxisQuantity(table, kStrength, kind, lever_m, axis.strength);
   axis.tremor = readAxisQuantity(table, kTremor, kind, lever_m, 0.0);
   axis.fight = readAxisQuantity(table, kFight, kind, lever_m, 0.0);
   axis.reflex = readReflex(table, kind);
@@ -475,6 +477,14 @@ void readPatient(TomlTable& root, const DeviceModel& device, PatientConfig& conf
 }
 
 }  // namespace
+
+double uncaughtOpening(const PatientConfig& patient) noexcept {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const PatientAxis& axis : patient.axes) {
+    if (axis.reflex.gain_nm_s_rad2 > 0.0) slowest = std::min(slowest, axis.reflex.from_speed_rad_s);
+  }
+  return slowest;
+}
 
 Expected<PatientConfig> loadPatientFile(const std::string& path, const DeviceModel& device) {
   return readTomlFile<PatientConfig>(path, "patient", [&](TomlTable& root, PatientConfig& config) {

@@ -27,6 +27,8 @@ struct PatientAxis {
   double mass = 0.0;       ///< moves with the device [kg or kg·m²], >= 0
   double damping = 0.0;    ///< [N·s/m or N·m·s/rad], >= 0
   double stiffness = 0.0;  ///< [N/m or N·m/rad], >= 0
+  /// Largest effort of the impedance [N or N·m], > 0
+  double strength = std::numeric_limits<double>::infinity();
   double tremor = 0.0;     ///< amplitude of its effort [N or N·m], >= 0
   double fight = 0.0;      ///< resistance against the felt effort [N or N·m], >= 0
   StretchReflex reflex{};  ///< rotations only
@@ -97,6 +99,10 @@ struct PatientConfig {
   LettingGo letting_go;
   Slam slam;
 };
+
+/// Opening speed of the hand up to which no stretch reflex of the person answers; +inf: none does
+/// [rad/s].
+[[nodiscard]] double uncaughtOpening(const PatientConfig& patient) noexcept;
 
 [[nodiscard]] Expected<PatientConfig> loadPatientFile(const std::string& path,
                                                       const DeviceModel& device);

@@ -94,7 +94,7 @@ TEST(NewExercise, MadeByTheGuide_IsCertifiedAndPlayedToItsEnd) {
   EXPECT_EQ(m.exercise_walls.size(), 2U);
   const std::vector<std::string>& names = m.exercise->description().value_names;
   const auto done = std::find(names.begin(), names.end(), kDoneValue) - names.begin();
-  std::unique_ptr<Player> player = m.exercise->makePlayer(1);
+  std::unique_ptr<Player> player = m.exercise->makePlayer({1});
   ASSERT_NE(player, nullptr);
   const auto rig = buildRig(std::move(m), std::move(player), RigOptions{});  // certifies
   ASSERT_TRUE(rig.ok()) << format(rig.errors());

@@ -36,7 +36,9 @@ class HoldStill final : public Exercise {
     }
   }
 
-  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override { return nullptr; }
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {
+    return nullptr;
+  }
 
  private:
   int axes_;
