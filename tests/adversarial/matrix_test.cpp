@@ -16,8 +16,9 @@ namespace {
 
 /// Patients who put in no energy of their own, or (tremor) a little: nothing of theirs may stop a
 /// device. All others are active.
-const std::set<std::string> kPassive = {"relaxed-adult",    "stiff-adult",  "no-arm",      "tremor",
-                                        "enslaved-fingers", "pill-rolling", "holds-a-ball"};
+const std::set<std::string> kPassive = {
+    "relaxed-adult",    "stiff-adult",  "no-arm",       "tremor",
+    "enslaved-fingers", "pill-rolling", "holds-a-ball", "weak"};
 
 /// How a patient may make a device stop: docs/patients.md.
 Fault documentedStops(const Case& c) {

@@ -13,10 +13,10 @@ namespace wholehand::test {
 namespace {
 
 const std::set<std::string> kDevices = {"lambda-pride", "desktop-3axis", "wrist-9axis"};
-const std::set<std::string> kPatients = {"relaxed-adult", "stiff-adult",  "no-arm",
-                                         "tremor",        "spastic",      "releases",
-                                         "slams",         "fights",       "enslaved-fingers",
-                                         "spastic-fist",  "pill-rolling", "holds-a-ball"};
+const std::set<std::string> kPatients = {
+    "relaxed-adult", "stiff-adult",  "no-arm", "tremor",           "spastic",
+    "releases",      "slams",        "fights", "enslaved-fingers", "spastic-fist",
+    "pill-rolling",  "holds-a-ball", "weak"};
 const std::set<std::string> kHands = [] {
   std::set<std::string> both;
   for (const std::string& size : kHandSizes) both.insert({size + "-left", size + "-right"});
