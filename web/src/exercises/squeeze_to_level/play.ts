@@ -58,7 +58,11 @@ export class LevelPlay implements Play {
 
   phase(state: WorldStateT): Phase { return this.shown.done(state) ? 'success' : PHASES[this.flight(state).cue]; }
   isPaused(state: WorldStateT): boolean { return this.plain.isPaused(state); }
-  prompt(state: WorldStateT): Prompt { return { title: this.plain.prompt(state).title, more: MORE[this.flight(state).cue]() }; }
+  prompt(state: WorldStateT): Prompt {
+    const { cue } = this.flight(state);
+    return { title: this.plain.prompt(state).title, more: MORE[cue](), urgent: cue === 'down' };
+  }
+
   donePrompt(): Prompt { return { title: text('done.title'), more: text('more.none') }; }
   watchedTitle(state: WorldStateT): string { return this.shown.instruction(state); }
 
