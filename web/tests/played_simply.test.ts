@@ -83,6 +83,12 @@ describe('the strip', () => {
     expect(more({ help: 'some' })).toBe('of the thing');
   });
 
+  it('says how to squeeze after a tap that does nothing, and nothing of it elsewhere', () => {
+    expect(more({ now: 'free', inVain: input.hold.mouse })).toBe(input.hold.mouse);
+    expect(more({ now: 'free' })).toBe('of the thing');
+    expect(more({ inVain: input.hold.mouse })).toBe(en['hint.again']);
+  });
+
   it('says how to let go, or that nothing is to be done', () => {
     expect(more({ now: 'letgo', help: 'none', closing: true })).toBe(input.letGo.keys);
     expect(more({ now: 'letgo', help: 'none' })).toBe('of the thing');

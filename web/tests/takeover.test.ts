@@ -56,6 +56,39 @@ test('TakeOver_WhenAStopOfSomebodyElseIsSeenWhileItLoads_SendsNothingMore', asyn
   expect(is).toBe('stopped');
 });
 
+/** A program that does not hear the page while it arms, `times` times: the controls are gone, and the order is refused. */
+async function startUnheard(times: number): Promise<{ asked: string[]; is: string }> {
+  const { asked, connection, asConnection, finishLoading } = waitingProgram();
+  const controls = connection.controls;
+  Object.assign(connection, {
+    takeControls: async () => { asked.push('take'); controls.heldByYou = true; return YES; },
+    steer: async () => {
+      asked.push('steer');
+      if (times-- <= 0) return YES;
+      controls.heldByYou = false;
+      return { accepted: false, reason: 'not the holder' };
+    },
+  });
+  connection.scene.level = wishes.level;
+  connection.latestState.runState = RunState.Rendering;
+  vi.useFakeTimers();
+  try {
+    const outcome = takeOver(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as Known['play'], hardware: false }), new Press(asConnection, connection.endings), wishes);
+    finishLoading();
+    await vi.advanceTimersByTimeAsync(10_000);
+    return { asked, is: (await outcome).is };
+  } finally {
+    vi.useRealTimers();
+  }
+}
+
+test('TakeOver_WhoseControlsAreLostBySilence_TakesThemAgainByTheSamePress_ThreeTimesAtMost', async () => {
+  expect(await startUnheard(2)).toEqual({ asked: ['take', 'steer', 'take', 'steer', 'take', 'steer', 'aim', 'act'], is: 'playing' });
+  const never = await startUnheard(99);
+  expect(never.asked).toEqual(['take', 'steer', 'take', 'steer', 'take', 'steer', 'release']);
+  expect(never.is).toBe('refused');
+});
+
 test('Press_OnAPictureFromBeforeAStop_HoldsNoMore', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   const press = new Press(asConnection, connection.endings - 1);
@@ -90,7 +123,7 @@ test('LetProgramPlay_WhereAPlayerPausedAndLeft_GoesOn', async () => {
 test('ChangeLevel_WhenStopIsPressedWhileItLoads_DoesNotSteer', async () => {
   const { asked, connection, asConnection, finishLoading } = waitingProgram();
   const press = new Press(asConnection, connection.endings);
-  const changed = changeLevel(asConnection, () => ({ play: {} as Known['play'], hardware: false }), press, 2);
+  const changed = changeLevel(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as Known['play'], hardware: false }), press, 2);
   press.cancel();
   connection.scene.level = 2;
   finishLoading();

@@ -8,7 +8,7 @@ import { ParameterTarget, viewOf, type ParameterView } from './parameter_model';
 import { niceStep } from './scale';
 
 /** What is set most in a session beside the help: of each line the first that the exercise has. */
-const SET_MOST = [['effort_limit_hand_tip_n'], ['squeeze_threshold_ratio', 'level_ratio', 'wall_stiffness_ratio'], ['reach_forward_m', 'line_tolerance_l', 'effort_limit_arm_n']] as const;
+const SET_MOST = [['effort_limit_hand_tip_n'], ['squeeze_threshold_ratio', 'level_ratio', 'wall_stiffness_ratio'], ['viscosity_ratio'], ['reach_forward_m', 'line_tolerance_l', 'effort_limit_arm_n']] as const;
 /** So many presses from one end of a range to the other, at most. */
 const PRESSES = 20;
 
@@ -70,7 +70,7 @@ export function helpChoice(model: ConsoleModel): ReturnType<typeof choice> {
   return help;
 }
 
-/** The four things that a therapist sets most, each with one touch. */
+/** What a therapist sets most, each with one touch. */
 export class BigControls implements Panel {
   readonly element: HTMLElement;
   private readonly help: ReturnType<typeof choice>;

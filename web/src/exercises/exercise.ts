@@ -20,6 +20,8 @@ export interface GraspTargets {
   letGo(state: WorldStateT): boolean;
   /** Whether what is held is to be eased, and squeezed again after it; undefined: never. */
   easesOff?(state: WorldStateT): boolean;
+  /** Between which forces the target is held well [N]; undefined: the values squeeze_low_n and squeeze_high_n say so. */
+  zone?(state: WorldStateT): { readonly low_n: number; readonly high_n: number };
 }
 
 /** Where the person is in the task. */

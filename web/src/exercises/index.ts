@@ -12,13 +12,15 @@ import { ExercisePanel } from './panel';
 import { PanelPlay } from './panel_play';
 import { gripOf } from './squeeze_to_level/grip';
 import { LevelPlay } from './squeeze_to_level/play';
+import { gripTargets } from './squeeze_to_level/targets';
 
 const NO_TARGETS: GraspTargets = { grips: [], counter_z_m: undefined, wanted: () => -1, letGo: () => false };
 
 /** What may be grasped in a scene, as far as its exercise says. */
 export function targetsOf(scene: SceneT): GraspTargets {
-  const bar = barOf(scene);
-  return bar ? barTargets(bar, scene) : NO_TARGETS;
+  const bar = barOf(scene), grip = gripOf(scene);
+  if (bar) return barTargets(bar, scene);
+  return grip ? gripTargets(grip, scene) : NO_TARGETS;
 }
 
 /** The exercise of a scene in the game; null where it shows nothing. @param before of an earlier scene, which may go on */

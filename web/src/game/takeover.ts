@@ -24,6 +24,8 @@ export type Outcome = { readonly is: 'playing' | 'another plays' | 'stopped' } |
 const EVERY_MS = 25;
 const TRIES = 80;
 const TRIES_AFTER_REFUSAL = 20;
+/** A press takes the controls so often at most, where they are lost before the person plays. */
+const TAKES = 3;
 
 const wait = (): Promise<void> => new Promise((go) => { setTimeout(go, EVERY_MS); });
 
@@ -99,10 +101,16 @@ function waitsForTherapist(connection: Connection): boolean {
 /** From watching to playing. After a stop the controls are given back: the next to start may command. */
 export async function takeOver(connection: Connection, known: () => Known, press: Press, wishes: Wishes): Promise<Outcome> {
   if (waitsForTherapist(connection)) return { is: 'refused', reason: text('welcome.led') };
-  const taken = await connection.takeControls();
-  if (!taken.accepted) return connection.controls.held ? { is: 'another plays' } : { is: 'refused', reason: taken.reason };
-  const outcome = await takeHand(connection, known, press, wishes);
-  if (press.holds && outcome.is === 'playing') return outcome;
+  let outcome: Outcome, unheard: boolean, takes = 0;
+  do {
+    const taken = await connection.takeControls();
+    if (!taken.accepted) return connection.controls.held ? { is: 'another plays' } : { is: 'refused', reason: taken.reason };
+    const had = connection.controls.heldByYou;
+    outcome = await takeHand(connection, known, press, wishes);
+    if (press.holds && outcome.is === 'playing') return outcome;
+    // A busy machine: the program did not hear the page while it drew its first pictures. The person has pressed, and waits.
+    unheard = had && !connection.controls.heldByYou && !connection.controls.held;
+  } while (unheard && outcome.is === 'refused' && press.holds && ++takes < TAKES);
   // A page that does not play keeps no other page from it.
   await connection.releaseControls();
   return press.holds ? outcome : { is: 'stopped' };

@@ -60,6 +60,7 @@ export interface Asked {
   readonly outOfReach: boolean;
   readonly closing: boolean;      // the hand is asked to close, by a press that is held or one before
   readonly letGo?: string;        // how the person ends a squeeze
+  readonly inVain?: string;       // after a tap that did nothing: how to squeeze
   readonly beside: Beside | null;
 }
 
@@ -68,6 +69,7 @@ export function playWords(play: Play, state: WorldStateT, asked: Asked): Prompt 
   const { now, help, hint, oneButton, onItsWay, outOfReach, closing, letGo, beside } = asked;
   const said = play.prompt(state, outOfReach);
   const hinted = (more: TextKey): Prompt => ({ ...said, more: text(more) });
+  if (now === 'free' && asked.inVain) return { ...said, more: asked.inVain };
   if (outOfReach || now === 'free') return said;
   if (onItsWay) return hinted('game.onItsWay');
   if (said.urgent) return said;

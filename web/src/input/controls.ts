@@ -17,7 +17,7 @@ import { Perceiver, type RowPoint } from './perceiver';
 import { clamp } from './posture';
 import { Touch } from './touch';
 import { Webcam, type WebcamProblem, type WebcamView } from './webcam';
-import { now_s, restingWish, WAYS, type Help, type InputWay, type Way } from './wish';
+import { now_s, restingWish, WAYS, type Help, type InputWay, type Way, type Wish } from './wish';
 
 const TEXTS: Readonly<Record<Language, InputTexts>> = { en, de, fr };
 
@@ -30,6 +30,9 @@ const ASK_AGAIN_S = 1;
 /** An aim that moves faster than this [m/s or rad/s] moves; so long after it a person is still at it [s]. */
 const MOVES = 0.01;
 const MOVING_S = 0.5;
+/** A press shorter than this is a tap; where taps do nothing, that is said for so long [s]. */
+const TAP_S = 0.6;
+const SAID_S = 6;
 
 /** What every aim says of the help in it. */
 const GIVEN: Readonly<Record<Help, HelpGiven>> = { full: HelpGiven.Full, some: HelpGiven.Some, none: HelpGiven.None };
@@ -86,6 +89,8 @@ export class Controls {
   /** The hand was taken over and not touched yet: it opens and draws back before anything else. */
   private handedOver = false;
   private revoked_s = -Infinity;
+  private pressed_s: number | undefined;
+  private tapped_s = -Infinity;
   private steered = '';
   private helped: Help = 'full';
 
@@ -173,6 +178,11 @@ export class Controls {
   /** How the person lets go, by the way that is used; empty: nothing is used. */
   get letGoWords(): string {
     return this.current ? this.texts().letGo[this.current.way] : '';
+  }
+
+  /** How to squeeze, after a tap with full help where it does nothing, because the exercise names no targets; else empty. */
+  get holdWords(): string {
+    return this.current && now_s() - this.tapped_s < SAID_S ? this.texts().hold[this.current.way] : '';
   }
 
   /** Begins to listen. Whose hand it is already opens it and draws it back; nothing else is sent before the person does something. */
@@ -300,11 +310,20 @@ export class Controls {
       this.handedOver = false;
     }
     if (connection.scene) model.limits = limitsOf(connection.scene, state);
-    const aimed = [...model.aim];
-    model.advance(current?.wish(now) ?? restingWish(), perceiver.see(state), dt_s);
+    const aimed = [...model.aim], wish = current?.wish(now) ?? restingWish();
+    this.lookForTaps(wish, now);
+    model.advance(wish, perceiver.see(state), dt_s);
     if (model.aim.some((q, i) => Math.abs(q - aimed[i]!) > MOVES * dt_s)) this.moved_s = now;
     current?.overruled?.(model.overruled);
     void connection.aim([...model.aim], GIVEN[this.helped]);
+  }
+
+  private lookForTaps({ squeeze }: Wish, now: number): void {
+    if (squeeze === true) this.pressed_s ??= now;
+    else if (this.pressed_s !== undefined) {
+      if (this.helped === 'full' && !this.pressIsEnough && now - this.pressed_s < TAP_S) this.tapped_s = now;
+      this.pressed_s = undefined;
+    }
   }
 
   /** Asks for steering where it is missing, now and then. The controls are taken by a press only. */

@@ -63,14 +63,15 @@ export class Perceiver {
 
   see(state: WorldStateT): Perception {
     const { targets, values } = this;
+    const zone = targets.zone?.(state) ?? { low_n: values.get(state, 'squeeze_low_n'), high_n: values.get(state, 'squeeze_high_n') };
     return {
       device: state.qM,
       grips: this.gripsNow(state),
       awayFromUse: targets.grips.map((_, grip) => targets.awayFromUse?.(state, grip)),
       beside: this.side,
       squeeze_n: values.get(state, 'squeeze_n'),
-      squeezeLow_n: values.get(state, 'squeeze_low_n'),
-      squeezeHigh_n: values.get(state, 'squeeze_high_n'),
+      squeezeLow_n: zone.low_n,
+      squeezeHigh_n: zone.high_n,
       target: targets.wanted(state),
       letGo: targets.letGo(state),
       easesOff: targets.easesOff?.(state),

@@ -23,7 +23,7 @@ export async function anyExerciseShowsItsPanel(t) {
   for (const page of [game, console]) await expectAccessible(page);
   // A person takes over: what was loaded stays, and the end has a card.
   await game.click('[data-testid=play]');
-  await game.waitForSelector('body:is([data-state=free], [data-state=success])');
+  await game.waitForSelector('body:not([data-state=watching]):not([data-state=loading])');
   expect((await game.locator('[data-testid=task] h1').textContent()) === 'Doser sa force', 'another exercise was loaded');
   // One without a scene of its own has its panel in the game, too.
   const plain = await startProgram({ ...t, args: ['--exercise', 'game-scene'] });

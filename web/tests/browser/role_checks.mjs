@@ -120,8 +120,14 @@ export async function consolesShowTheLimitThatHolds(t) {
   await one.page.focus(`${FINGERS.replace('#', '[data-testid="')}-slider"]`);
   for (let k = 0; k < 20; k += 1) await one.page.keyboard.press('ArrowRight');
   await limitIs(one, 8);
+  // One touch: a weak hand gets a thinner liquid. A step is a tenth of the viscosity of the file.
+  await one.page.click('[data-testid=less-viscosity_ratio]');
+  await until('both consoles showing nine tenths of the viscosity', async () => {
+    const shown = await Promise.all([one, two].map(({ page }) => page.innerText('[data-testid=less-viscosity_ratio] + output')));
+    return shown.every((words) => words === '0.9 ×');
+  });
   expect(!(await one.page.isVisible('[data-testid=refused]')), 'an order was refused');
-  return 'both consoles showed the 9 N that hold; 20 steps of 0.1 N from 6.0 ended at 8.0';
+  return 'both consoles showed the 9 N that hold, and the viscosity; 20 steps of 0.1 N from 6.0 ended at 8.0';
 }
 
 /** A half-typed number outlives a recording that begins, and a theme; one that is out of range never leaves the page. */

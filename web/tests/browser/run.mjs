@@ -70,6 +70,7 @@ const TESTS = [
   ['two players do not fight', trouble.twoPlayersDoNotFight, PACED],
   ['a level is changed while it pours', trouble.levelChangedWhileItPours, PACED],
   ['a screen reader hears a drink', trouble.screenReaderHearsADrink, PACED],
+  ['nothing covers what is watched', trouble.watchedPlayIsUncovered],
   ['a window of 320 px plays', trouble.narrowWindowPlays, PACED],
   ['names of any kind', trouble.namesOfAnyKind],
   ['any exercise shows its panel', panels.anyExerciseShowsItsPanel],

@@ -3,7 +3,7 @@ import { loadavg } from 'node:os';
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
 import { GOES_ON, openGame } from './checks.mjs';
 import { playOneDrink } from './key_player.mjs';
-import { start } from './program.mjs';
+import { start, startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
 const said = (page) => page.locator('.say').first().innerText();
@@ -118,6 +118,31 @@ export async function screenReaderHearsADrink(t) {
     at = found + 1;
   }
   return heard.join(' | ').slice(0, 600);
+}
+
+/** Large and small, upright and on its side, zoomed by a browser or not [px]. */
+const SIZES = [[1280, 800], [1280, 720], [960, 600], [844, 390], [740, 360], [820, 1180], [900, 900], [390, 844], [320, 640]];
+const COVERS = ['.playself', '.task', '.meter', '.recorded', '.say b', '.strip .button'];
+
+/** While the computer squeezes: "Play yourself", card, meter and what is said of the recording are all in the window, and none lies over another. */
+export async function watchedPlayIsUncovered(t) {
+  const { url } = await startProgram({ ...t, args: ['--level', '4'] });
+  const game = await openPage(t.plain, pageUrl(url, '/', { lang: 'fr', quality: 'low' }));
+  await game.click('[data-testid=watch]:enabled');
+  await game.waitForSelector('body[data-state=watching] [data-testid=play]');
+  for (const [width, height] of SIZES) {
+    await game.setViewportSize({ width, height });
+    await game.waitForFunction(() => !document.querySelector('.meter').hidden);
+    const faults = await game.evaluate((selectors) => {
+      const seen = selectors.flatMap((selector) => [...document.querySelectorAll(selector)].filter((one) => one.checkVisibility({ visibilityProperty: true }))
+        .map((one) => ({ selector: one.dataset.testid ?? selector, one, at: one.getBoundingClientRect() })));
+      const beyond = seen.filter(({ at }) => at.left < 0 || at.top < 0 || at.right > innerWidth || at.bottom > innerHeight).map(({ selector }) => `${selector} is beyond the edge`);
+      const over = seen.flatMap((a, i) => seen.slice(i + 1).filter((b) => a.one !== b.one && a.at.left < b.at.right && b.at.left < a.at.right && a.at.top < b.at.bottom && b.at.top < a.at.bottom).map((b) => `${a.selector} lies over ${b.selector}`));
+      return [...beyond, ...over];
+    }, COVERS);
+    expect(faults.length === 0, `${width} × ${height}: ${faults.join('; ')}`);
+  }
+  return `nothing lies over "Play yourself" in ${SIZES.length} windows`;
 }
 
 /** In a window of 320 px: every card and the play have all their buttons within it, and Stop is pressed there. */

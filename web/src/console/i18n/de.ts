@@ -42,7 +42,7 @@ export const de: ConsoleTexts = {
   space: 'Leertaste', esc: 'Esc',
 
   sessionLine: {
-    since: 'seit {at}: {min} min aktiv, {n} Wiederholungen', ended: 'Ende {at}: {min} min aktiv, {n} Wiederholungen',
+    since: 'seit {at}: {min} min aktiv, Wiederholungen: {n}', ended: 'Ende {at}: {min} min aktiv, Wiederholungen: {n}',
     next: { disarmed: 'Als Nächstes: starten, wenn die Person bereit ist.', paused: 'Als Nächstes: mit «Weiter» fortfahren.', stopped: 'Als Nächstes: Bericht lesen, Übung wählen oder neu starten.', faulted: 'Als Nächstes: tun, was unter Sicherheit steht, dann neu starten.', lost: 'Als Nächstes: prüfen, ob das Programm läuft.', rested: 'Die Person ruht aus und fährt selbst fort.' },
   },
   big: { title: 'Mit einer Berührung einstellen', less: 'Weniger: {name}', more: 'Mehr: {name}' },

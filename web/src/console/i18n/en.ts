@@ -41,7 +41,7 @@ export const en = {
   space: 'Space', esc: 'Esc',
 
   sessionLine: {
-    since: 'since {at}: {min} min active, {n} repetitions', ended: 'ended {at}: {min} min active, {n} repetitions',
+    since: 'since {at}: {min} min active, repetitions: {n}', ended: 'ended {at}: {min} min active, repetitions: {n}',
     next: { disarmed: 'Next: press Start when the person is ready.', paused: 'Next: press Resume to go on.', stopped: 'Next: read the report, choose the next exercise, or arm again.', faulted: 'Next: do what Safety says, then arm again.', lost: 'Next: see that the program runs.', rested: 'The player rests, and goes on alone.' } as Record<string, string>,
   },
   big: { title: 'Set with one touch', less: 'Less: {name}', more: 'More: {name}' },

@@ -42,7 +42,7 @@ export const fr: ConsoleTexts = {
   space: 'Espace', esc: 'Échap',
 
   sessionLine: {
-    since: 'depuis {at} : {min} min actives, {n} répétitions', ended: 'fin à {at} : {min} min actives, {n} répétitions',
+    since: 'depuis {at} : {min} min actives, répétitions : {n}', ended: 'fin à {at} : {min} min actives, répétitions : {n}',
     next: { disarmed: 'Ensuite : démarrez quand la personne est prête.', paused: 'Ensuite : « Reprendre » pour continuer.', stopped: 'Ensuite : lisez le rapport, choisissez un exercice ou réarmez.', faulted: 'Ensuite : faites ce que dit Sécurité, puis réarmez.', lost: 'Ensuite : vérifiez que le programme tourne.', rested: 'La personne se repose et reprend seule.' },
   },
   big: { title: 'Régler d’un geste', less: 'Moins : {name}', more: 'Plus : {name}' },

@@ -21,6 +21,8 @@ const MORE: Readonly<Record<Cue, () => string>> = {
   open: () => text('more.open'), none: () => text('more.none'),
 };
 
+const PHASES: Readonly<Record<Cue, Phase>> = { grip: 'reach', up: 'squeeze', stay: 'hold', down: 'hold', open: 'letgo', none: 'success' };
+
 /** How long a band is to be held: the range of the value that counts it [s]. */
 export function holdOf(scene: Pick<SceneT, 'panel'>): number {
   return scene.panel?.values.find(({ name }) => String(name) === 'held_s')?.upper ?? 2;
@@ -42,6 +44,7 @@ export class LevelPlay implements Play {
     this.words = {
       ...this.plain.words,
       lead: () => text('welcome.lead'),
+      oneButton: () => ({ press: text('oneButton.press'), point: text('oneButton.point') }),
       steps: (skin) => ([1, 2, 3] as const).map((n) => ({ picture: stepPicture(n, skin), title: text(`welcome.step${n}`), more: text(`welcome.step${n}More`) })),
     };
   }
@@ -53,12 +56,22 @@ export class LevelPlay implements Play {
     return begins;
   }
 
-  phase(state: WorldStateT): Phase { return this.plain.phase(state); }
+  phase(state: WorldStateT): Phase { return this.shown.done(state) ? 'success' : PHASES[this.flight(state).cue]; }
   isPaused(state: WorldStateT): boolean { return this.plain.isPaused(state); }
-  prompt(state: WorldStateT): Prompt { return { title: this.plain.prompt(state).title, more: MORE[this.flight(state).cue]() }; }
+  prompt(state: WorldStateT): Prompt {
+    const { cue } = this.flight(state);
+    return { title: this.plain.prompt(state).title, more: MORE[cue](), urgent: cue === 'down' };
+  }
+
   donePrompt(): Prompt { return { title: text('done.title'), more: text('more.none') }; }
   watchedTitle(state: WorldStateT): string { return this.shown.instruction(state); }
-  todo(): string { return ''; }
+
+  /** Nothing is waited for while the balloon is on its way up, or held. */
+  todo(state: WorldStateT): string {
+    const { cue, height, lit } = this.flight(state);
+    return cue === 'grip' || cue === 'open' || (cue === 'up' && height === 0) ? `${cue} ${lit}` : '';
+  }
+
   goal(): null { return null; }
   meter(state: WorldStateT): Meter | null { return this.plain.meter(state); }
 

@@ -31,6 +31,7 @@ export const de: InputTexts = {
   },
   oneButton: { keys: 'Leertaste', mouse: 'Klick', touch: 'Tippen', gamepad: 'A' },
   letGo: { keys: 'Leertaste loslassen', mouse: 'Maustaste loslassen', touch: 'Finger abheben, der drückt', gamepad: 'Trigger loslassen', webcam: 'Hand öffnen' },
+  hold: { keys: 'Zum Drücken hier die Leertaste halten', mouse: 'Zum Drücken hier die Maustaste halten', touch: 'Zum Drücken hier den Knopf halten', gamepad: 'Zum Drücken hier den Trigger halten', webcam: 'Zum Drücken hier eine Faust machen' },
   touch: { squeeze: 'Drücken', higher: 'Höher', lower: 'Tiefer' },
   webcam: {
     insecure: 'Der Browser gibt hier keine Kamera frei. Öffnen Sie die Seite über https oder auf diesem Computer selbst.',

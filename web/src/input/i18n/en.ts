@@ -10,6 +10,8 @@ export interface InputTexts {
   oneButton: Partial<Record<Way, string>>;
   /** How a squeeze that is held is ended. */
   letGo: Record<Way, string>;
+  /** How to squeeze where the person does everything. */
+  hold: Record<Way, string>;
   touch: { squeeze: string; higher: string; lower: string };
   webcam: Record<'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'ended', string>;
   /** While the camera is on: what to do before it steers, and in the play. */
@@ -47,6 +49,7 @@ export const en: InputTexts = {
   },
   oneButton: { keys: 'Space', mouse: 'Click', touch: 'Tap', gamepad: 'A' },
   letGo: { keys: 'Let go of the space bar', mouse: 'Let go of the mouse button', touch: 'Lift the finger that squeezes', gamepad: 'Let go of the trigger', webcam: 'Open your hand' },
+  hold: { keys: 'Here, hold the space bar to squeeze', mouse: 'Here, hold the button to squeeze', touch: 'Here, hold “Squeeze” to squeeze', gamepad: 'Here, hold the trigger to squeeze', webcam: 'Here, make a fist to squeeze' },
   touch: { squeeze: 'Squeeze', higher: 'Higher', lower: 'Lower' },
   webcam: {
     insecure: 'The browser gives no camera here. Open this page by https or on this computer itself.',

@@ -31,6 +31,7 @@ export const fr: InputTexts = {
   },
   oneButton: { keys: 'Espace', mouse: 'Cliquer', touch: 'Appuyer', gamepad: 'A' },
   letGo: { keys: 'Relâchez la barre d’espace', mouse: 'Relâchez le bouton de la souris', touch: 'Levez le doigt qui presse', gamepad: 'Relâchez la gâchette', webcam: 'Ouvrez la main' },
+  hold: { keys: 'Ici, tenez la barre d’espace pour presser', mouse: 'Ici, tenez le bouton pour presser', touch: 'Ici, tenez « Presser » pour presser', gamepad: 'Ici, tenez la gâchette pour presser', webcam: 'Ici, fermez le poing pour presser' },
   touch: { squeeze: 'Presser', higher: 'Plus haut', lower: 'Plus bas' },
   webcam: {
     insecure: 'Le navigateur ne donne pas de caméra ici. Ouvrez cette page par https ou sur cet ordinateur même.',

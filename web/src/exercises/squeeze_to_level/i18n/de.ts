@@ -13,6 +13,8 @@ export const de: LevelTexts = {
   hold: '{a} s halten',
   heldOf: '{a} von {b} s',
   count: '{n} von {m} geschafft',
+  'oneButton.press': 'einmal drücken: Ihre Hand hebt den Ballon',
+  'oneButton.point': 'auf den Griff: Ihre Hand hebt den Ballon',
   'done.title': 'Das ganze Tal fliegt',
   'done.effort': 'Sie haben jede Höhe gehalten.',
   'welcome.lead': 'Ihre Hand hebt einen Ballon über das Tal. Nehmen Sie sich alle Zeit.',

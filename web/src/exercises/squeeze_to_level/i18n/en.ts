@@ -12,6 +12,8 @@ export const en = {
   hold: 'hold {a} s',
   heldOf: '{a} of {b} s',
   count: '{n} of {m} done',
+  'oneButton.press': 'press once: your hand lifts the balloon',
+  'oneButton.point': 'the handle: your hand lifts the balloon',
   'done.title': 'The whole valley is flying',
   'done.effort': 'You held every height.',
   'welcome.lead': 'Your hand lifts a balloon over the valley. Take all the time you need.',

@@ -13,6 +13,8 @@ export const fr: LevelTexts = {
   hold: 'tenir {a} s',
   heldOf: '{a} sur {b} s',
   count: '{n} sur {m} tenues',
+  'oneButton.press': 'appuyez une fois : la main lève le ballon',
+  'oneButton.point': 'sur la poignée : la main lève le ballon',
   'done.title': 'Toute la vallée vole',
   'done.effort': 'Vous avez tenu chaque hauteur.',
   'welcome.lead': 'Votre main soulève un ballon au-dessus de la vallée. Prenez tout votre temps.',

@@ -1,0 +1,15 @@
+import type { SceneT } from '../../protocol';
+import type { GraspTargets } from '../exercise';
+import { ExerciseValues } from '../values';
+import { Instruction, type Grip } from './grip';
+
+/** The grip, as what the hand grasps: it is squeezed into the band that is asked for, and let go of when that was held. */
+export function gripTargets(grip: Grip, scene: SceneT): GraspTargets {
+  const values = new ExerciseValues(scene.valueNames);
+  return {
+    grips: [{ body: grip.body, at_m: { x: 0, y: 0, z: 0 } }], counter_z_m: undefined,
+    wanted: (state) => values.get(state, 'instruction') === Instruction.Done ? -1 : 0,
+    letGo: (state) => values.get(state, 'instruction') >= Instruction.LetGo,
+    zone: (state) => ({ low_n: values.get(state, 'goal_low_n'), high_n: values.get(state, 'goal_high_n') }),
+  };
+}
