@@ -33,20 +33,18 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kLookAtEnd = std::chrono::milliseconds(1);
 /// A killed process in uninterruptible disk sleep remains; it is abandoned after this time.
 constexpr auto kGoneWithin = std::chrono::milliseconds(500);
-constexpr int kNicest = 19;
 // From linux/ioprio.h, which not every system has: scope "process", class "idle".
 constexpr int kOfProcess = 1, kIdle = 3 << 13;
 
-/// Limits a running child's resources and disables its core dump.
-/// @param idle lowest CPU and disk priority
-void limit(pid_t child, std::uint64_t memory_bytes, bool idle) {
+/// Limits a running child's resources and disables its core dump. Its CPU priority stays this
+/// process's: somebody waits for it, and a loop that moves a person has a real-time one (ADR 27).
+/// @param idle_disk lowest disk priority
+void limit(pid_t child, std::uint64_t memory_bytes, bool idle_disk) {
   const rlimit memory{memory_bytes, memory_bytes}, no_core{0, 0};
   // A sanitizer's shadow memory exceeds any limit.
   if (WHOLEHAND_SANITIZED == 0) (void)::prlimit(child, RLIMIT_AS, &memory, nullptr);
   (void)::prlimit(child, RLIMIT_CORE, &no_core, nullptr);
-  if (!idle) return;
-  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(child), kNicest);
-  (void)::syscall(SYS_ioprio_set, kOfProcess, child, kIdle);
+  if (idle_disk) (void)::syscall(SYS_ioprio_set, kOfProcess, child, kIdle);
 }
 
 /// Starts a program without file descriptors other than the standard ones and without blocked
@@ -152,7 +150,7 @@ ChildResult runChild(const std::string& program, const std::vector<std::string>&
   if (const int error = process::spawn(program, arguments, -1, pipe.in(), child); error != 0) {
     return {ChildEnding::kNotStarted, error, {}};
   }
-  process::limit(child, limits.memory_bytes, limits.idle);
+  process::limit(child, limits.memory_bytes, limits.idle_disk);
   pipe.closeEnd(1);
   const auto until = Clock::now() + limits.time;
   const auto ended = [&](ChildEnding how) {
@@ -189,7 +187,7 @@ std::unique_ptr<TalkingChild> TalkingChild::start(const std::string& program,
     errno = error;
     return nullptr;
   }
-  process::limit(child, limits.memory_bytes, limits.idle);
+  process::limit(child, limits.memory_bytes, limits.idle_disk);
   return std::unique_ptr<TalkingChild>(new TalkingChild(child, ends[0]));
 }
 

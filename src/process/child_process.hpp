@@ -21,7 +21,7 @@ struct ChildLimits {
   std::uint64_t memory_bytes = 1ULL << 30;  ///< address space; not enforced under a sanitizer
   std::uint64_t output_bytes = 0;           ///< captured standard output; 0: it inherits this
                                             ///< process's output
-  bool idle = false;                        ///< lowest CPU and disk priority
+  bool idle_disk = false;                   ///< lowest disk priority
 };
 
 enum class ChildEnding { kExited, kSignal, kLate, kStopped, kTooMuchOutput, kNotStarted };
@@ -48,7 +48,7 @@ class TalkingChild {
  public:
   struct Limits {
     std::uint64_t memory_bytes = 1ULL << 30;  ///< address space; not enforced under a sanitizer
-    bool idle = false;                        ///< lowest CPU and disk priority
+    bool idle_disk = false;                   ///< lowest disk priority
   };
 
   /// Starts the child; null with errno when that fails.

@@ -127,7 +127,7 @@ ReplayAnswer ReplayChildren::ask(Reader& reader, const std::string& question) {
   const std::lock_guard lock(reader.mutex);
   if (!reader.child) {
     reader.child = TalkingChild::start(options_.program, {"replay", reader.path, "--answer"},
-                                       {kMemory_bytes, options_.idle});
+                                       {kMemory_bytes, options_.idle_disk});
   }
   if (!reader.child) return replayRefusal(503, "no process can be started to read it");
   const auto until = std::chrono::steady_clock::now() + options_.patience;

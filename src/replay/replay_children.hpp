@@ -37,7 +37,7 @@ class ReplayChildren {
  public:
   struct Options {
     std::string program = "/proc/self/exe";  ///< run as `program replay RECORDING --answer`
-    bool idle = true;                        ///< lowest priority, for use beside a running loop
+    bool idle_disk = true;                   ///< lowest disk priority, for use beside a recorder
     std::size_t most = 8;                    ///< limit of idle children: two for each of four
                                              ///< recordings
     std::chrono::milliseconds patience = std::chrono::seconds(60);  ///< timeout of an answer

@@ -197,9 +197,13 @@ struct LoopStatus {
   double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
   std::uint64_t recording_bytes = 0;
   std::optional<DeviceStatus> device;  ///< none: simulated
-  bool rested = false;                 ///< the last session ended in a rest that a player asked for
-  Help help = Help::kUnsaid;           ///< as set by the therapist; kUnsaid: the player chooses
-  std::vector<double> parameters;      ///< current values, in the order of SceneFacts::parameters
+  bool arming = false;  ///< an order is about to start the device, and nothing has cancelled it
+  bool rested = false;  ///< the last ending is a rest that a player asked for
+  /// That rest came before anything was armed or being armed: it gives no right to arm that its
+  /// player did not have.
+  bool rest_before_start = false;
+  Help help = Help::kUnsaid;       ///< as set by the therapist; kUnsaid: the player chooses
+  std::vector<double> parameters;  ///< current values, in the order of SceneFacts::parameters
   std::shared_ptr<const GameBodies> bodies;  ///< of a game; null: none. A change is a new object
   std::shared_ptr<const RegisteredBodies> registered;  ///< likewise
 };
@@ -242,7 +246,7 @@ struct TakeControls {
 };
 struct ReleaseControls {};
 struct Heartbeat {};
-struct Rest {};  ///< a stop by the player, who may end it again
+struct Rest {};  ///< a stop by the player, who may end it again; cancels an arming
 struct SaveProfile {
   std::string name;
 };

@@ -33,7 +33,8 @@ const char* counterOf(const Diagnostics& errors) {
 bool sameState(const LoopStatus& a, const LoopStatus& b) {
   return a.session == b.session && a.endings == b.endings && a.run_state == b.run_state &&
          a.steering == b.steering && a.latched == b.latched && a.rested == b.rested &&
-         a.rehearsed_ticks == b.rehearsed_ticks && a.parameters == b.parameters;
+         a.arming == b.arming && a.rehearsed_ticks == b.rehearsed_ticks &&
+         a.parameters == b.parameters;
 }
 
 /// Line of a game without a WebSocket: it sees the results of its orders in the states.
@@ -462,9 +463,10 @@ Standing Clients::standingOf(std::uint32_t client, const Order& order,
   now.holds = desk_.holds(client);
   now.led = led();
   now.moves_person = status.device.has_value();
-  now.own_rest =
-      status.rested && resting_ == client && arm != nullptr && arm->endings_seen == status.endings;
+  now.own_rest = status.rested && !status.rest_before_start && resting_ == client &&
+                 arm != nullptr && arm->endings_seen == status.endings;
   now.therapist_paused = paused_in_ == status.session;
+  now.rest_before_start = status.rest_before_start;
   now.run_state = status.run_state;
   return now;
 }
@@ -499,8 +501,8 @@ void Clients::noteOrder(Entry entry, const Order& order, const LoopStatus& statu
     paused_in_.reset();
     if (therapist && action->act == ExerciseAction::kPause) paused_in_ = status.session;
   }
-  // The right to go on stays with the client that rested first.
-  if (order.is<orders::Rest>() && !status.rested) {
+  // The right to go on stays with the client that rested first, or that cancelled an arming.
+  if (order.is<orders::Rest>() && (!status.rested || status.arming)) {
     resting_ = entry->first;
     log_.write(fmt::format("client {} rests", entry->first), now_ns);
   }

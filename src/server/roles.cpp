@@ -24,7 +24,7 @@ OrderReply playerMayBegin(const Order& order, const Standing& now) {
   const bool arms = order.is<orders::Arm>();
   if (arms && now.own_rest) return needsControls(now);
   if (now.led || now.moves_person) return therapistOnly(order.row().doing);
-  if (arms && now.run_state != RunState::kDisarmed) {
+  if (arms && now.run_state != RunState::kDisarmed && !now.rest_before_start) {
     return therapistOnly("starting again after a stop");
   }
   return needsControls(now);

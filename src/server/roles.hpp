@@ -28,11 +28,12 @@ enum class Role : std::uint8_t {
 
 /// What an order is judged by, beside the role of its sender.
 struct Standing {
-  bool holds = false;             ///< the client has the controls
-  bool led = false;               ///< a therapist is connected
-  bool moves_person = false;      ///< the device is a real one
-  bool own_rest = false;          ///< the last session ended in a rest that this client asked for
-  bool therapist_paused = false;  ///< a therapist paused the exercise and has not resumed it
+  bool holds = false;              ///< the client has the controls
+  bool led = false;                ///< a therapist is connected
+  bool moves_person = false;       ///< the device is a real one
+  bool own_rest = false;           ///< what ended last, or began last, this client ended by a rest
+  bool therapist_paused = false;   ///< a therapist paused the exercise and has not resumed it
+  bool rest_before_start = false;  ///< what ended last is a rest before the first start
   RunState run_state = RunState::kDisarmed;
 };
 

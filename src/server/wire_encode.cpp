@@ -243,6 +243,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_steering(static_cast<fb::Steering>(status.steering));
   out.add_safety_state(static_cast<fb::SafetyState>(r.safety_state));
   out.add_rested(status.rested);
+  out.add_arming(status.arming);
   out.add_help(static_cast<fb::Help>(status.help));
   return out.Finish();
 }

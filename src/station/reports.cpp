@@ -38,7 +38,7 @@ Expected<Done> ReportChild::make(const std::string& recording, const std::string
   };
   const auto ends = [this] { return ending_.load() || InterruptScope::interrupted(); };
   if (ends()) return refusal("no report is made: the program is ending");
-  const ChildLimits limits{.time = longest_, .memory_bytes = kMemory_bytes, .idle = true};
+  const ChildLimits limits{.time = longest_, .memory_bytes = kMemory_bytes, .idle_disk = true};
   const ChildResult child = runChild(program_.empty() ? "/proc/self/exe" : program_,
                                      {"report", recording, "--out", folder}, limits, ends);
   switch (child.ending) {

@@ -134,7 +134,7 @@ class Station::Core {
   OrderReply loadExercise(const orders::LoadExercise& order, const Task& task);
   /// @param profile whose values hold from then on; null: those that hold, unless the hand changes
   OrderReply load(const Task& task, const ModelFiles& files, const Profile* profile);
-  OrderReply carryOutTask(Task& task);
+  OrderReply carryOutTask(const Task& task);
   OrderReply saveProfile(const orders::SaveProfile& order, const Task& task);
   OrderReply loadProfile(const orders::LoadProfile& order, const Task& task);
   [[nodiscard]] OrderReply refuseParameters(const Profile& profile, const Models& models) const;
@@ -162,6 +162,8 @@ class Station::Core {
   [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
   OrderReply takeStop(const Order& order, std::uint64_t asked);
   [[nodiscard]] bool rested() const;
+  [[nodiscard]] bool arming() const;
+  void countEnding();
   OrderReply enqueue(const Order& order, std::uint64_t asked,
                      const std::function<void(OrderReply)>& done);
   [[nodiscard]] double valueOf(const PublishedParameter& parameter) const;
@@ -222,12 +224,16 @@ class Station::Core {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Task> tasks_;
+  /// Order that is carried out and starts the device; none once its session renders.
+  std::optional<Task> starting_;
   bool quit_ = false;
   // Orders are numbered as they arrive. A stop that follows an order to arm or to load cancels the
   // start, however far it has got.
   std::uint64_t orders_ = kFirstArming;
   std::uint64_t stop_asked_ = 0;
   std::uint32_t rest_ending_ = 0;  ///< ending of the newest rest; 0: none since the last arming
+  bool rest_before_start_ =
+      false;  ///< that rest ended nothing: nothing rendered or was being armed
   /// Order::id of the newest stop since somebody asked to arm, by client and kind: the same
   /// again is a repetition.
   std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> stops_;
@@ -428,6 +434,8 @@ void Station::Core::runTask() {
     if (tasks_.empty()) return;
     task = std::move(tasks_.front());
     tasks_.pop_front();
+    task.waited_s = now() - task.asked_at;
+    if (task.starts && !live_) starting_ = task;
   }
   OrderReply reply;
   try {
@@ -436,15 +444,17 @@ void Station::Core::runTask() {
     reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
     say("an order " + reply.reason);
   }
-  if (!reply.accepted && task.order.client != 0) {
+  {
     const std::lock_guard lock(mutex_);
-    for (Task& next : tasks_) next.refused_before |= next.order.client == task.order.client;
+    starting_.reset();
+    if (!reply.accepted && task.order.client != 0) {
+      for (Task& next : tasks_) next.refused_before |= next.order.client == task.order.client;
+    }
   }
   task.done(reply);
 }
 
-OrderReply Station::Core::carryOutTask(Task& task) {
-  task.waited_s = now() - task.asked_at;
+OrderReply Station::Core::carryOutTask(const Task& task) {
   if (OrderReply may = stillDo(task); !may.accepted) return may;
   return std::visit(
       Overloaded{[&](const orders::Arm&) { return armForClient(task); },
@@ -573,18 +583,37 @@ bool Station::Core::rested() const {
          (now == RunState::kStopping || now == RunState::kStopped);
 }
 
+// Whether an order is about to start the device, and nothing has cancelled it.
+bool Station::Core::arming() const {
+  const auto comes = [this](const Task& task) { return task.starts && mayStillDo(task).accepted; };
+  if (starting_ && comes(*starting_)) return true;
+  return !live_ && std::any_of(tasks_.begin(), tasks_.end(), comes);
+}
+
+// Of what a rest ended, or kept from beginning, the rest goes on.
+void Station::Core::countEnding() {
+  const bool rest = status_.endings == rest_ending_;
+  ++status_.endings;
+  if (rest) rest_ending_ = status_.endings;
+}
+
 // Takes effect and is published even when nothing renders: an order to arm may be under way.
 OrderReply Station::Core::takeStop(const Order& order, std::uint64_t asked) {
+  const RunState state = status_.run_state;
+  const bool starts = arming();  // until this stop
   stop_asked_ = asked;
-  // A rest applies to a rendering loop, or continues a rest; it does not replace another stop.
+  // A rest ends what renders or is about to, continues a rest, or comes before the first start; it
+  // does not replace another stop.
   const bool rests =
-      order.is<orders::Rest>() && (rested() || status_.run_state == RunState::kRendering);
+      order.is<orders::Rest>() &&
+      (rested() || starts || state == RunState::kRendering || state == RunState::kDisarmed);
+  rest_before_start_ = !starts && (rested() ? rest_before_start_ : state == RunState::kDisarmed);
   // Repetitions count once: else nobody could name the last ending while a client repeats its stop.
   const auto [last, first] = stops_.try_emplace({order.client, order.what.index()}, order.id);
   if (first || last->second != order.id) ++status_.endings;
   last->second = order.id;
   rest_ending_ = rests ? status_.endings : 0;
-  if (!live_ && status_.run_state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
+  if (!live_ && state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
   beginStop(order.is<orders::EmergencyStop>());
   return {true, ""};
 }
@@ -688,7 +717,9 @@ LoopStatus Station::Core::status() const {
     const std::lock_guard lock(mutex_);
     live = live_ != nullptr;
     status = status_;
+    status.arming = arming();
     status.rested = rested();
+    status.rest_before_start = status.rested && rest_before_start_;
     status.help = help_;
     status.registered = registered_;
     for (const auto& parameter : scene_->parameters) {
@@ -1001,7 +1032,7 @@ Profile Station::Core::profileNow() const {
 // after the order to change was given stays. A limit goes up only for who may set it.
 void Station::Core::changePerson(const Task& task, const Profile* profile) {
   ++person_;
-  rest_ending_ = 0;
+  if (!rest_before_start_) rest_ending_ = 0;
   if (help_asked_ < task.asked) help_ = profile != nullptr ? profile->help : Help::kUnsaid;
   std::map<std::string, Setting> next;
   if (profile != nullptr) {
@@ -1199,6 +1230,7 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
   {
     const std::lock_guard lock(mutex_);
     before = status_;
+    before.rested = rested();
     ++status_.session;
     armed_for_client_ = for_client;
   }
@@ -1230,6 +1262,7 @@ void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_
   {
     const std::lock_guard lock(mutex_);
     if (live_) unused = std::move(live_);
+    if (before.rested && before.endings == status_.endings) rest_ending_ = status_.endings;
     before.endings = status_.endings;
     if (stop_asked_ > task.asked && before.run_state == RunState::kDisarmed) {
       before.run_state = RunState::kStopped;
@@ -1280,6 +1313,7 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
   left_alone_ = false;
   began_at_ = now();
   status_.run_state = RunState::kRendering;
+  starting_.reset();
   rest_ending_ = 0;
   catchUp(parameters, place);
   if (steered) (void)steer(Steering::kPerson);
@@ -1501,6 +1535,7 @@ bool Station::Core::renewSession() {
     again.endings_seen = status_.endings;
     again.asked = orders_;
     again.starts = true;
+    starting_ = again;
     renewing_ = true;
     keep_recording_ = std::exchange(joined_, false);
   }
@@ -1514,7 +1549,8 @@ bool Station::Core::renewSession() {
   if (reply.accepted) reply = armUnasked(again, ticksLeft());
   const std::lock_guard lock(mutex_);
   renewing_ = false;
-  if (!reply.accepted) ++status_.endings;
+  starting_.reset();
+  if (!reply.accepted) countEnding();
   return true;
 }
 
@@ -1580,14 +1616,18 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
     if (!passed.accepted) return passed;
   }
   if (OrderReply may = stillDo(task); !may.accepted) return may;
+  Task start = task;
+  start.starts = true;
+  if (rendered) {
+    const std::lock_guard lock(mutex_);
+    starting_ = start;
+  }
   stopGently(true);
   const bool other_person = profile != nullptr || files.hand != models_.files.hand;
   if (other_person) profile_ = profile != nullptr ? profile->name : "";
   models_ = std::move(*models);
   rehearsed_ = std::move(rehearsal);
   forgetLatest();
-  Task start = task;
-  start.starts = true;
   bool again = false;
   {
     // Rendering continues only if it was on until now and nobody stopped it; a stop or a fault
@@ -1596,14 +1636,14 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
     if (other_person) changePerson(task, profile);
     dropKept();  // checked against the scene of before
     again = rendered && mayStillDo(start).accepted && !any(status_.latched);
-    if (had_session && !again) ++status_.endings;
+    if (had_session && !again) countEnding();
   }
   publishScene("");
   if (!again) return {true, ""};
   OrderReply reply = armForClient(start);
   if (!reply.accepted) {
     const std::lock_guard lock(mutex_);
-    ++status_.endings;
+    countEnding();
   }
   return reply;
 }
@@ -1677,7 +1717,15 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
     first.endings_seen = 1;
     first.asked = kFirstArming;
     first.starts = true;
+    {
+      const std::lock_guard lock(mutex_);
+      starting_ = first;
+    }
     const OrderReply reply = armUnasked(first, duration_ticks);
+    {
+      const std::lock_guard lock(mutex_);
+      starting_.reset();
+    }
     // The client that stopped may arm.
     const bool stopped = reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
     if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {

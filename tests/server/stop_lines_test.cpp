@@ -282,10 +282,12 @@ struct RestRight : ::testing::Test {
     return ask(who, [seen](std::uint32_t id) { return words::armHavingSeen(seen, id); });
   }
   /// As the station says it after a rest.
-  void rests(std::uint32_t endings) {
+  void rests(std::uint32_t endings, bool arming = false, bool before_start = false) {
     LoopStatus status;
     status.run_state = RunState::kStopped;
     status.rested = true;
+    status.arming = arming;
+    status.rest_before_start = before_start;
     status.endings = endings;
     lines.program.setStatus(status);
     lines.frame();
@@ -309,6 +311,34 @@ TEST_F(RestRight, StaysWithWhoRestedFirst) {
   ASSERT_TRUE(ask(second, [](std::uint32_t id) { return words::releaseControls(id); }).accepted);
   ASSERT_TRUE(take(first).accepted);
   EXPECT_TRUE(arm(first, 2).accepted);
+}
+
+TEST_F(RestRight, OfWhatIsBeingArmed_IsWhosCancelsIt) {
+  Both &first = player(), &second = player();
+  lines.join(Role::kTherapist);
+  ASSERT_TRUE(take(first).accepted);
+  ASSERT_TRUE(rest(first).accepted);
+  rests(2, true);  // the therapist arms
+  ASSERT_TRUE(take(second).accepted);
+  ASSERT_TRUE(rest(second).accepted);
+  rests(3);
+  ASSERT_TRUE(take(second).accepted);
+  EXPECT_TRUE(arm(second, 3).accepted);
+}
+
+// Else a player would start what no therapist has started, by a rest of nothing.
+TEST_F(RestRight, BeforeTheFirstStart_IsThatOfTheFirstStart) {
+  LoopStatus disarmed;
+  lines.program.setStatus(disarmed);
+  Both& alone = player();
+  ASSERT_TRUE(take(alone).accepted);
+  ASSERT_TRUE(rest(alone).accepted);
+  rests(2, false, true);
+  ASSERT_TRUE(take(alone).accepted);
+  EXPECT_TRUE(arm(alone, 2).accepted);
+  lines.join(Role::kTherapist);
+  lines.frame();
+  EXPECT_EQ(arm(alone, 2).refusal, Refusal::kTherapistOnly);
 }
 
 }  // namespace

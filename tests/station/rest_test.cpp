@@ -41,11 +41,37 @@ TEST_F(RestOfAPlayer, FollowedByAStop_IsNoneAnyMore) {
   }
 }
 
-TEST_F(RestOfAPlayer, WhileNothingWasEverArmed_IsAStop) {
+TEST_F(RestOfAPlayer, WhileNothingWasEverArmed_IsOneThatGivesNoRightToArm) {
   run(false);
   ASSERT_TRUE(ask(orders::Rest{}).accepted);
   EXPECT_EQ(station_->status().run_state, RunState::kStopped);
-  EXPECT_FALSE(rested());
+  EXPECT_TRUE(rested());
+  EXPECT_TRUE(station_->status().rest_before_start);
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
+  EXPECT_TRUE(station_->status().rest_before_start) << "pressed twice";
+  ASSERT_TRUE(ask(orders::LoadExercise{.hand = "woman-p05-left"}).accepted);
+  EXPECT_TRUE(rested()) << "nothing of the earlier person was begun";
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
+  EXPECT_TRUE(rested());
+  EXPECT_FALSE(station_->status().rest_before_start);
+}
+
+// The loop stops to load, and would go on.
+TEST_F(RestOfAPlayer, WhileALoadIsUnderWay_IsOneWhereverItComes) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  for (const auto after : {0ms, 30ms, 100ms, 200ms, 300ms, 400ms}) {
+    auto loaded = askLater(Order{kLoadLevel2});
+    std::this_thread::sleep_for(after);
+    ASSERT_TRUE(ask(orders::Rest{}).accepted);
+    (void)loaded.get();
+    staysAt(RunState::kStopped);
+    EXPECT_TRUE(rested()) << after.count() << " ms";
+    ASSERT_TRUE(ask(orders::Arm{}).accepted);
+    ASSERT_TRUE(rendersOn());
+  }
 }
 
 // The console shows the limit that the next session begins with, not the last one's.

@@ -18,6 +18,8 @@ namespace {
 /// What became of the devices of a station.
 struct Devices {
   std::atomic<int> opened{0}, open{0};
+  std::atomic<bool> refuses{false};    ///< to be enabled
+  std::function<void()> when_enabled;  ///< in the station's thread
 };
 
 /// Moves nobody, and says whether it is open.
@@ -31,6 +33,11 @@ class CountedDevice final : public RestingDevice {
     return Done{};
   }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
+  [[nodiscard]] Expected<Done> enable() override {
+    if (devices_.when_enabled) devices_.when_enabled();
+    if (devices_.refuses) return Diagnostic{"", 0, "", "", "the drive does not answer", ""};
+    return Done{};
+  }
   void close() noexcept override {
     if (std::exchange(open_, false)) --devices_.open;
   }
@@ -393,6 +400,116 @@ TEST_F(WaitingOrders, RestOfTheEarlierPerson_IsNoRestOfTheNext) {
   EXPECT_FALSE(station_->status().rested);
 }
 
+// ---- presses around an arming
+
+/// Pressed at random moments around an arming: while it waits, while it begins, while the loop is
+/// built and while the device is enabled.
+class PressesAroundAnArming : public WaitingOrders {
+ protected:
+  enum class Press { kRest, kStop, kEmergencyStop, kArm };
+
+  /// The law, beside the press. A press of Arm starts the device unless any of the others follows.
+  /// A rest is one that may be ended where it cancels an arming or follows a rest; after a stop
+  /// nothing but an arming makes it one.
+  void press(Press what) {
+    pressed_ += "REsA"[static_cast<int>(what)];
+    switch (what) {
+      case Press::kRest:
+        rests_ = rests_ || starts_;
+        starts_ = false;
+        return expectStopped(orders::Rest{});
+      case Press::kStop:
+        rests_ = starts_ = false;
+        return expectStopped(orders::Stop{});
+      case Press::kEmergencyStop:
+        rests_ = starts_ = false;
+        return expectStopped(orders::EmergencyStop{});
+      case Press::kArm:
+        starts_ = true;
+        ++unanswered_;
+        station_->order(person().asks(of(orders::Arm{})),
+                        [this](const OrderReply&) { --unanswered_; });
+        EXPECT_TRUE(station_->status().arming) << pressed_;
+    }
+  }
+  void expectStopped(orders::Any stop) {
+    EXPECT_TRUE(ask(person().asks(of(std::move(stop)))).accepted) << pressed_;
+    const LoopStatus now = station_->status();
+    EXPECT_FALSE(now.arming) << kAlways << pressed_;
+    EXPECT_EQ(now.rested, rests_) << pressed_;
+    EXPECT_NE(now.run_state, RunState::kRendering) << kAlways << pressed_;
+  }
+  void pressSome(unsigned kinds) {
+    pressed_ += ' ';
+    while (random_() % 3 == 0) press(static_cast<Press>(random_() % kinds));
+  }
+  /// From a station at rest, stopped or never armed.
+  void drawCase() {
+    pressed_.clear();
+    hold();
+    press(Press::kArm);
+    pressSome(4);
+    when_it_begins = while_it_is_built = [this] { pressSome(4); };
+    devices.when_enabled = [this] { pressSome(3); };  // an arm is refused from here on
+    release();
+    EXPECT_TRUE(becomes([&] { return unanswered_ == 0; }));
+    when_it_begins = while_it_is_built = devices.when_enabled = nullptr;
+  }
+  void judge() {
+    if (starts_) {
+      EXPECT_TRUE(rendersOn()) << pressed_;
+    } else {
+      EXPECT_EQ(records_, before_) << kAlways << "no tick, no force: " << pressed_;
+      EXPECT_EQ(devices.open, 0) << kAlways << pressed_;
+      EXPECT_EQ(station_->status().run_state, RunState::kStopped) << pressed_;
+      EXPECT_EQ(station_->status().rested, rests_) << pressed_;
+    }
+    EXPECT_FALSE(station_->status().arming) << pressed_;
+  }
+  /// For the next case: neutral, by a rest or by a stop.
+  void end() {
+    if (starts_) press(random_() % 2 == 0 ? Press::kStop : Press::kRest);
+    EXPECT_TRUE(becomes([&] { return devices.open == 0; }));
+    EXPECT_TRUE(becomes(RunState::kStopped));
+    EXPECT_EQ(station_->status().rested, rests_) << pressed_;
+    before_ = records_;
+  }
+
+  std::mt19937_64 random_ = seededRandom(3407);
+  std::string pressed_;             ///< A arm, R rest, E stop, s emergency stop
+  std::atomic<int> unanswered_{0};  ///< orders to arm
+  bool starts_ = false, rests_ = false;
+  std::uint64_t before_ = 0;
+};
+
+TEST_F(PressesAroundAnArming, InAnyOrder_StartItOrRestOrStopAsTheLastOnesSay) {
+  begin();
+  int rests = 0, starts = 0;
+  for (int i = 0; i < cases(100) && !HasFailure(); ++i) {
+    drawCase();
+    judge();
+    rests += rests_ ? 1 : 0;
+    starts += starts_ ? 1 : 0;
+    end();
+  }
+  figure("armings that presses of Rest, Stop and Arm surround", cases(100), "");
+  figure("of them ended as a rest", rests, "");
+  figure("of them started", starts, "");
+}
+
+// The device refuses: who pressed Go on may press it again.
+TEST_F(PressesAroundAnArming, ArmThatFails_LeavesTheRest) {
+  begin(true);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(orders::Rest{}).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  devices.refuses = true;
+  EXPECT_EQ(ask(orders::Arm{}).refusal, Refusal::kCannotStart);
+  EXPECT_TRUE(station_->status().rested);
+  devices.refuses = false;
+  EXPECT_TRUE(ask(orders::Arm{}).accepted);
+}
+
 // ---- over a line, with a rehearsal
 
 class ArmOverALine : public Bar {
@@ -423,9 +540,55 @@ class ArmOverALine : public Bar {
     return client;
   }
 
+  /// Hears states until one is so, and shows that it is alive.
+  template <class Condition>
+  bool sees(WebSocket& client, Condition&& so) {
+    for (const auto until = Clock::now() + kHang; Clock::now() < until && !client.closed();) {
+      client.say(words::heartbeat(0));
+      const auto frame = client.hear(50ms);
+      if (!frame || frame->opcode != 2) continue;
+      const auto* state = replies::message(*frame).payload_as_WorldState();
+      if (state != nullptr && so(*state)) return true;
+    }
+    return false;
+  }
+  /// A player rests while it is being armed, sees it, and goes on.
+  void restsAndGoesOn(WebSocket& player, std::uint32_t id) {
+    using State = replies::fb::WorldState;
+    ASSERT_TRUE(sees(player, [](const State& s) { return s.arming(); }));
+    player.say(words::takeControls(id));
+    player.say(words::rest(id + 1));
+    std::uint32_t shown = 0;
+    ASSERT_TRUE(sees(player, [&](const State& s) {
+      shown = s.endings();
+      return s.rested() && !s.arming() && s.run_state() == replies::fb::RunState::Stopped;
+    }));
+    EXPECT_EQ(records_, 0U) << kAlways << "nothing was rendered";
+    player.say(words::takeControls(id + 2));
+    player.say(words::armHavingSeen(shown, id + 3));
+    EXPECT_TRUE(sees(
+        player, [](const State& s) { return s.run_state() == replies::fb::RunState::Rendering; }));
+  }
+
   ControlsArbiter controls_;
   std::unique_ptr<Server> server_;
 };
+
+TEST_F(ArmOverALine, OfAPlayerWhoRestsMeanwhile_GoesOnByTheNextPress) {
+  open();
+  WebSocket player(server_->port(), "", std::string("/ws?role=player"));
+  player.say(words::takeControls(1));
+  player.say(words::armHavingSeen(1, 2));
+  restsAndGoesOn(player, 3);
+}
+
+// A player who is led may not begin, but may end its own rest.
+TEST_F(ArmOverALine, OfATherapistWhosePlayerRestsMeanwhile_GoesOnByThePlayersPress) {
+  open();
+  WebSocket player(server_->port(), "", std::string("/ws?role=player"));
+  const auto therapist = armsAndSeesTheRehearsal();
+  restsAndGoesOn(player, 1);
+}
 
 TEST_F(ArmOverALine, ThatEndsDuringTheRehearsal_StartsNothing) {
   open();

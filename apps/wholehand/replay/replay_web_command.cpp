@@ -110,7 +110,7 @@ int replayWebCommand(const ReplayOptions& options) {
   if (Diagnostics faults = faultsOf(paths); !faults.empty()) return refuse(faults);
   const InterruptScope interrupts;
   ReplayBackend backend(paths);
-  ReplayChildren children({.idle = false});
+  ReplayChildren children({.idle_disk = false});
   ServerOptions server_options =
       serverOptions(PageOptions{"127.0.0.1", options.port, {}}, [](const std::string& line) {
         std::fprintf(stderr, "wholehand: %s\n", printable(line, 1000).c_str());
