@@ -448,7 +448,12 @@ void Station::Core::runTask() {
     const std::lock_guard lock(mutex_);
     starting_.reset();
     if (!reply.accepted && task.order.client != 0) {
-      for (Task& next : tasks_) next.refused_before |= next.order.client == task.order.client;
+      // What was asked after the stop that cancelled it builds on the stop.
+      const bool cancelled = task.starts && stop_asked_ > task.asked;
+      const std::uint64_t seen = cancelled ? stop_asked_ : UINT64_MAX;
+      for (Task& next : tasks_) {
+        next.refused_before |= next.order.client == task.order.client && next.asked < seen;
+      }
     }
   }
   task.done(reply);

@@ -543,12 +543,16 @@ class ArmOverALine : public Bar {
   /// Hears states until one is so, and shows that it is alive.
   template <class Condition>
   bool sees(WebSocket& client, Condition&& so) {
-    for (const auto until = Clock::now() + kHang; Clock::now() < until && !client.closed();) {
+    for (const auto until = Clock::now() + 20s; Clock::now() < until && !client.closed();) {
       client.say(words::heartbeat(0));
       const auto frame = client.hear(50ms);
       if (!frame || frame->opcode != 2) continue;
-      const auto* state = replies::message(*frame).payload_as_WorldState();
+      const auto& message = replies::message(*frame);
+      const auto* state = message.payload_as_WorldState();
       if (state != nullptr && so(*state)) return true;
+      if (const auto* reply = message.payload_as_Reply(); reply != nullptr && !reply->accepted()) {
+        refusals_ += reply->reason()->str() + "; ";
+      }
     }
     return false;
   }
@@ -566,10 +570,12 @@ class ArmOverALine : public Bar {
     EXPECT_EQ(records_, 0U) << kAlways << "nothing was rendered";
     player.say(words::takeControls(id + 2));
     player.say(words::armHavingSeen(shown, id + 3));
-    EXPECT_TRUE(sees(
-        player, [](const State& s) { return s.run_state() == replies::fb::RunState::Rendering; }));
+    EXPECT_TRUE(sees(player, [](const State& s) {
+      return s.run_state() == replies::fb::RunState::Rendering;
+    })) << refusals_;
   }
 
+  std::string refusals_;  ///< that were heard
   ControlsArbiter controls_;
   std::unique_ptr<Server> server_;
 };
