@@ -1,5 +1,6 @@
 #include "assembly/rig.hpp"
 
+#include "assembly/passed_certificates.hpp"
 #include "assembly/sampled_inertia.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
@@ -14,8 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <mutex>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -233,7 +232,8 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
 enum class Moves { kMaybeAPerson, kNobody };
 
 Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<HapticDevice> device,
-                                           const RigOptions& options, Moves moves) {
+                                           const RigOptions& options, Moves moves,
+                                           const KnownPerson* person) {
   if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
   if (Diagnostics limits = refuseImpossibleLimits(models.device); !limits.empty()) return limits;
   Expected<CheckedGains> checked = checkGains(models, options.period_s, options.measured);
@@ -256,27 +256,21 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
       rendererConfig(rig->models, rig->gains, options, rig->device->simulated());
   config.rehearsal = rehearsalFingerprint(rig->models, options, checked->fingerprint);
   config.moves_nobody = moves == Moves::kNobody;
-  rig->renderer =
-      std::make_unique<HapticRenderer>(*rig->device, *rig->world, rig->models.hand,
-                                       rig->models.scene, config, rig->models.exercise.get());
+  rig->renderer = std::make_unique<HapticRenderer>(*rig->device, *rig->world, rig->models.hand,
+                                                   rig->models.scene, config,
+                                                   rig->models.exercise.get(), person);
   return rig;
 }
 
-/// refuseUncertified() with a cache of inputs that passed in this process. Sessions, rehearsals and
-/// levels ask for the same certificate, which takes most of the time of building a rig.
-Diagnostics refuseUnlessPassed(const CertificateInput& input) {
-  constexpr std::size_t kMost = 1000;
-  static std::mutex mutex;
-  static std::set<std::string> passed;
+/// refuseUncertified() but for what has passed already. Sessions, rehearsals and levels ask for the
+/// same certificate, which takes most of the time of building a rig.
+Diagnostics refuseUnlessPassed(const CertificateInput& input, PassedCertificates* passed) {
+  if (passed == nullptr) return refuseUncertified(input);
   std::string key = fmt::format("{:.17g} {}", input.period_s, static_cast<int>(input.persons));
   for (const FingerprintPart& part : fingerprintOf(input).parts) key += " " + part.hash;
-  {
-    const std::lock_guard lock(mutex);
-    if (passed.contains(key)) return {};
-  }
+  if (passed->has(key)) return {};
   Diagnostics refused = refuseUncertified(input);
-  const std::lock_guard lock(mutex);
-  if (refused.empty() && passed.size() < kMost) passed.insert(key);
+  if (refused.empty()) passed->add(key);
   return refused;
 }
 
@@ -295,13 +289,16 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s,
   CheckedGains out;
   out.gains = *gains;
   out.refused = refuseHeavyArmature(models, *gains, period_s);
-  for (Diagnostic& refused : refuseUnlessPassed(input)) out.refused.push_back(std::move(refused));
+  PassedCertificates* passed = models.passed.get();
+  for (Diagnostic& refused : refuseUnlessPassed(input, passed)) {
+    out.refused.push_back(std::move(refused));
+  }
   out.fingerprint = fingerprintOf(input);
   for (const DeviceModel& corner : measured) {
     CertificateInput at_corner = input;
     at_corner.device = corner;
     at_corner.persons = Persons::kAny;  // what was measured moves a person
-    for (Diagnostic& refused : refuseUnlessPassed(at_corner)) {
+    for (Diagnostic& refused : refuseUnlessPassed(at_corner, passed)) {
       refused.problem = "at the worst corner of the passport: " + refused.problem;
       out.refused.push_back(std::move(refused));
     }
@@ -331,7 +328,8 @@ Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<Player> p
   auto listener = std::make_unique<ListeningPlayer>(*player);
   auto device = std::make_unique<SimulatedDevice>(models.device, models.patient, std::move(player),
                                                   options.period_s);
-  auto rig = buildRigWithoutPerson(std::move(models), std::move(device), options);
+  const KnownPerson& person = *device;
+  auto rig = buildRigWithoutPerson(std::move(models), std::move(device), options, &person);
   if (rig) (*rig)->listener = std::move(listener);
   return rig;
 }
@@ -346,13 +344,14 @@ Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<HapticDev
                       "is for simulated and replayed devices only",
                       "use gains that `wholehand certify` accepts"};
   }
-  return buildAround(std::move(models), std::move(device), options, Moves::kMaybeAPerson);
+  return buildAround(std::move(models), std::move(device), options, Moves::kMaybeAPerson, nullptr);
 }
 
 Expected<std::unique_ptr<Rig>> buildRigWithoutPerson(Models models,
                                                      std::unique_ptr<HapticDevice> device,
-                                                     const RigOptions& options) {
-  return buildAround(std::move(models), std::move(device), options, Moves::kNobody);
+                                                     const RigOptions& options,
+                                                     const KnownPerson* person) {
+  return buildAround(std::move(models), std::move(device), options, Moves::kNobody, person);
 }
 
 std::string rehearsalFingerprint(const Models& models, const RigOptions& options,

@@ -77,9 +77,11 @@ struct Rig {
 
 /// The same around a device that moves nobody, such as a replayed or scripted one. `uncertified` is
 /// allowed, and arm() requires no rehearsal.
+/// @param person reports to the records; often the device itself. Null: nothing is known of it
 /// @pre no person feels what is written to the device
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRigWithoutPerson(
-    Models models, std::unique_ptr<HapticDevice> device, const RigOptions& options);
+    Models models, std::unique_ptr<HapticDevice> device, const RigOptions& options,
+    const KnownPerson* person = nullptr);
 
 /// The coupling gains, and why they are not certified (docs/certificate.md) with this hand and the
 /// walls of this exercise.

@@ -4,17 +4,12 @@
 #include "core/expected.hpp"
 #include "core/fault.hpp"
 #include "core/real_time.hpp"
-#include "core/tick_record.hpp"
 
 namespace wholehand {
 
 /// Reading of a device in one tick.
 struct DeviceReading {
-  AxisPosition q_m;                 ///< measured position [m or rad]
-  AxisPosition intention;           ///< target of the virtual patient; size 0 on a real device
-  AxisEffort patient_effort;        ///< effort of the virtual patient; size 0 on a real device
-  Mover moved_by = Mover::kPerson;  ///< a person's hand is in a real device
-  Help help = Help::kUnsaid;
+  AxisPosition q_m;  ///< measured position [m or rad]
 };
 
 /// A grounded haptic device: N positions in, N efforts out. Simulated, replayed and real devices

@@ -26,11 +26,12 @@ std::vector<LiveParameter> allLiveParameters(const RendererConfig& config,
 
 HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
                                const SceneModel& scene, const RendererConfig& config,
-                               Exercise* exercise)
+                               Exercise* exercise, const KnownPerson* person)
     : device_(device),
       world_(world),
       pool_(scene.game.slots > 0 ? world.bodyPool() : nullptr),
       exercise_(exercise),
+      person_(person),
       config_(config),
       safety_(config.safety, config.gains, scene, config.period_s),
       parameters_(allLiveParameters(config, exercise)),
@@ -118,10 +119,11 @@ void HapticRenderer::takeCommands(TickRecord& record) noexcept {
 void HapticRenderer::readDevice(TickRecord& record) noexcept {
   const Fault fault = device_.read(reading_, static_cast<int>(record.elapsed_periods));
   record.q_m = reading_.q_m;
-  record.intention = reading_.intention;
-  record.patient_effort = reading_.patient_effort;
-  record.moved_by = reading_.moved_by;
-  record.help = reading_.help;
+  if (person_ != nullptr) person_->report(person_reading_);
+  record.intention = person_reading_.intention;
+  record.patient_effort = person_reading_.effort;
+  record.moved_by = person_reading_.moved_by;
+  record.help = person_reading_.help;
   safety_.judgeReading(fault, record);
 }
 

@@ -8,6 +8,7 @@
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "device/haptic_device.hpp"
+#include "device/known_person.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "exercise/exercise.hpp"
 #include "model/hand/hand_model.hpp"
@@ -51,11 +52,11 @@ struct RendererConfig {
 class HapticRenderer {
  public:
   /// @param scene the bodies of the world, in its order @param exercise adds its effort to the
-  /// coupling's; may be null
-  /// @pre device, world, hand and exercise outlive this
+  /// coupling's; may be null @param person reports to the record; null: nothing is known of it
+  /// @pre device, world, hand, exercise and person outlive this
   HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
                  const SceneModel& scene, const RendererConfig& config,
-                 Exercise* exercise = nullptr);
+                 Exercise* exercise = nullptr, const KnownPerson* person = nullptr);
   ~HapticRenderer();
   HapticRenderer(const HapticRenderer&) = delete;
   HapticRenderer& operator=(const HapticRenderer&) = delete;
@@ -143,6 +144,7 @@ class HapticRenderer {
   PhysicsWorld& world_;
   BodyPool* const pool_;  ///< bodies of a game in world_; null without
   Exercise* exercise_;
+  const KnownPerson* const person_;
   const RendererConfig config_;
   SafetyChain safety_;
   ParameterRamps parameters_;
@@ -155,6 +157,7 @@ class HapticRenderer {
   std::unique_ptr<HandProbe> probe_;
   AxisPosition armed_position_;
   DeviceReading reading_;
+  PersonReading person_reading_;
   PhysicsState state_;
   PoolReport pool_report_;
   ContactList contacts_;

@@ -159,8 +159,8 @@ class TicksOfBox final : public RecordedTicks {
   bool known_ = false;
 };
 
-// Returns the recorded positions; ignores what is written to it.
-class FedDevice final : public HapticDevice {
+// Returns the recorded positions, and who moved the hand; ignores what is written to it.
+class FedDevice final : public HapticDevice, public KnownPerson {
  public:
   explicit FedDevice(const RecordingMeta& meta) : simulated_(meta.simulated_device) {
     q_m_ = AxisPosition(static_cast<int>(meta.armed_position.size()));
@@ -177,9 +177,11 @@ class FedDevice final : public HapticDevice {
   [[nodiscard]] bool simulated() const noexcept override { return simulated_; }
   [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
     reading.q_m = q_m_;
+    return faults_ & kOfReading;
+  }
+  void report(PersonReading& reading) const noexcept override {
     reading.moved_by = moved_by_;
     reading.help = help_;
-    return faults_ & kOfReading;
   }
   [[nodiscard]] Fault write(const AxisEffort&) noexcept override {
     return faults_ & Fault::kDeviceWrite;
@@ -211,7 +213,9 @@ Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::st
   auto corners = recordedCorners(meta, models->device, path);
   if (!corners) return corners.errors();
   options.measured = std::move(*corners);
-  auto rig = buildRigWithoutPerson(std::move(*models), std::make_unique<FedDevice>(meta), options);
+  auto device = std::make_unique<FedDevice>(meta);
+  const KnownPerson& person = *device;
+  auto rig = buildRigWithoutPerson(std::move(*models), std::move(device), options, &person);
   if (!rig) return rig;
   (*rig)->renderer->startParametersAt(meta.parameter_values);
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -166,8 +165,8 @@ std::vector<Shape> verified(const std::vector<Shape>& pieces, std::vector<Refuse
   return out;
 }
 
-CheckedOrders checkShapes(const BodyOrders& orders, const GameBudget& budget) {
-  static std::atomic<std::uint32_t> last_id{0};
+CheckedOrders checkShapes(const BodyOrders& orders, const GameBudget& budget,
+                          std::uint32_t shapes_id) {
   CheckedOrders out;
   out.refused = orders.faults;
   if (auto problem = shapeSetProblem(orders.shape_set, budget)) {
@@ -186,14 +185,15 @@ CheckedOrders checkShapes(const BodyOrders& orders, const GameBudget& budget) {
   out.commands = shapeCommands(orders.shape_set, *prepared);
   out.shape_set = orders.shape_set;
   out.shapes = std::make_shared<const GameShapes>(
-      GameShapes{++last_id, prepared->com_m, pieces, outerRadius(*prepared)});
+      GameShapes{shapes_id, prepared->com_m, pieces, outerRadius(*prepared)});
   return out;
 }
 
 }  // namespace
 
-CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget) {
-  if (orders.shape_set >= 0) return checkShapes(orders, budget);
+CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget,
+                          std::uint32_t shapes_id) {
+  if (orders.shape_set >= 0) return checkShapes(orders, budget, shapes_id);
   CheckedOrders out;
   std::set<int> named;
   for (std::size_t i = 0; i < orders.commands.size(); ++i) {

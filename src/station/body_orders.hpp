@@ -2,6 +2,7 @@
 
 #include "server/backend.hpp"
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <vector>
@@ -20,7 +21,9 @@ struct CheckedOrders {
 /// Checks every number of a message against the scene's budget, and prepares shapes. An item that
 /// is refused has no command; shapes are refused as a whole. Orders to registered bodies are among
 /// the commands. Not real-time safe. Any thread.
-[[nodiscard]] CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget);
+/// @param shapes_id GameShapes::id of what it prepares
+[[nodiscard]] CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget,
+                                        std::uint32_t shapes_id);
 
 /// Reply to a message some of whose items are refused; accepted when there are none.
 [[nodiscard]] OrderReply replyFor(std::vector<RefusedItem> refused);

@@ -221,6 +221,7 @@ class Station::Core {
   std::optional<StationClock::time_point> ends_at_;  ///< end of a run with a duration
   StationOutcome outcome_;
 
+  std::atomic<std::uint32_t> shapes_{0};  ///< GameShapes::id of the newest that a game prepared
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Task> tasks_;
@@ -830,7 +831,8 @@ OrderReply Station::Core::orderBodies(const BodyOrders& bodies, const Order& ord
         "this scene takes no bodies of a game: load an exercise whose file has [budget], "
         "as game-scene");
   }
-  CheckedOrders checked = checkOrders(bodies, budget);
+  const std::uint32_t shapes_id = bodies.shape_set < 0 ? 0 : ++shapes_;
+  CheckedOrders checked = checkOrders(bodies, budget, shapes_id);
   const std::lock_guard lock(mutex_);
   ++orders_;
   if (superseded(order)) {
@@ -1607,6 +1609,7 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
   const WaitingFor disk("the disk: what is to be loaded");
   Expected<Models> models = loadModels(files);
   if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
+  models->passed = models_.passed;
   const auto gains = checkGains(*models, config_.rig.period_s, config_.rig.measured);
   if (!gains) return refused(Refusal::kCannotLoad, format(gains.errors()));
   if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) {

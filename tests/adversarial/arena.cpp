@@ -106,7 +106,7 @@ std::optional<Outcome> Arena::run(const Case& c, int ticks, Random& random,
                                   const std::function<void(Rig&)>& change) {
   auto changing = std::make_unique<ChangingDevice>();
   ChangingDevice& device = *changing;
-  const auto rig = build(models_, std::move(changing));
+  const auto rig = orThrow(buildRigWithoutPerson(models_, std::move(changing), {}, &device));
   if (change) change(*rig);
   Bones bones(*rig);
   for (const double aside : {0.0, 0.95, 0.0, 0.95}) {  // who plays begins elsewhere each time

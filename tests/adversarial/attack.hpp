@@ -10,7 +10,7 @@
 namespace wholehand::test {
 
 /// A device whose person changes while the rig around it stays.
-class ChangingDevice final : public HapticDevice {
+class ChangingDevice final : public HapticDevice, public KnownPerson {
  public:
   void put(std::unique_ptr<SimulatedDevice> device) { now_ = std::move(device); }
   [[nodiscard]] const SimulatedDevice& now() const { return *now_; }
@@ -28,6 +28,7 @@ class ChangingDevice final : public HapticDevice {
   void close() noexcept override {
     if (now_) now_->close();
   }
+  void report(PersonReading& reading) const noexcept override { now_->report(reading); }
 
  private:
   std::unique_ptr<SimulatedDevice> now_;

@@ -1,3 +1,4 @@
+#include "device/one_axis.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "model/device_model.hpp"
 #include "model/patient/patient_config.hpp"
@@ -49,7 +50,7 @@ TEST_P(ShippedDevice, RecordedMotion_IsFollowedInsideTheRange) {
   for (int i = 0; i < ticks; ++i) {
     ASSERT_EQ(device.read(reading, 1), Fault::kNone);
     ASSERT_EQ(reading.q_m.size(), s.device.axisCount());
-    ASSERT_TRUE(allFinite(reading.q_m) && allFinite(reading.patient_effort));
+    ASSERT_TRUE(allFinite(reading.q_m) && allFinite(test::personAt(device).effort));
     for (int k = 0; k < reading.q_m.size(); ++k) {
       const DeviceAxis& axis = s.device.axes[k];
       ASSERT_GE(device.position()[k], axis.lower);
@@ -60,7 +61,8 @@ TEST_P(ShippedDevice, RecordedMotion_IsFollowedInsideTheRange) {
   // At rest after the end, the person is off by no more than dry friction over stiffness.
   for (int k = 0; k < reading.q_m.size(); ++k) {
     const double slack = s.device.axes[k].coulomb / s.patient.axes[k].stiffness;
-    EXPECT_NEAR(reading.q_m[k], reading.intention[k], 1.01 * slack + s.device.axes[k].encoder_step)
+    EXPECT_NEAR(reading.q_m[k], test::personAt(device).intention[k],
+                1.01 * slack + s.device.axes[k].encoder_step)
         << s.device.axes[k].name;
   }
 }

@@ -50,6 +50,13 @@ inline std::unique_ptr<SimulatedDevice> opened(const DeviceModel& model,
   return device;
 }
 
+/// Of the person at the device, as of its last read.
+inline PersonReading personAt(const SimulatedDevice& device) {
+  PersonReading person;
+  device.report(person);
+  return person;
+}
+
 /// Reads and writes one effort for a number of ticks; returns the last reading.
 inline DeviceReading hold(SimulatedDevice& device, double effort, int ticks) {
   DeviceReading reading;

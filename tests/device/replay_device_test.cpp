@@ -12,8 +12,8 @@ namespace {
 
 RecordedReading recorded(double position, std::uint32_t elapsed, Fault faults = Fault::kNone) {
   RecordedReading r;
-  r.reading = {AxisPosition(2, position), AxisPosition(2, position + 1.0),
-               AxisEffort(2, position + 2.0)};
+  r.reading = {AxisPosition(2, position)};
+  r.person = {AxisPosition(2, position + 1.0), AxisEffort(2, position + 2.0)};
   r.elapsed_periods = elapsed;
   r.faults = faults;
   return r;
@@ -23,12 +23,14 @@ TEST(ReplayDevice, Recording_IsReadInOrderWithItsSkippedPeriods) {
   ReplayDevice device({recorded(0.1, 1), recorded(0.2, 3), recorded(0.3, 1)});
   ASSERT_TRUE(device.open().ok());
   DeviceReading reading;
+  PersonReading person;
   for (const auto& [position, elapsed] : {std::pair{0.1, 1}, {0.2, 3}, {0.3, 1}}) {
     EXPECT_EQ(device.nextElapsedPeriods(), elapsed);
     ASSERT_EQ(device.read(reading, elapsed), Fault::kNone);
     EXPECT_EQ(reading.q_m[1], position);
-    EXPECT_EQ(reading.intention[1], position + 1.0);
-    EXPECT_EQ(reading.patient_effort[1], position + 2.0);
+    device.report(person);
+    EXPECT_EQ(person.intention[1], position + 1.0);
+    EXPECT_EQ(person.effort[1], position + 2.0);
     EXPECT_EQ(device.write(AxisEffort(2, 9.0)), Fault::kNone);
   }
   EXPECT_TRUE(device.atEnd());

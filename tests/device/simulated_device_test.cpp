@@ -17,6 +17,7 @@ using test::hold;
 using test::nobody;
 using test::oneAxisDevice;
 using test::opened;
+using test::personAt;
 using test::personOf;
 using test::stayAt;
 
@@ -28,8 +29,9 @@ TEST(SimulatedDevice, FirstRead_TellsTheStartAndLetsNoTimePass) {
   ASSERT_EQ(device->write(AxisEffort(1, 5.0)), Fault::kNone);
   ASSERT_EQ(device->read(reading, 7), Fault::kNone);
   EXPECT_EQ(reading.q_m[0], 0.04);
-  EXPECT_NEAR(reading.intention[0], 0.04, 0.5 / 0x1p20);  // half a step of what is reported
-  EXPECT_EQ(reading.patient_effort[0], 0.0);
+  EXPECT_NEAR(personAt(*device).intention[0], 0.04,
+              0.5 / 0x1p20);  // half a step of what is reported
+  EXPECT_EQ(personAt(*device).effort[0], 0.0);
 }
 
 TEST(SimulatedDevice, ConstantEffort_MovesByHalfATSquared) {
@@ -75,8 +77,8 @@ TEST(SimulatedDevice, SkippedPeriods_EqualTheSameEffortHeld) {
   const DeviceReading held = hold(steady, -3.0, 4);
   EXPECT_EQ(skipped.q_m[0], held.q_m[0]);  // bit for bit
   EXPECT_EQ(skipping.velocity()[0], steady.velocity()[0]);
-  EXPECT_EQ(skipped.intention[0], held.intention[0]);
-  EXPECT_EQ(skipped.patient_effort[0], held.patient_effort[0]);
+  EXPECT_EQ(personAt(skipping).intention[0], personAt(steady).intention[0]);
+  EXPECT_EQ(personAt(skipping).effort[0], personAt(steady).effort[0]);
 }
 
 TEST(SimulatedDevice, EffortBeyondTheLimit_Saturates) {
@@ -140,7 +142,7 @@ TEST(SimulatedDevice, SinusoidalIntention_IsFollowedAsTheTransferFunctionSays) {
     if (i < 4000) continue;
     const std::complex<double> turn = std::polar(1.0, -kOmega * i * kPeriod_s);
     moved += device->position()[0] * turn;
-    wanted += reading.intention[0] * turn;
+    wanted += personAt(*device).intention[0] * turn;
   }
   const std::complex<double> j{0.0, 1.0};
   const std::complex<double> expected =
@@ -182,7 +184,7 @@ void expectTheSameBitsTwice(SimulatedDevice& device, double amplitude) {
     for (int i = 0; i < 1000; ++i) {
       const DeviceReading reading = hold(device, amplitude * std::sin(0.02 * i), 1);
       seen->push_back(reading.q_m[0]);
-      seen->push_back(reading.patient_effort[0]);
+      seen->push_back(personAt(device).effort[0]);
     }
     device.close();
   }
@@ -221,7 +223,7 @@ TEST(SimulatedDevice, Tremor_MovesAFreeMassAsItsIntegralSays) {
   const auto device = opened(oneAxisDevice(kMass), patient, stayAt(0.0));
   DeviceReading reading;
   ASSERT_EQ(device->read(reading, 1), Fault::kNone);
-  const double first = reading.patient_effort[0];
+  const double first = personAt(*device).effort[0];
   double lowest = 0.0, highest = 0.0, before = first;
   for (int k = 1; k <= 1000; ++k) {
     ASSERT_EQ(device->read(reading, 1), Fault::kNone);
@@ -229,8 +231,8 @@ TEST(SimulatedDevice, Tremor_MovesAFreeMassAsItsIntegralSays) {
     const double v = device->velocity()[0];
     lowest = std::min(lowest, v);
     highest = std::max(highest, v);
-    ASSERT_LE(std::abs(reading.patient_effort[0] - before), kAmplitude * kOmega * kPeriod_s);
-    before = reading.patient_effort[0];
+    ASSERT_LE(std::abs(personAt(*device).effort[0] - before), kAmplitude * kOmega * kPeriod_s);
+    before = personAt(*device).effort[0];
   }
   EXPECT_NEAR(before, first, 1e-9);  // five whole cycles later
   EXPECT_NEAR(device->velocity()[0], 0.0, 1e-9);
@@ -242,14 +244,14 @@ TEST(SimulatedDevice, PersonWhoLetsGo_LeavesTheBareMechanismToTheDevice) {
   patient.letting_go.after_s = 3.0;
   DeviceModel model = oneAxisDevice(0.5);
   const auto device = opened(model, patient, stayAt(0.02));
-  DeviceReading reading = hold(*device, 2.0, 1 + 3000);
+  hold(*device, 2.0, 1 + 3000);
   const double rest = 0.02 + 2.0 / 600.0;  // spring against effort
   EXPECT_NEAR(device->position()[0], rest, 1e-9);
-  EXPECT_NEAR(reading.patient_effort[0], -2.0, 1e-6);
+  EXPECT_NEAR(personAt(*device).effort[0], -2.0, 1e-6);
   EXPECT_FALSE(device->person().hasLetGo());
-  reading = hold(*device, 2.0, 100);
+  hold(*device, 2.0, 100);
   EXPECT_TRUE(device->person().hasLetGo());
-  EXPECT_EQ(reading.patient_effort[0], 0.0);
+  EXPECT_EQ(personAt(*device).effort[0], 0.0);
   // 0.5 kg, nothing else: neither the person's mass nor damper nor spring.
   EXPECT_NEAR(device->position()[0] - rest, 0.5 * (2.0 / 0.5) * 0.1 * 0.1, 1e-7);
   EXPECT_NEAR(device->velocity()[0], (2.0 / 0.5) * 0.1, 1e-6);
@@ -288,10 +290,10 @@ TEST(SimulatedDevice, Slam_DrawsBackReachesItsSpeedLetsGoAndCoasts) {
     double fastest = 0.0, furthest_back = 0.0, hardest = 0.0, let_go_at = 0.0;
     int ticks = 0;
     while (!device->person().hasLetGo() && ticks++ < 3000) {
-      const DeviceReading reading = hold(*device, 0.0, 1);
+      hold(*device, 0.0, 1);
       fastest = std::max(fastest, sign * device->velocity()[0]);
       furthest_back = std::min(furthest_back, sign * device->position()[0]);
-      hardest = std::max(hardest, std::abs(reading.patient_effort[0]));
+      hardest = std::max(hardest, std::abs(personAt(*device).effort[0]));
       let_go_at = sign * device->position()[0];
     }
     ASSERT_LT(ticks, 3000);
@@ -325,7 +327,7 @@ Swing swingOf(double fight) {
   for (int k = 0; k < 6000; ++k) {
     EXPECT_EQ(device->read(reading, 1), Fault::kNone);
     if (k >= 5000) {
-      swing.work += reading.patient_effort[0] * (reading.q_m[0] - before);
+      swing.work += personAt(*device).effort[0] * (reading.q_m[0] - before);
       swing.fastest = std::max(swing.fastest, std::abs(device->velocity()[0]));
     }
     before = reading.q_m[0];

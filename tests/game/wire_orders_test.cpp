@@ -25,7 +25,7 @@ CheckedOrders checkedOf(const wire::Bytes& message, const GameBudget& budget) {
   const auto decoded = wire::decode(message);
   if (!decoded) throw std::runtime_error(format(decoded.errors()));
   if (bodiesOf(*decoded) == nullptr) throw std::runtime_error("no order to bodies");
-  return checkOrders(*bodiesOf(*decoded), budget);
+  return checkOrders(*bodiesOf(*decoded), budget, 1);
 }
 
 /// A game that says its orders as messages.
@@ -353,7 +353,7 @@ TEST(GameOnTheWire, MutatedMessages_NeverLeadToACommandThatIsNotChecked) {
       ++unreadable;
       continue;
     }
-    const CheckedOrders checked = checkOrders(*bodiesOf(*decoded), budget);
+    const CheckedOrders checked = checkOrders(*bodiesOf(*decoded), budget, 1);
     refused += checked.refused.empty() ? 0 : 1;
     for (const Command& c : checked.commands) {
       ++passed;

@@ -79,11 +79,10 @@ Played play(Rig& rig, const std::function<void()>& between = {}) {
   if (!rig.renderer->arm()) throw std::runtime_error("not armed");
   DeviceReading armed;
   armed.q_m = rig.renderer->armedPosition();
-  run.readings.push_back({armed});
+  run.readings.push_back({armed, {}});
   runTicks(*rig.renderer, kTicks, [&](const TickRecord& r) {
     run.hashes.push_back(hash(r));
-    DeviceReading reading{r.q_m, r.intention, r.patient_effort};
-    run.readings.push_back({reading, r.elapsed_periods, r.faults});
+    run.readings.push_back({{r.q_m}, {r.intention, r.patient_effort}, r.elapsed_periods, r.faults});
     run.touching_ticks += r.contact_count > 0 ? 1 : 0;
     if (between && r.tick % 100 == 0) between();
   });
@@ -116,8 +115,10 @@ TEST_P(SameInputs, TwoRigsInOneProcess_GiveTheSameBits) {
 
 TEST_P(SameInputs, ReplayedReadings_GiveTheSameBits) {
   const Played recorded = play(*GetParam()());
+  auto device = std::make_unique<ReplayDevice>(recorded.readings);
+  const KnownPerson& person = *device;
   const Played replayed =
-      play(*build(GetParam()()->models, std::make_unique<ReplayDevice>(recorded.readings)));
+      play(*orThrow(buildRigWithoutPerson(GetParam()()->models, std::move(device), {}, &person)));
   expectSame(recorded, replayed);
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, SameInputs, testing::Values(&recordedHand, &sweepingHand));

@@ -16,8 +16,13 @@ Fault ReplayDevice::read(DeviceReading& reading, int /*elapsed_periods*/) noexce
   if (!open_ || atEnd()) return Fault::kDeviceRead;
   const RecordedReading& tick = ticks_[next_++];
   reading = tick.reading;
-  reading.moved_by = Mover::kMotion;
   return tick.faults & kOfReading;
+}
+
+void ReplayDevice::report(PersonReading& reading) const noexcept {
+  if (next_ == 0) return;
+  reading = ticks_[next_ - 1].person;
+  reading.moved_by = Mover::kMotion;
 }
 
 Fault ReplayDevice::write(const AxisEffort& /*effort*/) noexcept {

@@ -160,14 +160,16 @@ Fault SimulatedDevice::read(DeviceReading& reading, int elapsed_periods) noexcep
     const double step = device_.axes[i].encoder_step;
     if (step > 0.0) reading.q_m[i] = step * std::round(q_[i] / step);
   }
+  return Fault::kNone;
+}
+
+void SimulatedDevice::report(PersonReading& reading) const noexcept {
+  if (!open_) return;
   reading.moved_by = player_->mover();
   reading.help = player_->help();
   reading.intention = q_intended_;
-  reading.patient_effort = impedance();
-  for (int i = 0; i < q_.size(); ++i) {
-    reading.patient_effort[i] += person_.end()[i];
-  }
-  return Fault::kNone;
+  reading.effort = impedance();
+  for (int i = 0; i < q_.size(); ++i) reading.effort[i] += person_.end()[i];
 }
 
 Fault SimulatedDevice::write(const AxisEffort& effort) noexcept {

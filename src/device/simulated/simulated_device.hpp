@@ -1,6 +1,7 @@
 #pragma once
 
 #include "device/haptic_device.hpp"
+#include "device/known_person.hpp"
 #include "device/simulated/axis_dynamics.hpp"
 #include "device/simulated/linked_dynamics.hpp"
 #include "model/device_model.hpp"
@@ -23,7 +24,7 @@ namespace wholehand {
 ///
 /// The axis's weight pulls with minus its neutral effort, so that sending neutral balances it.
 /// Deterministic: the same calls give the same bits.
-class SimulatedDevice final : public HapticDevice {
+class SimulatedDevice final : public HapticDevice, public KnownPerson {
  public:
   /// The device starts at rest at the player's start, clamped to its range, and follows the
   /// player's target.
@@ -47,6 +48,8 @@ class SimulatedDevice final : public HapticDevice {
   /// and the effort is finite with the device's number of axes.
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   void close() noexcept override;
+  /// The virtual patient, or the person at the screen.
+  void report(PersonReading& reading) const noexcept override;
 
   /// True (unquantised) state, for tests.
   [[nodiscard]] const AxisPosition& position() const noexcept { return q_; }
