@@ -1,6 +1,5 @@
 #include "assembly/models.hpp"
 
-#include "assembly/passed_certificates.hpp"
 #include "exercise/load_exercise.hpp"
 #include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
@@ -71,7 +70,6 @@ Models::~Models() = default;
 Expected<Models> loadModels(const ModelFiles& files) {
   Models models;
   models.files = files;
-  models.passed = std::make_shared<PassedCertificates>();
   Diagnostics errors;
   const bool have_device = take(loadDeviceFile(files.device), models.device, errors);
   HandFile hand_file;

@@ -36,8 +36,6 @@ struct ModelFiles {
   }
 };
 
-class PassedCertificates;
-
 /// Contents of all files, checked against each other.
 struct Models {
   // Out of line: inline, each is 3 KB of code in every source that copies models.
@@ -62,8 +60,6 @@ struct Models {
   std::vector<std::string> exercise_files;   ///< exercise and scene
   std::vector<ExerciseWall> exercise_walls;  ///< walls that the certificate must cover
   ExercisePanel exercise_panel;              ///< panel of the exercise
-  /// What was certified already, shared by copies of these models; null: it is computed each time.
-  std::shared_ptr<PassedCertificates> passed;
 };
 
 /// Loads all files; every fault of every file is reported at once.

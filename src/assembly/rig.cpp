@@ -1,6 +1,5 @@
 #include "assembly/rig.hpp"
 
-#include "assembly/passed_certificates.hpp"
 #include "assembly/sampled_inertia.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
@@ -15,6 +14,8 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -262,15 +263,21 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   return rig;
 }
 
-/// refuseUncertified() but for what has passed already. Sessions, rehearsals and levels ask for the
-/// same certificate, which takes most of the time of building a rig.
-Diagnostics refuseUnlessPassed(const CertificateInput& input, PassedCertificates* passed) {
-  if (passed == nullptr) return refuseUncertified(input);
+/// refuseUncertified() with a cache of inputs that passed in this process. Sessions, rehearsals and
+/// levels ask for the same certificate, which takes most of the time of building a rig.
+Diagnostics refuseUnlessPassed(const CertificateInput& input) {
+  constexpr std::size_t kMost = 1000;
+  static std::mutex mutex;
+  static std::set<std::string> passed;
   std::string key = fmt::format("{:.17g} {}", input.period_s, static_cast<int>(input.persons));
   for (const FingerprintPart& part : fingerprintOf(input).parts) key += " " + part.hash;
-  if (passed->has(key)) return {};
+  {
+    const std::lock_guard lock(mutex);
+    if (passed.contains(key)) return {};
+  }
   Diagnostics refused = refuseUncertified(input);
-  if (refused.empty()) passed->add(key);
+  const std::lock_guard lock(mutex);
+  if (refused.empty() && passed.size() < kMost) passed.insert(key);
   return refused;
 }
 
@@ -289,16 +296,13 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s,
   CheckedGains out;
   out.gains = *gains;
   out.refused = refuseHeavyArmature(models, *gains, period_s);
-  PassedCertificates* passed = models.passed.get();
-  for (Diagnostic& refused : refuseUnlessPassed(input, passed)) {
-    out.refused.push_back(std::move(refused));
-  }
+  for (Diagnostic& refused : refuseUnlessPassed(input)) out.refused.push_back(std::move(refused));
   out.fingerprint = fingerprintOf(input);
   for (const DeviceModel& corner : measured) {
     CertificateInput at_corner = input;
     at_corner.device = corner;
     at_corner.persons = Persons::kAny;  // what was measured moves a person
-    for (Diagnostic& refused : refuseUnlessPassed(at_corner, passed)) {
+    for (Diagnostic& refused : refuseUnlessPassed(at_corner)) {
       refused.problem = "at the worst corner of the passport: " + refused.problem;
       out.refused.push_back(std::move(refused));
     }
