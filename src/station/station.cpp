@@ -1609,7 +1609,6 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
   const WaitingFor disk("the disk: what is to be loaded");
   Expected<Models> models = loadModels(files);
   if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
-  models->passed = models_.passed;
   const auto gains = checkGains(*models, config_.rig.period_s, config_.rig.measured);
   if (!gains) return refused(Refusal::kCannotLoad, format(gains.errors()));
   if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) {
