@@ -18,7 +18,7 @@ export const de: ConsoleTexts = {
   patients: {
     'relaxed-adult': 'Entspannte Person', 'stiff-adult': 'Steife Person', 'no-arm': 'Ohne Arm', tremor: 'Zittern', spastic: 'Spastik',
     releases: 'Lässt los', slams: 'Schlägt', fights: 'Wehrt sich', 'enslaved-fingers': 'Finger hängen zusammen', 'spastic-fist': 'Spastische Faust',
-    'pill-rolling': 'Pillendrehen', 'holds-a-ball': 'Hält einen Ball',
+    'pill-rolling': 'Pillendrehen', 'holds-a-ball': 'Hält einen Ball', weak: 'Schwache Hand',
   },
   noExercise: 'Keine Übung',
 

@@ -17,7 +17,7 @@ export const en = {
   patients: {
     'relaxed-adult': 'Relaxed adult', 'stiff-adult': 'Stiff adult', 'no-arm': 'No arm', tremor: 'Tremor', spastic: 'Spasticity',
     releases: 'Lets go', slams: 'Slams', fights: 'Fights back', 'enslaved-fingers': 'Linked fingers', 'spastic-fist': 'Spastic fist',
-    'pill-rolling': 'Pill-rolling tremor', 'holds-a-ball': 'Holds a ball',
+    'pill-rolling': 'Pill-rolling tremor', 'holds-a-ball': 'Holds a ball', weak: 'Weak hand',
   } as Record<string, string>,
   noExercise: 'No exercise',
 

@@ -18,7 +18,7 @@ export const fr: ConsoleTexts = {
   patients: {
     'relaxed-adult': 'Adulte détendu', 'stiff-adult': 'Adulte raide', 'no-arm': 'Sans bras', tremor: 'Tremblement', spastic: 'Spasticité',
     releases: 'Lâche', slams: 'Frappe', fights: 'Résiste', 'enslaved-fingers': 'Doigts liés', 'spastic-fist': 'Poing spastique',
-    'pill-rolling': 'Tremblement d’émiettement', 'holds-a-ball': 'Tient une balle',
+    'pill-rolling': 'Tremblement d’émiettement', 'holds-a-ball': 'Tient une balle', weak: 'Main faible',
   },
   noExercise: 'Aucun exercice',
 
