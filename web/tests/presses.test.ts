@@ -57,6 +57,18 @@ test('Start_OfWhoeverPlayedBefore_GoesOn', async () => {
   expect(await start()).toBe(Act.Resume);
 });
 
+/** Whoever rests before the device is on goes on as a player, not as one who watches. */
+test('Rest_WhileStartIsOnItsWay_IsThatOfAPlayer', async () => {
+  const { presses, memory, connection } = playing();
+  const resting = Object.assign(memory as unknown as Memory, { situation: () => ({ wish: 'undecided' }), beginRest: () => {}, playedBeforeRest: false });
+  Object.assign(connection, { rest: async () => YES, takeControls: () => new Promise<Answer>(() => {}) });
+  connection.latestState.runState = RunState.Disarmed;
+  presses.start();
+  await vi.advanceTimersByTimeAsync(0);
+  await presses.rest();
+  expect(resting.playedBeforeRest).toBe(true);
+});
+
 test('Leaving_WhileTheCameraStarts_StopsIt_AndAPressAfterAStopSaysWhyNothingBegan', async () => {
   const { memory, controls, connection, start, leave } = playing();
   leave();

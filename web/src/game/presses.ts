@@ -9,6 +9,8 @@ import { changeLevel, letProgramPlay, openCamera, Press, takeOver } from './take
 import { isPlaying } from './page_state';
 
 export class Presses {
+  private begins = false;  // a press of Start is on its way
+
   constructor(
     private readonly connection: Connection, private readonly controls: Controls,
     private readonly memory: Memory, private readonly sound: Sound,
@@ -53,7 +55,7 @@ export class Presses {
     if (memory.framing) this.controls.stopWebcam();
     memory.helpOpen = false;
     if (connection.latestState?.runState !== RunState.Rendering && !starting) return;
-    memory.playedBeforeRest = isPlaying(memory.situation(connection), connection.latestState);
+    memory.playedBeforeRest = this.begins || isPlaying(memory.situation(connection), connection.latestState);
     memory.beginRest();
     memory.notice = '';
     const answer = await connection.rest();
@@ -116,7 +118,8 @@ export class Presses {
     if (!press.holds) return;
     if (!camera.accepted) { memory.notice = camera.reason; return; }
     const wishes = { way: memory.way, level: memory.level, fresh: memory.isTheirs };
-    const outcome = await this.busy(press, () => takeOver(connection, memory.known, press, wishes));
+    this.begins = true;
+    const outcome = await this.busy(press, () => takeOver(connection, memory.known, press, wishes)).finally(() => { this.begins = false; });
     memory.notice = outcome.is === 'refused' ? outcome.reason : '';
     if (outcome.is === 'playing') {
       memory.wish = 'play';
