@@ -117,7 +117,7 @@ Expected<Phasors> run(const ImpedanceBench& bench, int axis, const PatientConfig
                       std::unique_ptr<Player> push, PhysicsWorld& world, double settle_s) {
   SimulatedDevice device(bench.models.device, arm, std::move(push), bench.grid.period_s);
   HapticRenderer renderer(device, world, bench.rig->models.hand, bench.rig->models.scene,
-                          bench.rig->renderer->config());
+                          bench.rig->renderer->config(), nullptr, &device);
   if (auto armed = renderer.arm(); !armed) return armed.errors();
   Phasors heard = listen(renderer, bench, axis, settle_s);
   device.close();
