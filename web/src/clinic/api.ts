@@ -18,7 +18,8 @@ export class Silent extends Error {
 export type Method = 'POST' | 'PUT' | 'DELETE';
 export type Fetch = (url: string, init: RequestInit) => Promise<Response>;
 
-const newKey = (): string => (crypto.randomUUID?.() ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join(''));
+/** A key by which the records know an intent again. */
+export const newKey = (): string => (crypto.randomUUID?.() ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join(''));
 
 interface Intent { readonly key: string; under_way?: Promise<unknown> }
 

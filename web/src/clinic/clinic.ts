@@ -24,6 +24,8 @@ export class Clinic {
   visit: Visit | null = null;
   visitPatient: PatientRow | null = null;
   hidden = false;
+  /** What was read last of patients, by its path: shown again at once, and while the records do not answer. */
+  readonly seen = new Map<string, { readonly at: Date; readonly value: unknown }>();
   /** Since when the records do not answer. */
   silentSince: Date | undefined;
   /** They were silent and answer again: a visit without a patient may have been wanted meanwhile. */
@@ -82,6 +84,13 @@ export class Clinic {
     if (visit && visit.patient > 0 && !patient) this.hidden = true;
     this.visitPatient = this.hidden ? null : patient;
     this.onChange();
+  }
+
+  /** Reads something of patients and remembers it while names may be shown. */
+  async read<T>(path: string): Promise<T> {
+    const value = await this.api.get<T>(path);
+    if (!this.hidden) this.seen.set(path, { at: new Date(), value });
+    return value;
   }
 
   /** A visit was opened, changed or ended from here. */
@@ -183,6 +192,7 @@ export class Clinic {
   }
 
   private forgetNames(): void {
+    this.seen.clear();
     this.visitPatient = null;
     if (this.visit) this.visit = { ...this.visit, notes: [] };
   }

@@ -24,6 +24,6 @@ export function handPicture(side: OneSide, { length_m, breadth_m }: Size, words:
   return svg('svg', { class: 'hand-picture', viewBox: '-100 -222 200 236', role: 'img', 'aria-label': words },
     svg('g', { class: 'hand-shape', transform: `scale(${mirror} 1)` }, svg('path', { d }), thumb, ...FINGERS.map(finger)),
     line(`M${-half} ${y}H${half}M${-half} ${y - 4}V${y + 4}M${half} ${y - 4}V${y + 4}`), line(`M88 0V${-length}M84 0H92M84 ${-length}H92`),
-    svg('path', { class: 'ruler', d: 'M-95 0V-100M-98 0H-92M-98 -100H-92M-97 -50H-93' }), svg('text', { x: -95, y: 11, 'text-anchor': 'middle' }, '10 cm'),
-    svg('text', { x: 88, y: 11, 'text-anchor': 'middle' }, `${Math.round(length)} mm`), svg('text', { x: 0, y: y + 14, 'text-anchor': 'middle' }, `${Math.round(breadth)}`));
+    svg('path', { class: 'ruler', d: 'M-95 0V-100M-98 0H-92M-98 -100H-92M-97 -50H-93' }), svg('text', { x: -99, y: 11, 'text-anchor': 'start' }, '10 cm'),
+    svg('text', { x: 99, y: 11, 'text-anchor': 'end' }, `${Math.round(length)} mm`), svg('text', { x: 0, y: y + 14, 'text-anchor': 'middle' }, `${Math.round(breadth)} mm`));
 }

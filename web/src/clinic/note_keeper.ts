@@ -1,4 +1,4 @@
-import { Refused, type ClinicApi } from './api';
+import { newKey, Refused, type ClinicApi } from './api';
 import type { Drafts } from './drafts';
 import type { Note } from './records';
 
@@ -9,8 +9,6 @@ export const SAVED_AFTER_MS = 1000;
 interface Writing { readonly text: string; readonly at_us: number; readonly key: string; readonly note: number; readonly saved: string }
 
 export type NoteState = 'empty' | 'typing' | 'saved' | 'waits';
-
-const newKey = (): string => `${Date.now()}-${Math.random().toString(36).slice(2)}${Math.random().toString(36).slice(2)}`;
 
 /** Keeps a note with every key, and saves it a second after the last one: first as a new note, then as the same one, longer. */
 export class NoteKeeper {
@@ -73,7 +71,9 @@ export class NoteKeeper {
       // Meanwhile more may have been typed.
       if (this.writing) this.keep({ ...this.writing, note: id, saved: text });
       this.become(this.writing?.text === text ? 'saved' : 'typing');
-    } catch {
+    } catch (problem) {
+      // A refusal changed nothing, and is the answer to its key for ever.
+      if (problem instanceof Refused && this.writing) this.keep({ ...this.writing, key: newKey() });
       this.become('waits');
     }
   }

@@ -1,4 +1,4 @@
-import { Refused, Silent, type ClinicApi } from './api';
+import { newKey, Refused, Silent, type ClinicApi } from './api';
 import type { Drafts } from './drafts';
 
 /** Something that is to be saved, with the key that makes it happen once. */
@@ -6,8 +6,6 @@ export interface Waiting { readonly path: string; readonly body: Readonly<Record
 
 /** Refusals after which the same words may be taken later. */
 const LATER = ['hidden', 'locked', 'not_signed_in', 'busy', 'database', 'station_silent'];
-
-const newKey = (): string => `${Date.now()}-${Math.random().toString(36).slice(2)}${Math.random().toString(36).slice(2)}`;
 
 /** Marks, pain and notes: sent in their order, kept until the records have them. Each account has its own. */
 export class Outbox {
@@ -47,8 +45,12 @@ export class Outbox {
       await this.api.send('POST', next.path, next.body, next.key);
       return true;
     } catch (problem) {
-      if (problem instanceof Silent) return false;
-      if (!(problem instanceof Refused) || LATER.includes(problem.code)) return false;
+      if (problem instanceof Silent || !(problem instanceof Refused)) return false;
+      if (LATER.includes(problem.code)) {
+        // A refusal changed nothing, and is the answer to its key for ever: the next time is another intent.
+        this.keep(this.waiting.map((other) => (other.key === next.key ? { ...other, key: newKey() } : other)));
+        return false;
+      }
       this.onRefused(next, problem);
       return true;
     }

@@ -57,7 +57,7 @@ export class ClinicPage implements Room {
   private refreshed_ms = -Infinity;
   private drawn_ms = -Infinity;
   private view: Promise<PacedView | undefined> | undefined;
-  private told = { words: '', bad: false };
+  private told: { words: string; bad: boolean; alone?: boolean } = { words: '', bad: false };
   /** While a visit is open: the records' doors are shown in its place, as the person asked. */
   private door = false;
   private readonly line = { records: h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'records-silent' }), told: h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'told' }), nav: h('nav', { class: 'places' }) };
@@ -190,11 +190,16 @@ export class ClinicPage implements Room {
     const silent = silentSince !== undefined && stage !== 'absent' ? fill(t.silentSince, { at: clock(silentSince) }) + (waits > 0 ? ` ${fill(t.waiting, { n: waits })}` : '') : '';
     line.records.hidden = silent === '';
     say(line.records, silent);
+    if (clinic.cameBack && stage === 'in') {
+      clinic.cameBack = false;
+      if (waits === 0 && this.told.words === '') this.told = { words: t.answerAgain, bad: false, alone: visit === null };
+    }
     line.told.hidden = this.told.words === '';
     line.told.className = this.told.bad ? 'notice bad' : 'notice';
     if (line.told.dataset.words !== this.told.words) {
       line.told.dataset.words = this.told.words;
-      line.told.replaceChildren(h('span', {}, this.told.words), button(t.close, 'close-told', () => this.tell(''), 'small'));
+      const { words, alone } = this.told;
+      line.told.replaceChildren(h('span', {}, words), alone ? button(t.patients.without, 'alone', () => { this.tell(''); this.go({ at: 'patients' }); if (this.screen instanceof PatientsScreen) this.screen.askSide(); }, 'small') : '', button(t.close, 'close-told', () => this.tell(''), 'small'));
     }
     const at = document.body.dataset.screen;
     const places = JSON.stringify([stage, at, visit?.id, clinic.tile, this.door, t.title]);

@@ -95,7 +95,7 @@ export class PatientForm implements Screen {
     side.element.dataset.testid = 'patient-side';
     const person = panel(t.person, 'person', h('div', { class: 'grid' }, this.field('name', { maxlength: 200 }, true), this.field('code', { maxlength: 60 }), this.field('born', { type: 'date' }), this.field('number', { maxlength: 60 }),
       h('div', { class: 'field wide' }, h('span', { class: 'label' }, t.fields.side), side.element, this.sideWrong), this.field('warnings', {}, true)));
-    const hands = panel(t.hands, 'sizes', this.hands);
+    const hands = panel(t.hands, 'sizes', this.hands, h('p', { class: 'aside' }, t.measure));
     const force = panel(t.limits, 'limits', h('label', { class: 'field' }, h('span', { class: 'label' }, t.preset), select('patient-preset', t.preset, (this.presets?.force ?? []).map(({ id }) => [id, presetName(id)]), this.typed.preset, (id) => { this.change({ preset: id }); this.showNumbers(); })), this.numbers, this.reach());
     const plan = panel(t.plan, 'planned', h('label', { class: 'field' }, h('span', { class: 'label' }, t.planPreset), select('patient-plan', t.planPreset, this.planChoices(), this.planNow(), (id) => {
       const items = this.presets?.plans.find((preset) => preset.id === id)?.items;
@@ -181,7 +181,7 @@ export class PatientForm implements Screen {
       return field.element;
     };
     draw();
-    return h('fieldset', { class: 'hand' }, h('legend', {}, sideWords(side)), drawn, slider('length_m', LENGTH_M), slider('breadth_m', BREADTH_M), h('p', { class: 'aside' }, t.measure));
+    return h('fieldset', { class: 'hand' }, h('legend', {}, sideWords(side)), drawn, slider('length_m', LENGTH_M), slider('breadth_m', BREADTH_M));
   }
 
   private async save(): Promise<void> {

@@ -69,7 +69,7 @@ export class PatientScreen implements Screen {
     const { clinic } = this.room;
     try {
       clinic.presets ??= await clinic.api.get('/api/presets');
-      const patient = await clinic.api.get<Patient>(`/api/patients/${this.id}`);
+      const patient = await clinic.read<Patient>(`/api/patients/${this.id}`);
       if (this.closed) return;
       const first = this.patient === undefined;
       this.patient = patient;
@@ -82,7 +82,9 @@ export class PatientScreen implements Screen {
     } catch (problem) {
       if (this.closed) return;
       this.failedSince ??= new Date();
-      this.said.say(`${problemWords(problem)} ${fill(this.t.failed, { at: clock(this.failedSince) })}`);
+      const seen = clinic.seen.get(`/api/patients/${this.id}`);
+      if (!this.patient && seen) this.build(this.patient = seen.value as Patient);
+      this.said.say([problemWords(problem), fill(this.t.failed, { at: clock(this.failedSince) }), seen ? fill(this.t.asOf, { at: clock(seen.at) }) : ''].filter(Boolean).join(' '));
     }
   }
 

@@ -37,6 +37,12 @@ export class PatientsScreen implements Screen {
     this.element.append(this.cards, this.extra, h('section', { class: 'panel list', 'aria-label': t.title },
       h('div', { class: 'tools' }, this.find, fresh, this.count, button(t.without, 'without-patient', () => this.askSide())), this.said.element, this.rows));
     this.timer = setInterval(() => { if (!document.hidden && !this.room.clinic.silentSince) void this.read(); }, EVERY_MS);
+    const seen = room.clinic.seen.get('/api/patients');
+    if (seen) {
+      this.list = seen.value as PatientList;
+      this.listed = seen.at;
+      this.show();
+    }
     void this.read();
   }
 
@@ -58,7 +64,7 @@ export class PatientsScreen implements Screen {
   private async read(): Promise<void> {
     const find = this.find.value.trim();
     try {
-      const list = await this.room.clinic.api.get<PatientList>(`/api/patients${find === '' ? '' : `?find=${encodeURIComponent(find)}`}`);
+      const list = await this.room.clinic.read<PatientList>(`/api/patients${find === '' ? '' : `?find=${encodeURIComponent(find)}`}`);
       if (this.closed || find !== this.find.value.trim()) return;
       this.list = list;
       this.listed = new Date();
@@ -149,7 +155,7 @@ export class PatientsScreen implements Screen {
   }
 
   /** A visit without a patient has the gentle limits, and says so before it begins. */
-  private askSide(): void {
+  askSide(): void {
     const { t } = this, { clinic } = this.room;
     const said = new Said();
     const begin = (side: OneSide): HTMLButtonElement => {

@@ -156,7 +156,7 @@ export class Header implements Panel {
 
   private languageChoice(): HTMLElement {
     const select = h('select', { 'aria-label': this.t.language, 'data-testid': 'language', class: 'lang' },
-      ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key, 'aria-label': LANGUAGE_NAMES[key] }, key.toUpperCase())));
+      ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key, 'aria-label': `${key.toUpperCase()} ${LANGUAGE_NAMES[key]}` }, key.toUpperCase())));
     select.addEventListener('change', () => setLanguage(select.value as Language));
     return select;
   }

@@ -7,6 +7,7 @@ export const de: ClinicTexts = {
   names: { hide: 'Namen ausblenden', show: 'Namen zeigen' },
   silentSince: 'Die Akten antworten seit {at} nicht. Sitzung, Stopp und Pause gehen weiter.', waiting: 'Auf diesem Gerät wartet: {n}.',
   silentNow: 'Die Akten antworten nicht.',
+  answerAgain: 'Die Akten antworten wieder.',
   stages: {
     looking: { title: 'Die Akten werden gesucht', words: 'Einen Moment …' },
     absent: { title: 'Die Akten antworten nicht', words: 'Es wird weiter versucht. Not-Halt und Konsole gehen inzwischen.' },
@@ -55,7 +56,7 @@ export const de: ClinicTexts = {
     both: { title: 'Von jemand anderem geändert', words: 'Diese Angaben wurden an einem anderen Bildschirm gespeichert, während Sie schrieben.', yours: 'Ihre', now: 'Dort gespeichert', mine: 'Meine speichern', theirs: 'Die anderen nehmen' },
   },
   patient: {
-    patient: 'Person', reading: 'Wird gelesen …', failed: 'Seit {at} nicht gelesen. Es wird von selbst weiter versucht.', visitCount: '{n} Sitzungen', oneVisit: '1 Sitzung', lastOn: 'zuletzt {day}', noVisit: 'noch keine Sitzung',
+    patient: 'Person', reading: 'Wird gelesen …', failed: 'Seit {at} nicht gelesen. Es wird von selbst weiter versucht.', asOf: 'Stand von {at}.', visitCount: '{n} Sitzungen', oneVisit: '1 Sitzung', lastOn: 'zuletzt {day}', noVisit: 'noch keine Sitzung',
     progress: 'Verlauf', progressSince: 'Verlauf seit {day}', noProgress: 'Nach zwei Sitzungen stehen hier Kurven.', noClaim: 'Werte wie gemessen; keiner ist ein Urteil.', visits: 'Sitzungen', noVisits: 'Noch keine Sitzungen.', csv: 'Als CSV speichern', print: 'Verlauf drucken', all: 'Alle {n} zeigen', newest: 'Nur die neusten',
     active: 'aktiv', painWords: 'Schmerz vorher {before}, nachher {after}', nothingDone: 'Nichts gemacht.', look: 'Ansehen', move: 'Verschieben', open: 'offen', unfinished: 'nicht beendet', noShow: 'nicht gekommen', helped: '{share} % geholfen', waiting: 'wird gemessen', failedTrial: 'nicht gemessen: {why}', noRecording: 'keine Aufnahme',
     replay: 'Wiedergabe', report: 'Bericht', compare: 'Vergleich', notes: 'Notizen', person: 'Person', edit: 'Ändern', born: 'Geboren', number: 'Nummer', hand: 'Grösse, {side}', preset: 'Kräfte',
@@ -68,7 +69,7 @@ export const de: ClinicTexts = {
     kinds: { tired: 'Müde', spasm: 'Spasmus', cue: 'Hinweis gegeben', hands_on: 'Von Hand geholfen', next: 'Nächstes Mal', reason: 'Warum nichts gemacht wurde' },
   },
   pain: { unasked: 'nicht gefragt', before: 'Schmerz vorher', after: 'Schmerz jetzt', notAsked: 'Nicht gefragt', of: 'Schmerz {n} von 10' },
-  today: { title: 'Heute', from: 'Wie am {day}', fromPlan: 'Nach dem Plan', begin: 'Sitzung {n} beginnen', goOn: 'Sitzung weiterführen', otherOpen: 'Zur offenen Sitzung', side: 'Welche Hand heute?', change: 'Plan ändern', ready: 'Plan ist fertig', noPlan: 'Der Plan ist leer. Fügen Sie eine Übung hinzu.', notNow: 'Solange die Akten nicht antworten, kann keine Sitzung beginnen.' },
+  today: { title: 'Heute', from: 'Wie am {day}', fromPlan: 'Nach dem Plan', begin: 'Sitzung {n} beginnen', goOn: 'Sitzung weiterführen', otherOpen: 'Zur offenen Sitzung', side: 'Welche Hand heute?', change: 'Plan ändern', ready: 'Plan ist fertig', noPlan: 'Der Plan ist leer. Fügen Sie eine Übung hinzu.', notNow: 'Solange die Akten nicht antworten, kann keine Sitzung beginnen. Danach geht sofort eine ohne Person, mit den sanften Werten.' },
   visit: {
     title: 'Sitzung', plan: 'Plan', noPatient: 'Ohne Person', gentle: 'sanfte Werte', hiddenName: 'Name ausgeblendet', recorded: '● Aufnahme', unrecorded: 'Nicht aufgezeichnet', itemOf: '{n} von {m}', active: 'aktiv: {item} von {of} min, Sitzung {all}', inProgress: 'jetzt', done: 'gemacht', setUp: 'Einrichten',
     next: 'Weiter im Plan', nextIs: 'Weiter: {name}', end: 'Sitzung beenden', stop: 'Sanft anhalten', marks: 'Mit einer Berührung notieren', noteTitle: 'Notizen', pain: 'Schmerz', another: 'Eine andere Sitzung ist offen.', over: 'Diese Sitzung ist zu Ende.',

@@ -5,6 +5,7 @@ export const en = {
   names: { hide: 'Hide names', show: 'Show names' },
   silentSince: 'Records do not answer since {at}. The session, Stop and Pause go on.', waiting: 'Waiting on this machine: {n}.',
   silentNow: 'The records do not answer.',
+  answerAgain: 'The records answer again.',
   stages: {
     looking: { title: 'Looking for the records', words: 'One moment …' },
     absent: { title: 'The records do not answer', words: 'It is tried again. Emergency stop and the console work meanwhile.' },
@@ -53,7 +54,7 @@ export const en = {
     both: { title: 'Changed by somebody else', words: 'This patient was saved on another screen while you typed.', yours: 'Yours', now: 'Saved there', mine: 'Save mine', theirs: 'Take theirs' },
   },
   patient: {
-    patient: 'Patient', reading: 'Reading …', failed: 'Not read since {at}. It is tried again by itself.', visitCount: '{n} visits', oneVisit: '1 visit', lastOn: 'last on {day}', noVisit: 'no visit yet',
+    patient: 'Patient', reading: 'Reading …', failed: 'Not read since {at}. It is tried again by itself.', asOf: 'Shown as of {at}.', visitCount: '{n} visits', oneVisit: '1 visit', lastOn: 'last on {day}', noVisit: 'no visit yet',
     progress: 'Progress', progressSince: 'Progress since {day}', noProgress: 'Curves stand here after two visits.', noClaim: 'Values as measured; none is a judgement.', visits: 'Visits', noVisits: 'No visits yet.', csv: 'Save as CSV', print: 'Print progress', all: 'Show all {n}', newest: 'Show the newest only',
     active: 'active', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', noShow: 'did not come', helped: 'helped {share} %', waiting: 'being measured', failedTrial: 'not measured: {why}', noRecording: 'no recording',
     replay: 'Replay', report: 'Report', compare: 'Compare', notes: 'Notes', person: 'Person', edit: 'Edit', born: 'Born', number: 'Number', hand: 'Size, {side}', preset: 'Forces',
@@ -66,7 +67,7 @@ export const en = {
     kinds: { tired: 'Tired', spasm: 'Spasm', cue: 'Cue given', hands_on: 'Hands-on', next: 'Next time', reason: 'Why nothing was done' } as Record<string, string>,
   },
   pain: { unasked: 'not asked', before: 'Pain before', after: 'Pain now', notAsked: 'Not asked', of: 'Pain {n} of 10' },
-  today: { title: 'Today', from: 'As on {day}', fromPlan: 'From the plan', begin: 'Begin visit {n}', goOn: 'Go on with the visit', otherOpen: 'Go to the open visit', side: 'Which hand today?', change: 'Change plan', ready: 'Plan is ready', noPlan: 'The plan is empty. Add an exercise.', notNow: 'A visit cannot begin while the records do not answer.' },
+  today: { title: 'Today', from: 'As on {day}', fromPlan: 'From the plan', begin: 'Begin visit {n}', goOn: 'Go on with the visit', otherOpen: 'Go to the open visit', side: 'Which hand today?', change: 'Change plan', ready: 'Plan is ready', noPlan: 'The plan is empty. Add an exercise.', notNow: 'A visit cannot begin while the records do not answer. Once they do, one without a patient can begin at once, under the gentle preset.' },
   visit: {
     title: 'Visit', plan: 'Plan', noPatient: 'No patient', gentle: 'gentle preset', hiddenName: 'Name hidden', recorded: '● Recording', unrecorded: 'Not recorded', itemOf: '{n} of {m}', active: 'active: {item} of {of} min, visit {all}', inProgress: 'now', done: 'done', setUp: 'Set up',
     next: 'Next in plan', nextIs: 'Next: {name}', end: 'End visit', stop: 'Stop gently', marks: 'Note with one touch', noteTitle: 'Notes', pain: 'Pain', another: 'Another visit is open.', over: 'This visit has ended.',

@@ -7,6 +7,7 @@ export const fr: ClinicTexts = {
   names: { hide: 'Masquer les noms', show: 'Montrer les noms' },
   silentSince: 'Les dossiers ne répondent plus depuis {at}. La séance, l’arrêt et la pause continuent.', waiting: 'En attente sur cette machine : {n}.',
   silentNow: 'Les dossiers ne répondent pas.',
+  answerAgain: 'Les dossiers répondent de nouveau.',
   stages: {
     looking: { title: 'Recherche des dossiers', words: 'Un instant …' },
     absent: { title: 'Les dossiers ne répondent pas', words: 'Nouvel essai en cours. L’arrêt d’urgence et la console marchent entre-temps.' },
@@ -55,7 +56,7 @@ export const fr: ClinicTexts = {
     both: { title: 'Modifié par quelqu’un d’autre', words: 'Ce patient a été enregistré sur un autre écran pendant que vous écriviez.', yours: 'Le vôtre', now: 'Enregistré là', mine: 'Enregistrer le mien', theirs: 'Prendre l’autre' },
   },
   patient: {
-    patient: 'Patient', reading: 'Lecture …', failed: 'Pas lu depuis {at}. Nouvel essai automatique.', visitCount: '{n} séances', oneVisit: '1 séance', lastOn: 'dernière : {day}', noVisit: 'pas encore de séance',
+    patient: 'Patient', reading: 'Lecture …', failed: 'Pas lu depuis {at}. Nouvel essai automatique.', asOf: 'État de {at}.', visitCount: '{n} séances', oneVisit: '1 séance', lastOn: 'dernière : {day}', noVisit: 'pas encore de séance',
     progress: 'Évolution', progressSince: 'Évolution depuis {day}', noProgress: 'Les courbes viennent après deux séances.', noClaim: 'Valeurs mesurées ; aucune n’est un jugement.', visits: 'Séances', noVisits: 'Pas encore de séances.', csv: 'Enregistrer en CSV', print: 'Imprimer l’évolution', all: 'Montrer les {n}', newest: 'Seulement les plus récentes',
     active: 'actives', painWords: 'douleur avant {before}, après {after}', nothingDone: 'Rien n’a été fait.', look: 'Regarder', move: 'Déplacer', open: 'en cours', unfinished: 'inachevée', noShow: 'pas venu', helped: 'aidé à {share} %', waiting: 'mesure en cours', failedTrial: 'pas mesuré : {why}', noRecording: 'pas d’enregistrement',
     replay: 'Rejouer', report: 'Rapport', compare: 'Comparer', notes: 'Notes', person: 'Personne', edit: 'Modifier', born: 'Naissance', number: 'Numéro', hand: 'Taille, {side}', preset: 'Forces',
@@ -68,7 +69,7 @@ export const fr: ClinicTexts = {
     kinds: { tired: 'Fatigue', spasm: 'Spasme', cue: 'Indication', hands_on: 'Aide manuelle', next: 'La prochaine fois', reason: 'Pourquoi rien n’a été fait' },
   },
   pain: { unasked: 'pas demandée', before: 'Douleur avant', after: 'Douleur maintenant', notAsked: 'Pas demandé', of: 'Douleur {n} sur 10' },
-  today: { title: 'Aujourd’hui', from: 'Comme le {day}', fromPlan: 'D’après le programme', begin: 'Commencer la séance {n}', goOn: 'Continuer la séance', otherOpen: 'Aller à la séance en cours', side: 'Quelle main aujourd’hui ?', change: 'Changer le programme', ready: 'Le programme est prêt', noPlan: 'Le programme est vide. Ajoutez un exercice.', notNow: 'Une séance ne peut pas commencer tant que les dossiers ne répondent pas.' },
+  today: { title: 'Aujourd’hui', from: 'Comme le {day}', fromPlan: 'D’après le programme', begin: 'Commencer la séance {n}', goOn: 'Continuer la séance', otherOpen: 'Aller à la séance en cours', side: 'Quelle main aujourd’hui ?', change: 'Changer le programme', ready: 'Le programme est prêt', noPlan: 'Le programme est vide. Ajoutez un exercice.', notNow: 'Une séance ne peut pas commencer tant que les dossiers ne répondent pas. Dès qu’ils répondent, une séance sans patient peut commencer, avec le réglage doux.' },
   visit: {
     title: 'Séance', plan: 'Programme', noPatient: 'Sans patient', gentle: 'réglage doux', hiddenName: 'Nom masqué', recorded: '● Enregistrement', unrecorded: 'Pas enregistré', itemOf: '{n} sur {m}', active: 'actif : {item} sur {of} min, séance {all}', inProgress: 'en cours', done: 'fait', setUp: 'Préparer',
     next: 'Suite du programme', nextIs: 'Suite : {name}', end: 'Finir la séance', stop: 'Arrêter en douceur', marks: 'Noter d’une touche', noteTitle: 'Notes', pain: 'Douleur', another: 'Une autre séance est en cours.', over: 'Cette séance est finie.',

@@ -1,0 +1,392 @@
+// What the clinic's page keeps, asks and shows, against records in memory.
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { ClinicApi, Refused, Silent } from '../src/clinic/api';
+import { Clinic, NAMES_FOR_MS } from '../src/clinic/clinic';
+import { drawnCurve } from '../src/clinic/curves';
+import { Drafts } from '../src/clinic/drafts';
+import { besideLast } from '../src/clinic/end_screen';
+import { de } from '../src/clinic/i18n/de';
+import { en } from '../src/clinic/i18n/en';
+import { fr } from '../src/clinic/i18n/fr';
+import { NoteKeeper, SAVED_AFTER_MS } from '../src/clinic/note_keeper';
+import { Outbox } from '../src/clinic/outbox';
+import { painWords } from '../src/clinic/pain';
+import { differing } from '../src/clinic/patient_form';
+import { activeMin, isOpen, itemNow, type Patient, type Visit } from '../src/clinic/records';
+import { hashOf, routeOf, type Route } from '../src/clinic/routes';
+import { FakeClinic } from './clinic_fake';
+
+class Kept {
+  readonly all = new Map<string, string>();
+  getItem = (key: string): string | null => this.all.get(key) ?? null;
+  setItem = (key: string, text: string): void => { this.all.set(key, text); };
+  removeItem = (key: string): void => { this.all.delete(key); };
+}
+
+let fake: FakeClinic;
+let local: Kept, session: Kept;
+let now_ms: number;
+
+beforeEach(() => {
+  fake = new FakeClinic(() => 1.8e15);
+  fake.clinic = 'open';
+  fake.phrase = 'correct horse';
+  fake.tiles = [{ id: 1, name: 'A. Keller', colour: '#0B6B58', pin: '1234' }, { id: 2, name: 'B. Rossi', colour: '#1F5FC4', pin: '4321' }];
+  [local, session, now_ms] = [new Kept(), new Kept(), 0];
+});
+afterEach(() => { vi.useRealTimers(); });
+
+/** A page that is open, with an account that has signed in. */
+async function page(signed = true): Promise<Clinic> {
+  const clinic = new Clinic('127.0.0.1', () => session, () => local, () => now_ms, fake.fetch);
+  if (signed && clinic.api.token === '') clinic.signedIn(fake.signIn());
+  await clinic.look(fake.fetch);
+  return clinic;
+}
+
+describe('who may see names', () => {
+  it('is asked in this order: first start, pass phrase, tile, then names', async () => {
+    fake.clinic = 'new';
+    const clinic = await page(false);
+    expect(clinic.stage).toBe('new');
+    await clinic.api.send('POST', '/api/init', { pass_phrase: 'correct horse', tile: { name: 'A', colour: '#0B6B58', pin: '1234' } });
+    await clinic.look(fake.fetch);
+    expect(clinic.stage).toBe('who');
+    fake.clinic = 'locked';
+    await clinic.look(fake.fetch);
+    expect(clinic.stage).toBe('locked');
+  });
+
+  it('says that the station keeps no records', async () => {
+    const clinic = new Clinic('127.0.0.1', () => session, () => local, () => now_ms, fake.fetch);
+    await clinic.look(async () => new Response('', { status: 404 }));
+    expect(clinic.stage).toBe('without');
+  });
+
+  it('loses them after five minutes without input, and not the visit', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const clinic = await page();
+    fake.open(maria.id, 'right', maria.plan);
+    await clinic.look(fake.fetch);
+    expect(clinic.visitPatient?.name).toBe('Maria Huber');
+    now_ms = NAMES_FOR_MS - 1;
+    clinic.watch();
+    expect(clinic.stage).toBe('in');
+    now_ms = NAMES_FOR_MS + 1;
+    clinic.watch();
+    await clinic.look(fake.fetch);
+    expect([clinic.stage, clinic.visitPatient, clinic.visit?.patient]).toEqual(['hidden', null, maria.id]);
+    expect(JSON.stringify([clinic.state?.visit, clinic.visit, clinic.visitPatient])).not.toContain('Maria');
+    // The next item is set up, too.
+    const next = await clinic.api.send<Visit>('POST', `/api/visits/${clinic.visit!.id}/item`, { item: 1 });
+    expect(next.next_item).toBe(1);
+    await expect(clinic.api.get(`/api/patients/${maria.id}`)).rejects.toMatchObject({ code: 'hidden' });
+    await clinic.show('1234');
+    expect([clinic.stage, clinic.visitPatient?.name]).toEqual(['in', 'Maria Huber']);
+  });
+
+  it('loses them where the records hide by themselves', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    fake.open(maria.id, 'right', maria.plan);
+    const clinic = await page();
+    fake.hidden = true;
+    await expect(clinic.api.get('/api/patients')).rejects.toMatchObject({ code: 'hidden' });
+    expect([clinic.stage, clinic.visitPatient]).toEqual(['hidden', null]);
+  });
+
+  it('stays signed in over a reload, and keeps nothing in the address', async () => {
+    await page();
+    expect((await page(false)).stage).toBe('in');
+    expect([...session.all.keys()].sort()).toEqual(['wholehand.clinic.account', 'wholehand.clinic.token']);
+  });
+
+  it('says how many tries are left', async () => {
+    const clinic = await page(false);
+    await expect(clinic.api.send('POST', '/api/sign_in', { account: 1, pin: '9999' })).rejects.toMatchObject({ code: 'wrong_pin', more: { tries_left: 4 } });
+  });
+});
+
+describe('one intent', () => {
+  it('has one key: a double press opens one visit', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const { api } = await page();
+    const begin = () => api.send<Visit>('POST', `/api/patients/${maria.id}/visits`, { side: 'right', plan: maria.plan });
+    const [first, second] = await Promise.all([begin(), begin()]);
+    expect(first.id).toBe(second.id);
+    expect(fake.visits).toHaveLength(1);
+  });
+
+  it('keeps its key over a lost answer', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const token = fake.signIn().token;
+    let lost = true;
+    const api = new ClinicApi(() => 'http://127.0.0.1:9', async (url, init) => {
+      const answer = await fake.fetch(url, init);
+      if (!lost) return answer;
+      lost = false;
+      throw new TypeError('the answer was lost');
+    });
+    api.token = token;
+    const begin = () => api.send<Visit>('POST', `/api/patients/${maria.id}/visits`, { side: 'right', plan: maria.plan });
+    await expect(begin()).rejects.toBeInstanceOf(Silent);
+    expect((await begin()).id).toBe(fake.visits[0].id);
+    expect(fake.visits).toHaveLength(1);
+  });
+
+  it('gets a new key once it was refused', async () => {
+    const { api } = await page();
+    fake.instead = { path: /accounts/, answer: { status: 503, body: { refused: 'busy', why: 'busy' } } };
+    const add = () => api.send('POST', '/api/accounts', { name: 'C', colour: '#0B6B58', pin: '1111' });
+    await expect(add()).rejects.toBeInstanceOf(Refused);
+    fake.instead = undefined;
+    await add();
+    expect(fake.tiles).toHaveLength(3);
+  });
+});
+
+describe('what is typed', () => {
+  it('is kept for the same account and patient only', () => {
+    const drafts = new Drafts(() => local);
+    drafts.account = 1;
+    drafts.set('note', 12, 'of Maria');
+    const again = new Drafts(() => local);
+    again.account = 1;
+    expect([again.get('note', 12), again.get('note', 13)]).toEqual(['of Maria', undefined]);
+    again.account = 2;
+    expect(again.get('note', 12)).toBeUndefined();
+    again.account = 0;
+    expect(again.get('note', 12)).toBeUndefined();
+  });
+
+  it('is kept by the page where the browser keeps nothing', () => {
+    const drafts = new Drafts(() => ({ getItem: () => { throw new Error('denied'); }, setItem: () => { throw new Error('denied'); }, removeItem: () => { throw new Error('denied'); } }));
+    drafts.account = 1;
+    drafts.set('note', 12, 'of Maria');
+    expect(drafts.get('note', 12)).toBe('of Maria');
+  });
+
+  it('is saved a second after the last key, once, and then as the same note', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const { api, drafts } = await page();
+    vi.useFakeTimers();
+    const keeper = new NoteKeeper(api, drafts, `/api/patients/${maria.id}/notes`, 'note', maria.id);
+    for (const text of ['T', 'Ti', 'Tired']) {
+      keeper.type(text);
+      await vi.advanceTimersByTimeAsync(SAVED_AFTER_MS - 10);
+    }
+    expect(fake.notes).toHaveLength(0);
+    await vi.advanceTimersByTimeAsync(50);
+    expect(fake.notes.map(({ text }) => text)).toEqual(['Tired']);
+    expect(keeper.state).toBe('saved');
+    keeper.type('Tired after 20 min');
+    await vi.advanceTimersByTimeAsync(SAVED_AFTER_MS + 50);
+    expect(fake.notes.map(({ text }) => text)).toEqual(['Tired after 20 min']);
+    expect(await keeper.done()).toBe(true);
+    expect([keeper.text, drafts.get('note', maria.id)]).toEqual(['', undefined]);
+  });
+
+  it('adds what came after as a note of its own where notes cannot be changed', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const { api, drafts } = await page();
+    const keeper = new NoteKeeper(api, drafts, `/api/patients/${maria.id}/notes`, 'note', maria.id);
+    keeper.type('Tired');
+    await keeper.save();
+    fake.instead = { path: /^\/api\/notes\//, answer: { status: 404, body: { refused: 'not_found', why: '' } } };
+    keeper.type('Tired after 20 min');
+    await keeper.save();
+    keeper.close();
+    expect(fake.notes.map(({ text }) => text)).toEqual(['Tired', 'after 20 min']);
+  });
+
+  it('outlives records that are gone, and comes once', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const { api, drafts } = await page();
+    const keeper = new NoteKeeper(api, drafts, `/api/patients/${maria.id}/notes`, 'note', maria.id);
+    fake.gone = true;
+    keeper.type('Asks for more');
+    await keeper.save();
+    expect([keeper.state, keeper.text, fake.notes.length]).toEqual(['waits', 'Asks for more', 0]);
+    keeper.close();
+    // The tab was killed; the page is opened again.
+    fake.gone = false;
+    const again = new NoteKeeper(api, drafts, `/api/patients/${maria.id}/notes`, 'note', maria.id);
+    expect(again.text).toBe('Asks for more');
+    await again.save();
+    await again.save();
+    again.close();
+    expect(fake.notes.map(({ text }) => text)).toEqual(['Asks for more']);
+  });
+});
+
+describe('marks and pain', () => {
+  it('wait for records that are gone, in their order', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const clinic = await page();
+    const visit = fake.open(maria.id, 'right', maria.plan);
+    fake.gone = true;
+    await clinic.outbox.add(`/api/visits/${visit.id}/notes`, { kind: 'tired', text: '', at_us: 1 });
+    await clinic.outbox.add(`/api/visits/${visit.id}/pain`, { when: 'before', value: 0 });
+    expect(clinic.silentSince).toBeDefined();
+    expect(clinic.outbox.waiting).toHaveLength(2);
+    // Another page, later.
+    fake.gone = false;
+    const later = await page(false);
+    await vi.waitFor(() => expect(later.outbox.waiting).toHaveLength(0));
+    expect(fake.notes.map(({ kind }) => kind)).toEqual(['tired']);
+    expect(visit.pain_before).toBe(0);
+  });
+
+  it('go nowhere under another account', async () => {
+    const clinic = await page();
+    fake.gone = true;
+    await clinic.outbox.add('/api/visits/1/notes', { kind: 'tired', text: '', at_us: 1 });
+    fake.gone = false;
+    clinic.signedIn({ token: clinic.api.token, account: 2 });
+    await clinic.outbox.flush();
+    expect([clinic.outbox.waiting.length, fake.notes.length]).toEqual([0, 0]);
+    clinic.drafts.account = 1;
+    expect(clinic.outbox.waiting).toHaveLength(1);
+  });
+
+  it('are given back where the records will never take them', async () => {
+    const drafts = new Drafts(() => local);
+    drafts.account = 1;
+    const outbox = new Outbox({ send: () => Promise.reject(new Refused(404, 'not_found', 'gone')) }, drafts);
+    const refused = vi.fn();
+    outbox.onRefused = refused;
+    await outbox.add('/api/visits/1/notes', { kind: 'next', text: 'Level 2', at_us: 1 });
+    expect(outbox.waiting).toHaveLength(0);
+    expect(refused.mock.calls[0][0].body.text).toBe('Level 2');
+  });
+
+  it('know that 0 is an answer and "not asked" another one', () => {
+    expect([painWords(0), painWords(null), painWords(undefined), painWords(10)]).toEqual(['0', 'not asked', 'not asked', '10']);
+  });
+});
+
+describe('curves', () => {
+  it('are not drawn from one point, nor from none', () => {
+    for (const points of [[], [[1, 3]], [[1, 3], [2, NaN]]] as [number, number][][]) expect(drawnCurve({ name: 'score', points })).toBeUndefined();
+  });
+
+  it('go from the first visit to the last, in order of time', () => {
+    const drawn = drawnCurve({ name: 'score', points: [[200, 10], [100, 20], [300, 20]] })!;
+    expect(drawn.dots.map(([x]) => x)).toEqual([...drawn.dots.map(([x]) => x)].sort((a, b) => a - b));
+    expect(drawn.dots[0][1]).toBe(drawn.dots[2][1]);
+    expect(drawn.dots[1][1]).toBeGreaterThan(drawn.dots[0][1]);
+  });
+
+  it('stay within their picture where all values are equal, or zero', () => {
+    for (const value of [0, 5, -2]) for (const [x, y] of drawnCurve({ name: 'score', points: [[1, value], [1, value]] })!.dots) expect([Number.isFinite(x), y >= 0 && y <= 132]).toEqual([true, true]);
+  });
+});
+
+describe('a visit', () => {
+  const visit = (): Visit => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const opened = fake.open(maria.id, 'right', maria.plan);
+    fake.trial(opened, 0, 60);
+    return opened;
+  };
+
+  it('is compared with the last one in the same exercise and level', () => {
+    const [before, now] = [visit(), visit()];
+    fake.trial(before, 1, 30);
+    expect(besideLast(now.trials[0], before).map(({ before: other }) => other?.value)).toEqual([60, 2.4]);
+    expect(besideLast({ ...now.trials[0], level: 2 }, before)[0].before).toBeUndefined();
+    expect(besideLast(now.trials[0], undefined)[0].before).toBeUndefined();
+  });
+
+  it('counts active minutes, and stays at its last item', () => {
+    expect(activeMin(visit())).toBeCloseTo(280 / 60, 9);
+    expect([0, 1, 2, 7].map((next_item) => itemNow({ ...visit(), next_item }))).toEqual([0, 1, 1, 1]);
+  });
+
+  it('without a patient is open until it has ended', () => {
+    const opened = { ...visit(), state: 'guest' } as Visit;
+    expect([isOpen(opened), isOpen({ ...opened, ended_us: 5 })]).toEqual([true, false]);
+  });
+
+  it('is found again by a page that is opened meanwhile', async () => {
+    const opened = visit();
+    expect((await page()).visit?.id).toBe(opened.id);
+  });
+});
+
+describe('two consoles on one patient', () => {
+  it('the second one is shown both texts, and may save hers', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const { api } = await page();
+    const opened = await api.get<Patient>(`/api/patients/${maria.id}`);
+    await api.send('PUT', `/api/patients/${maria.id}`, { ...opened, warnings: 'theirs' });
+    const refused = await api.send<Patient>('PUT', `/api/patients/${maria.id}`, { ...opened, warnings: 'mine' }).catch((problem: Refused) => problem);
+    expect(refused).toMatchObject({ status: 409, code: 'changed' });
+    const now = (refused as Refused).more.now as Patient;
+    expect(differing({ ...opened, warnings: 'mine' }, now)).toEqual(['warnings']);
+    const saved = await api.send<Patient>('PUT', `/api/patients/${maria.id}`, { ...opened, warnings: 'mine', version: now.version });
+    expect(saved.warnings).toBe('mine');
+  });
+
+  it('a code that another patient has is refused at its field', async () => {
+    fake.add({ name: 'Maria Huber', code: 'P-7' });
+    const { api } = await page();
+    await expect(api.send('POST', '/api/patients', { name: 'B', code: 'P-7', born: '' })).rejects.toMatchObject({ code: 'code_exists', field: 'code' });
+  });
+});
+
+describe('records that do not answer', () => {
+  it('are said with their time, the page keeps what it has, and they come back by themselves', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const clinic = await page();
+    fake.open(maria.id, 'right', maria.plan);
+    await clinic.look(fake.fetch);
+    fake.gone = true;
+    await clinic.look(fake.fetch);
+    expect([clinic.stage, clinic.silentSince instanceof Date, clinic.visit?.patient]).toEqual(['in', true, maria.id]);
+    fake.gone = false;
+    await clinic.look(fake.fetch);
+    expect([clinic.silentSince, clinic.cameBack]).toEqual([undefined, true]);
+  });
+
+  it('that were started again need the pass phrase; the visit stays', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    fake.open(maria.id, 'right', maria.plan);
+    const clinic = await page();
+    fake.clinic = 'locked';
+    await clinic.look(fake.fetch);
+    expect([clinic.stage, clinic.visit !== null, clinic.visitPatient]).toEqual(['locked', true, null]);
+    // What is marked meanwhile is kept under the same account.
+    await clinic.outbox.add(`/api/visits/${clinic.visit!.id}/notes`, { kind: 'spasm', text: '', at_us: 1 });
+    expect(clinic.outbox.waiting).toHaveLength(1);
+    await clinic.api.send('POST', '/api/unlock', { recovery_code: fake.code });
+    clinic.signedIn(await clinic.api.send('POST', '/api/sign_in', { account: 1, pin: '1234' }));
+    await vi.waitFor(() => expect(fake.notes.map(({ kind }) => kind)).toEqual(['spasm']));
+  });
+});
+
+describe('addresses', () => {
+  it.each<Route>([{ at: 'patients' }, { at: 'new' }, { at: 'settings' }, { at: 'patient', patient: 7 }, { at: 'edit', patient: 7 }, { at: 'progress', patient: 7 }, { at: 'summary', patient: 7, visit: 9 }, { at: 'visit', visit: 9 }, { at: 'end', visit: 9 }])('carry numbers only: $at', (route) => {
+    expect(routeOf(hashOf(route))).toEqual(route);
+    expect(hashOf(route)).toMatch(/^#\/[a-z]+(\/\d+)?(\/[a-z]+)?(\/\d+)?$/);
+  });
+
+  it('that name something else lead to the list', () => {
+    for (const hash of ['', '#', '#/patient/Maria', '#/patient/0', '#/visit/-1', '#/patient/1e3', '#/<b>']) expect(routeOf(hash)).toEqual({ at: 'patients' });
+  });
+});
+
+describe('texts', () => {
+  const flat = (of: unknown, path = ''): [string, string][] => (typeof of === 'string' ? [[path, of]] : Object.entries(of as object).flatMap(([key, value]) => flat(value, `${path}.${key}`)));
+  const places = (words: string): string[] => (words.match(/\{\w+\}/g) ?? []).sort();
+
+  it.each([['fr', fr], ['de', de]] as const)('of %s have the keys and places of English', (_name, other) => {
+    const there = new Map(flat(other));
+    expect([...there.keys()].sort()).toEqual(flat(en).map(([key]) => key).sort());
+    for (const [key, words] of flat(en)) expect(places(there.get(key)!), key).toEqual(places(words));
+  });
+
+  it('say every code of a refusal', () => {
+    const codes = ['locked', 'not_signed_in', 'hidden', 'wrong_pin', 'too_many_tries', 'wrong_phrase', 'not_found', 'code_exists', 'changed', 'visit_open', 'station', 'station_silent', 'no_recording', 'database', 'busy'];
+    for (const texts of [en, fr, de]) expect(Object.keys(texts.refusals).sort()).toEqual([...codes].sort());
+  });
+});
