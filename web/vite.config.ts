@@ -28,13 +28,13 @@ function mediapipeHands(): Plugin {
   };
 }
 
-/** `/console` is console.html, `/commission` commission.html, `/replay` replay.html, as the program serves them. */
+/** `/console` is console.html, `/clinic` clinic.html, `/commission` commission.html, `/replay` replay.html, as the program serves them. */
 function consoleAddress(): Plugin {
   return {
     name: 'wholehand-console-address',
     configureServer(server) {
       server.middlewares.use((request, _response, next) => {
-        if (request.url) request.url = request.url.replace(/^\/(console|commission|replay)(?=\?|#|$)/, '/$1.html');
+        if (request.url) request.url = request.url.replace(/^\/(console|clinic|commission|replay)(?=\?|#|$)/, '/$1.html');
         next();
       });
     },
@@ -69,6 +69,6 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 900,
     reportCompressedSize: false,
-    rollupOptions: { input: { game: 'index.html', console: 'console.html', commission: 'commission.html', replay: 'replay.html' } },
+    rollupOptions: { input: { game: 'index.html', console: 'console.html', clinic: 'clinic.html', commission: 'commission.html', replay: 'replay.html' } },
   },
 });

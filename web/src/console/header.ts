@@ -15,6 +15,15 @@ const PILL_ICON: Readonly<Record<string, IconName>> = {
   rendering: 'ok', disarmed: 'wait', connecting: 'wait', paused: 'wait', stopping: 'wait', stopped: 'wait', faulted: 'bad', lost: 'bad',
 };
 
+/** What another page says in it, and where it may start. */
+export interface HeaderOwn {
+  /** In place of the scene's patient and exercise, two lines each. */
+  readonly who: () => readonly [string, string];
+  readonly what: () => readonly [string, string];
+  /** Whether Start may be pressed, beside what the program says; undefined: there is nothing to start on this screen. */
+  readonly startable: () => boolean | undefined;
+}
+
 /** Shows patient, exercise and state; start, pause and emergency stop are buttons that keep their places. */
 export class Header implements Panel {
   readonly element: HTMLElement;
@@ -34,7 +43,7 @@ export class Header implements Panel {
   private endingsShown = 0;
   private endingsPressed: number | undefined;
 
-  constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void, engineer: boolean) {
+  constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void, engineer: boolean, private readonly own?: HeaderOwn) {
     const { t } = this;
     this.info = infoOf(model.scene);
     this.pill = h('div', { class: 'pill', role: 'status', 'data-testid': 'state' },
@@ -79,8 +88,9 @@ export class Header implements Panel {
   }
 
   private refreshWho(): void {
-    const { model, t } = this;
+    const { model, t, own } = this;
     const { scene } = model;
+    if (own) return this.sayOwn(own);
     if (!scene) return;
     const side = scene.rightHand ? t.hand.right : t.hand.left;
     const profile = String(scene.profile ?? ''), simulated = deviceLines(model.state?.device, t) === undefined;
@@ -94,6 +104,14 @@ export class Header implements Panel {
     const level = scene.levels > 0 ? fill(t.level, { n: scene.level }) : '';
     const progress = this.info.progress((name) => model.value(name));
     say(this.what.second, progress === '' ? level : `${level}, ${progress}`);
+  }
+
+  private sayOwn(own: HeaderOwn): void {
+    for (const [pair, [first, second]] of [[this.who, own.who()], [this.what, own.what()]] as const) {
+      say(pair.first, first);
+      say(pair.second, second);
+      pair.element.hidden = first === '' && second === '';
+    }
   }
 
   private refreshPill(): void {
@@ -114,13 +132,21 @@ export class Header implements Panel {
     const { model, t } = this;
     const { name } = model.status;
     this.endingsShown = model.connection.endings;
-    this.arm.disabled = !model.startable;
+    const here = this.own ? this.own.startable() : true;
+    this.arm.disabled = !model.startable || !here;
+    this.arm.hidden = here === undefined;
     if (this.arm.disabled && document.activeElement === this.arm) this.arm.blur();
     const word = name === 'stopped' || name === 'faulted' ? t.armAgain : t.arm;
     if (this.arm.lastChild?.textContent !== word) this.arm.replaceChildren(icon('play'), word);
     this.pause.disabled = name !== 'rendering';
     const paused = name === 'paused';
-    if (this.pause.hidden === paused) return;
+    // Where nothing is started, there is a Pause only while there is something to pause.
+    const idle = here === undefined && this.pause.disabled;
+    if (idle && !paused) {
+      this.pause.hidden = this.resume.hidden = true;
+      return;
+    }
+    if (this.pause.hidden === paused && this.resume.hidden !== paused) return;
     const focused = document.activeElement === (paused ? this.pause : this.resume);
     this.pause.hidden = paused;
     this.resume.hidden = !paused;

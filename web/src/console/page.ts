@@ -1,10 +1,10 @@
 import type { Connection } from '../net/connection';
 import { PacedView, PICTURES_HZ, type HandLook } from '../scene/paced_view';
 import type { Quality } from '../scene/quality';
-import type { SceneT } from '../protocol';
 import { store, stored } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
 import { BigControls } from './big_controls';
+import { builtFrom } from './built_from';
 import { h, setAttribute } from './dom';
 import { ExercisePanelView } from './panel_view';
 import { Header } from './header';
@@ -31,13 +31,6 @@ const EARLY_MS = 2;
 /** Whether the element with the focus uses the space bar itself. */
 function spaceIsTaken(target: EventTarget | null): boolean {
   return target instanceof Element && target.closest('input, select, textarea, button, a, summary, [role=tab]') !== null;
-}
-
-/** The parts of a scene that panels are built from. */
-function builtFrom(scene: SceneT | null): string {
-  if (!scene) return '';
-  const { axes, parameters, exercises, hands, levels, level, exerciseName, exerciseJson, handName, rightHand, valueNames, eventNames } = scene;
-  return JSON.stringify([axes, parameters, exercises, hands, levels, level, exerciseName, exerciseJson, handName, rightHand, valueNames, eventNames]);
 }
 
 /** The therapist's page: panels around one model, built anew for a language, a theme or a scene. */

@@ -1,0 +1,102 @@
+// Asks the records' process by HTTP. It is another process than the station's: it may be gone while a session goes on.
+
+/** After so long without an answer there is none [ms]. */
+const WITHIN_MS = 6000;
+
+/** The records refused: nothing was changed. */
+export class Refused extends Error {
+  constructor(readonly status: number, readonly code: string, readonly why: string, readonly field = '', readonly more: Readonly<Record<string, unknown>> = {}) {
+    super(why);
+  }
+}
+
+/** The records did not answer. What was asked may have been done: the same key asks again. */
+export class Silent extends Error {
+  constructor() { super('no answer'); }
+}
+
+export type Method = 'POST' | 'PUT' | 'DELETE';
+export type Fetch = (url: string, init: RequestInit) => Promise<Response>;
+
+const newKey = (): string => (crypto.randomUUID?.() ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join(''));
+
+interface Intent { readonly key: string; under_way?: Promise<unknown> }
+
+export class ClinicApi {
+  token = '';
+  /** Called after every question: true where it was answered, a refusal too. */
+  onHeard: (answered: boolean) => void = () => {};
+  /** Called with every refusal. */
+  onRefused: (refused: Refused) => void = () => {};
+  private readonly intents = new Map<string, Intent>();
+
+  /** @param base "http://host:port", or the empty string while the port is not known */
+  constructor(private readonly base: () => string, private readonly ask: Fetch = (url, init) => fetch(url, init)) {}
+
+  get<T>(path: string): Promise<T> { return this.request<T>('GET', path); }
+
+  /**
+   * Changes something. What is asked twice with the same words is one intent with one key, while it is under way and
+   * until it was answered: a double press changes nothing twice, and a lost answer is asked for again.
+   */
+  send<T>(method: Method, path: string, body: unknown = {}, key?: string): Promise<T> {
+    const words = `${method} ${path} ${JSON.stringify(body)}`;
+    const intent = this.intents.get(words) ?? { key: key ?? newKey() };
+    this.intents.set(words, intent);
+    if (intent.under_way) return intent.under_way as Promise<T>;
+    const asked = this.request<T>(method, path, body, intent.key).then(
+      (answer) => { this.intents.delete(words); return answer; },
+      (problem) => {
+        if (problem instanceof Refused) this.intents.delete(words);
+        else intent.under_way = undefined;
+        throw problem;
+      });
+    intent.under_way = asked;
+    return asked;
+  }
+
+  /** The text of an answer that is no JSON, as a table of values. */
+  async text(path: string): Promise<string> {
+    const answer = await this.fetch('GET', path);
+    if (!answer.ok) throw await this.refusal(answer);
+    return answer.text();
+  }
+
+  private async request<T>(method: string, path: string, body?: unknown, key?: string): Promise<T> {
+    const answer = await this.fetch(method, path, body, key);
+    if (!answer.ok) throw await this.refusal(answer);
+    if (answer.status === 204) return {} as T;
+    return await answer.json().catch(() => { throw this.silent(); }) as T;
+  }
+
+  private async fetch(method: string, path: string, body?: unknown, key?: string): Promise<Response> {
+    const base = this.base();
+    if (base === '') throw this.silent();
+    const ended = new AbortController();
+    const timer = setTimeout(() => ended.abort(), WITHIN_MS);
+    try {
+      const headers: Record<string, string> = {};
+      if (this.token !== '') headers.Authorization = `Bearer ${this.token}`;
+      if (key !== undefined) Object.assign(headers, { 'Content-Type': 'application/json', 'Idempotency-Key': key });
+      const answer = await this.ask(base + path, { method, headers, body: body === undefined ? undefined : JSON.stringify(body), cache: 'no-store', signal: ended.signal });
+      this.onHeard(true);
+      return answer;
+    } catch {
+      throw this.silent();
+    } finally {
+      clearTimeout(timer);
+    }
+  }
+
+  private silent(): Silent {
+    this.onHeard(false);
+    return new Silent();
+  }
+
+  private async refusal(answer: Response): Promise<Refused> {
+    const said = await answer.json().catch(() => ({})) as Record<string, unknown>;
+    const refused = new Refused(answer.status, String(said.refused ?? 'other'), String(said.why ?? answer.statusText), String(said.field ?? ''), said);
+    this.onRefused(refused);
+    return refused;
+  }
+}

@@ -1,0 +1,84 @@
+import { choice, h, say } from '../console/dom';
+import { fill } from '../shared/i18n';
+import { Refused } from './api';
+import { texts } from './i18n';
+import type { Room } from './page';
+import { PlanEditor, planList } from './plan';
+import type { Item, OneSide, Patient, Visit } from './records';
+import { besideTitle, button, once, panel, Said } from './ui';
+import { minutes, sideWords, visitDay } from './words';
+import { newestFirst, tookPlace } from './records';
+
+/** What is done today, filled in from the last visit, and the one button that begins it. */
+export class TodayPanel {
+  readonly element: HTMLElement;
+  private readonly t = texts().today;
+  private readonly body = h('div', {});
+  private readonly total = h('span', { class: 'aside' });
+  private readonly said = new Said();
+  private readonly begin: HTMLButtonElement;
+  private plan: readonly Item[];
+  private side: OneSide | undefined;
+  private editing = false;
+
+  constructor(private readonly room: Room, private readonly patient: Patient) {
+    const { t } = this, { clinic } = room;
+    const filled = patient.today.length > 0 ? patient.today : patient.plan;
+    this.plan = clinic.drafts.get<Item[]>('today', patient.id) ?? filled;
+    this.side = patient.side === 'both' ? undefined : patient.side;
+    const sides = choice(t.side, (['left', 'right'] as const).map((key) => ({ key, name: sideWords(key) })), '', (key) => {
+      this.side = key as OneSide;
+      sides.choose(key);
+      this.refresh();
+    });
+    sides.element.dataset.testid = 'visit-side';
+    this.begin = h('button', { type: 'button', class: 'b go large wide', 'data-testid': 'begin-visit', onclick: () => void once(this.begin, () => this.press()) });
+    const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; say(change, this.editing ? t.ready : t.change); this.show(); });
+    const last = newestFirst(patient.visits).find(tookPlace);
+    this.element = besideTitle(panel(t.title, 'today', h('p', { class: 'aside' }, last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan), this.body,
+      patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.said.element, this.begin, change), this.total);
+    this.show();
+    this.refresh();
+  }
+
+  refresh(): void {
+    const { t, begin, room: { clinic }, patient } = this;
+    const open = clinic.visit;
+    const own = open?.patient === patient.id;
+    const number = patient.visits.filter(tookPlace).length + 1;
+    say(begin, open ? (own ? t.goOn : t.otherOpen) : fill(t.begin, { n: number }));
+    begin.disabled = !open && (this.side === undefined || this.plan.length === 0 || clinic.silentSince !== undefined);
+    if (!open && clinic.silentSince) this.said.say(t.notNow);
+    else if (!open && this.plan.length === 0) this.said.say(t.noPlan);
+    else if (this.said.element.textContent === t.notNow || this.said.element.textContent === t.noPlan) this.said.say('');
+  }
+
+  private show(): void {
+    const { clinic } = this.room;
+    say(this.total, minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0)));
+    if (!this.editing) return this.body.replaceChildren(planList(this.plan));
+    this.body.replaceChildren(new PlanEditor(this.plan, clinic.presets?.exercises ?? [], (items) => {
+      this.plan = items;
+      clinic.drafts.set('today', this.patient.id, items);
+      say(this.total, minutes(items.reduce((sum, item) => sum + item.minutes, 0)));
+      this.refresh();
+    }).element);
+  }
+
+  private async press(): Promise<void> {
+    const { room, patient, side } = this, { clinic } = room;
+    if (clinic.visit) return room.go({ at: 'visit', visit: clinic.visit.id });
+    if (!side) return;
+    this.said.say('');
+    try {
+      const visit = await clinic.api.send<Visit>('POST', `/api/patients/${patient.id}/visits`, { side, plan: this.plan });
+      clinic.drafts.drop('today', patient.id);
+      clinic.visit = visit;
+      clinic.visitPatient = { id: patient.id, code: patient.code, name: patient.name, side: patient.side, visits: patient.visits.length, last_visit_us: 0, state: 'open', visit: visit.id };
+      room.go({ at: 'visit', visit: visit.id });
+    } catch (problem) {
+      if (problem instanceof Refused && problem.code === 'visit_open') await clinic.lookAtVisit().catch(() => {});
+      this.said.problem(problem);
+    }
+  }
+}

@@ -1,0 +1,192 @@
+import { ClinicApi, Refused, Silent, type Fetch } from './api';
+import { Drafts, type Store } from './drafts';
+import { Outbox } from './outbox';
+import type { PatientRow, Presets, RecordsState, Tile, Visit } from './records';
+
+/** Names go after so long without input [ms]. */
+export const NAMES_FOR_MS = 5 * 60_000;
+/** While somebody works, the records hear of it this often [ms]: they count requests, not presses. */
+const AWAKE_EVERY_MS = 60_000;
+
+/** What the page is to show before anything else; `in`: an account is signed in and names may be shown. */
+export type Stage = 'looking' | 'without' | 'absent' | 'new' | 'locked' | 'who' | 'hidden' | 'in';
+
+const TOKEN = 'wholehand.clinic.token', ACCOUNT = 'wholehand.clinic.account';
+
+/** What the page knows of the records, and who works with them. It holds no names while they are hidden. */
+export class Clinic {
+  readonly api: ClinicApi;
+  readonly drafts: Drafts;
+  readonly outbox: Outbox;
+  state: RecordsState | null = null;
+  presets: Presets | null = null;
+  /** The open visit, and to whom it belongs; the person is null while names are hidden. */
+  visit: Visit | null = null;
+  visitPatient: PatientRow | null = null;
+  hidden = false;
+  /** Since when the records do not answer. */
+  silentSince: Date | undefined;
+  /** They were silent and answer again: a visit without a patient may have been wanted meanwhile. */
+  cameBack = false;
+  /** Anything of this changed. */
+  onChange: () => void = () => {};
+  private port = 0;
+  private without = false;
+  private touched_ms: number;
+  private awake_ms = -Infinity;
+
+  /** @param now_ms a clock that only goes forward */
+  constructor(host: string, private readonly session: () => Store | undefined, local: () => Store | undefined, private readonly now_ms: () => number, fetched?: Fetch) {
+    this.api = new ClinicApi(() => (this.port > 0 ? `http://${host}:${this.port}` : ''), fetched);
+    this.drafts = new Drafts(local);
+    this.outbox = new Outbox(this.api, this.drafts);
+    this.touched_ms = now_ms();
+    this.api.onHeard = (answered) => this.heard(answered);
+    this.api.onRefused = (refused) => this.refused(refused);
+    this.outbox.onChange = () => this.onChange();
+    this.api.token = this.kept(TOKEN);
+    this.drafts.account = Number(this.kept(ACCOUNT)) || 0;
+  }
+
+  get stage(): Stage {
+    if (this.without) return 'without';
+    if (!this.state) return this.silentSince ? 'absent' : 'looking';
+    if (this.state.clinic !== 'open') return this.state.clinic;
+    if (this.api.token === '') return 'who';
+    return this.hidden ? 'hidden' : 'in';
+  }
+
+  get account(): number { return this.drafts.account; }
+  get tile(): Tile | undefined { return this.api.token === '' ? undefined : this.state?.tiles.find(({ id }) => id === this.account); }
+
+  /** Asks the station where the records are, once, then the records how they are. */
+  async look(station: Fetch): Promise<void> {
+    // A process that was started again may listen elsewhere.
+    if (this.port === 0 || this.silentSince) await this.findPort(station);
+    if (this.port === 0) return;
+    try {
+      this.state = await this.api.get<RecordsState>('/api/state');
+      if (this.state.clinic !== 'open') this.forgetNames();
+      if (this.stage === 'in' || this.stage === 'hidden') await this.lookAtVisit();
+      if (this.stage === 'in' && !this.presets) this.presets = await this.api.get<Presets>('/api/presets');
+      if (this.state.clinic === 'open') void this.outbox.flush();
+    } catch (problem) {
+      if (!(problem instanceof Silent) && !(problem instanceof Refused)) throw problem;
+    }
+    this.onChange();
+  }
+
+  async lookAtVisit(): Promise<void> {
+    const { visit, patient } = await this.api.get<{ visit: Visit | null; patient: PatientRow | null }>('/api/visits/open');
+    this.visit = visit;
+    if (visit && visit.patient > 0 && !patient) this.hidden = true;
+    this.visitPatient = this.hidden ? null : patient;
+    this.onChange();
+  }
+
+  signedIn({ token, account }: { readonly token: string; readonly account: number | Tile }): void {
+    this.api.token = token;
+    this.drafts.account = typeof account === 'number' ? account : account.id;
+    this.hidden = false;
+    this.keep(TOKEN, token);
+    this.keep(ACCOUNT, String(this.drafts.account));
+    this.touch();
+    void this.outbox.flush();
+  }
+
+  /** @param typing what the account types into an open visit is still kept for it */
+  signedOut(typing = false): void {
+    this.api.token = '';
+    this.keep(TOKEN, '');
+    if (!typing) {
+      this.drafts.account = 0;
+      this.keep(ACCOUNT, '');
+    }
+    this.hidden = false;
+    this.forgetNames();
+    this.onChange();
+  }
+
+  /** Takes names from the page first, then tells the records. */
+  async hide(): Promise<void> {
+    this.hideHere();
+    await this.api.send('POST', '/api/hide').catch(() => {});
+  }
+
+  async show(pin: string): Promise<void> {
+    await this.api.send('POST', '/api/show', { pin });
+    this.hidden = false;
+    this.touch();
+    await this.lookAtVisit().catch(() => {});
+    void this.outbox.flush();
+    this.onChange();
+  }
+
+  /** Somebody pressed or typed. */
+  touch(): void {
+    this.touched_ms = this.now_ms();
+    if (this.stage !== 'in' || this.touched_ms - this.awake_ms < AWAKE_EVERY_MS) return;
+    this.awake_ms = this.touched_ms;
+    void this.api.get('/api/presets').catch(() => {});
+  }
+
+  /** Hides names after NAMES_FOR_MS; call it often. */
+  watch(): void {
+    if (this.stage === 'in' && this.now_ms() - this.touched_ms > NAMES_FOR_MS) void this.hide();
+  }
+
+  private async findPort(station: Fetch): Promise<void> {
+    try {
+      const answer = await station('/api/clinic', { cache: 'no-store', signal: AbortSignal.timeout(6000) });
+      if (answer.status === 404) this.without = true;
+      else if (answer.ok) {
+        this.port = Number((await answer.json() as { port?: number }).port) || 0;
+        this.without = false;
+      }
+    } catch { /* asked again */ }
+    if (this.port === 0 && !this.without) this.heard(false);
+    this.onChange();
+  }
+
+  private heard(answered: boolean): void {
+    if (answered === (this.silentSince === undefined)) return;
+    this.silentSince = answered ? undefined : new Date();
+    if (answered) {
+      this.cameBack = this.state !== null;
+      void this.outbox.flush();
+    }
+    this.onChange();
+  }
+
+  private refused({ code }: Refused): void {
+    if (code === 'hidden') this.hideHere();
+    else if (code === 'not_signed_in') this.signedOut(this.visit !== null);
+    else if (code === 'locked' && this.state) {
+      this.state = { ...this.state, clinic: 'locked', tiles: [] };
+      this.forgetNames();
+      this.onChange();
+    }
+  }
+
+  private hideHere(): void {
+    this.hidden = true;
+    this.forgetNames();
+    this.onChange();
+  }
+
+  private forgetNames(): void {
+    this.visitPatient = null;
+    if (this.visit) this.visit = { ...this.visit, notes: [] };
+  }
+
+  private kept(key: string): string {
+    try { return this.session()?.getItem(key) ?? ''; } catch { return ''; }
+  }
+
+  private keep(key: string, text: string): void {
+    try {
+      if (text === '') this.session()?.removeItem(key);
+      else this.session()?.setItem(key, text);
+    } catch { /* this page knows it */ }
+  }
+}

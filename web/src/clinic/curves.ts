@@ -1,0 +1,49 @@
+import { h, svg } from '../console/dom';
+import { fill } from '../shared/i18n';
+import { texts } from './i18n';
+import type { Curve } from './records';
+import { number, resultName, shortDay } from './words';
+
+/** A visit needs another one before there is anything to join. */
+const LEAST = 2;
+const WIDTH = 400, HEIGHT = 132, LEFT = 40, RIGHT = 12, TOP = 10, BOTTOM = 24;
+
+export interface Drawn {
+  readonly dots: readonly (readonly [x: number, y: number])[];
+  readonly low: number;
+  readonly high: number;
+}
+
+/** Where the points of a curve are drawn; undefined while there are too few. It claims nothing of what is between them. */
+export function drawnCurve({ points }: Curve): Drawn | undefined {
+  const good = points.filter(([t_us, value]) => Number.isFinite(t_us) && Number.isFinite(value)).sort(([a], [b]) => a - b);
+  if (good.length < LEAST) return undefined;
+  const values = good.map(([, value]) => value);
+  let [low, high] = [Math.min(...values), Math.max(...values)];
+  if (low > 0 && low < high) low = low / high < 0.5 ? 0 : low;
+  if (low === high) [low, high] = low === 0 ? [0, 1] : [Math.min(0, low), Math.max(0, high)];
+  const [first, last] = [good[0][0], good.at(-1)![0]];
+  const x = (t_us: number, i: number): number => LEFT + (WIDTH - LEFT - RIGHT) * (last > first ? (t_us - first) / (last - first) : i / (good.length - 1));
+  const y = (value: number): number => TOP + (HEIGHT - TOP - BOTTOM) * (1 - (value - low) / (high - low));
+  return { low, high, dots: good.map(([t_us, value], i) => [x(t_us, i), y(value)]) };
+}
+
+/** One value over the visits, with the last one in figures. */
+export function curveFigure(curve: Curve): HTMLElement {
+  const t = texts().curves, name = resultName(curve.name), drawn = drawnCurve(curve);
+  const last = curve.points.at(-1);
+  const head = h('figcaption', {}, h('b', {}, name), h('span', { class: 'num last' }, last ? number(last[1]) : ''));
+  if (!drawn) return h('figure', { class: 'curve' }, head, h('p', { class: 'none' }, last ? t.one : t.none));
+  return h('figure', { class: 'curve' }, head, picture(curve, drawn, fill(t.image, { name, n: drawn.dots.length, first: number(curve.points[0][1]), last: number(last![1]) })));
+}
+
+function picture({ points }: Curve, { dots, low, high }: Drawn, words: string): SVGElement {
+  const [bottom, top] = [HEIGHT - BOTTOM, TOP];
+  const text = (x: number, y: number, of: string, anchor: string): SVGElement => svg('text', { x, y, 'text-anchor': anchor }, of);
+  return svg('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: 'img', 'aria-label': words },
+    ...[top, bottom].map((y) => svg('path', { class: 'grid', d: `M${LEFT} ${y}H${WIDTH - RIGHT}` })),
+    text(LEFT - 6, top + 4, number(high), 'end'), text(LEFT - 6, bottom + 4, number(low), 'end'),
+    text(LEFT, HEIGHT - 5, shortDay(points[0][0]), 'start'), text(WIDTH - RIGHT, HEIGHT - 5, shortDay(points.at(-1)![0]), 'end'),
+    svg('polyline', { class: 'joined', points: dots.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(' ') }),
+    ...dots.map(([x, y], i) => svg('circle', { cx: x.toFixed(1), cy: y.toFixed(1), r: i === dots.length - 1 ? 5 : 3.5 })));
+}

@@ -1,0 +1,157 @@
+import { h } from '../console/dom';
+import { fill } from '../shared/i18n';
+import { texts } from './i18n';
+import { NoteBox } from './notes';
+import type { Room } from './page';
+import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
+import { hashOf } from './routes';
+import { button, once, panel, Said, textInput, Field, type Screen } from './ui';
+import { painChoice } from './visit_screen';
+import { itemWords, minutes, number, resultName, resultWords, sideWords, visitDay } from './words';
+
+const EVERY_MS = 2500;
+
+/** A result and the last visit's of the same exercise and level, where there is one. No judgement stands between them. */
+export function besideLast(trial: Trial, last: Visit | undefined): readonly { readonly result: Result; readonly before: Result | undefined }[] {
+  const other = [...(last?.trials ?? [])].reverse().find(({ exercise, level, state }) => exercise === trial.exercise && level === trial.level && state === 'measured');
+  return trial.results.map((result) => ({ result, before: other?.results.find(({ name, unit }) => name === result.name && unit === result.unit) }));
+}
+
+/** Done against planned, results beside the last visit's, what comes next; then a card for the patient. */
+export class EndScreen implements Screen {
+  readonly element = h('main', { class: 'end' });
+  private readonly t = texts().end;
+  private readonly done = h('div', {});
+  private readonly said = new Said();
+  private patient: Patient | undefined;
+  private note: NoteBox | undefined;
+  private shown = '';
+  private finished: Visit | undefined;
+  private closed = false;
+  private readonly timer: ReturnType<typeof setInterval>;
+
+  constructor(private readonly room: Room, private readonly id: number) {
+    this.timer = setInterval(() => { if (!this.finished && !room.clinic.silentSince) void room.clinic.lookAtVisit().then(() => this.show()).catch(() => {}); }, EVERY_MS);
+    void this.open();
+  }
+
+  who(): readonly [string, string] {
+    const { visitPatient } = this.room.clinic;
+    return [visitPatient?.name ?? this.patient?.name ?? this.t.title, visitPatient ? `${visitPatient.code} · ${sideWords(this.visit?.side ?? visitPatient.side)}` : ''];
+  }
+  what(): readonly [string, string] { return [this.t.title, this.visit ? minutes(activeMin(this.visit)) : '']; }
+
+  close(): void {
+    this.closed = true;
+    clearInterval(this.timer);
+    this.note?.close();
+  }
+
+  private get visit(): Visit | undefined {
+    const { visit } = this.room.clinic;
+    return visit?.id === this.id ? visit : this.finished;
+  }
+
+  private async open(): Promise<void> {
+    const { clinic } = this.room;
+    this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.said.element));
+    try {
+      if (!this.visit) await clinic.lookAtVisit();
+      if (this.closed) return;
+      if (!this.visit) return this.over();
+      if (this.visit.patient > 0) this.patient = await clinic.api.get<Patient>(`/api/patients/${this.visit.patient}`).catch(() => undefined);
+      if (!this.closed) this.build(this.visit);
+    } catch (problem) {
+      if (!this.closed) this.said.problem(problem);
+    }
+  }
+
+  private over(): void {
+    this.said.say(texts().visit.over);
+    this.said.element.after(h('p', {}, h('a', { class: 'b', href: hashOf({ at: 'patients' }) }, texts().patients.title)));
+  }
+
+  private build(visit: Visit): void {
+    const { t, room } = this;
+    this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient, () => {});
+    const drafts = room.clinic.drafts;
+    const kept = (what: string): Field => {
+      const field = new Field(what === 'next' ? t.next : t.reason, textInput(`end-${what}`, drafts.get<string>(`${what}-${this.id}`, visit.patient) ?? '', { maxlength: 500 }));
+      field.input.addEventListener('input', () => drafts.set(`${what}-${this.id}`, visit.patient, field.input.value));
+      return field;
+    };
+    const next = kept('next'), reason = kept('reason');
+    const nothing = visit.trials.length === 0 && room.model.tally.active_s === 0;
+    const finish = (state: 'done' | 'unfinished', words: string, kind: string): HTMLButtonElement => {
+      const press = button(words, `finish-${state}`, () => once(press, () => this.finish(state, [['next', next], ['reason', reason]])), kind);
+      return press;
+    };
+    this.element.replaceChildren(
+      h('div', { class: 'col' }, panel(t.doneTitle, 'done', this.done)),
+      h('div', { class: 'col side' }, panel(texts().pain.after, 'pains', painChoice(room, visit, 'after').element), panel(texts().visit.noteTitle, 'marks', this.note.element, nothing ? reason.element : null, next.element),
+        h('section', { class: 'panel', 'aria-label': t.title }, this.said.element, finish('done', t.finish, 'go large wide'), finish('unfinished', t.unfinished, 'wide'), h('a', { class: 'b wide', href: hashOf({ at: 'visit', visit: this.id }) }, t.back))));
+    this.show();
+  }
+
+  private show(): void {
+    const { visit, t, patient } = this;
+    if (!visit || this.closed) return;
+    const last = newestFirst(patient?.visits ?? []).find((other) => other.id !== visit.id && tookPlace(other));
+    const shown = JSON.stringify([visit.trials, visit.plan]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    this.done.replaceChildren(...(visit.trials.length === 0 ? [h('p', { class: 'none' }, t.nothing)] : []), h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
+      const trials = visit.trials.filter((trial) => trial.item === i);
+      return h('li', {}, h('span', { class: 'nr', 'aria-hidden': 'true' }, trials.length > 0 ? '✓' : String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(t.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
+        ...(trials.length === 0 ? [h('small', {}, t.notDone)] : trials.map((trial) => resultTable(trial, last)))));
+    })));
+  }
+
+  private async finish(state: 'done' | 'unfinished', notes: readonly (readonly [string, Field])[]): Promise<void> {
+    const { room: { clinic }, id } = this, visit = this.visit;
+    if (!visit) return;
+    this.said.say('');
+    try {
+      await this.note?.save();
+      for (const [kind, { input }] of notes) {
+        if (input.value.trim() === '') continue;
+        await clinic.outbox.add(`/api/visits/${id}/notes`, { kind, text: input.value.trim(), at_us: Date.now() * 1000 });
+        clinic.drafts.drop(`${kind}-${id}`, visit.patient);
+      }
+      this.finished = await clinic.api.send<Visit>('POST', `/api/visits/${id}/finish`, { state });
+      if (clinic.visit?.id === id) clinic.visit = null;
+      this.card(this.finished, notes[0][1].input.value.trim());
+    } catch (problem) {
+      this.said.problem(problem);
+    }
+  }
+
+  /** For the patient to read: large, without a name, and only what was done. */
+  private card(visit: Visit, next: string): void {
+    const t = this.t.card;
+    const rows = visit.plan.flatMap((item, i) => {
+      const trials = visit.trials.filter((trial) => trial.item === i);
+      if (trials.length === 0) return [];
+      const result = trials.at(-1)!.results[0];
+      return [h('li', {}, h('b', {}, itemWords(item)), h('span', {}, [minutes(activeOf_s(visit, i) / 60), result ? resultWords(result) : ''].filter(Boolean).join(' · ')))];
+    });
+    this.element.replaceChildren(h('section', { class: 'panel patient-card', 'data-testid': 'patient-card', 'aria-label': t.title }, h('h2', {}, t.title), h('p', { class: 'most' }, fill(t.trained, { min: minutes(activeMin(visit)) })),
+      h('ul', {}, ...rows), next === '' ? null : h('p', {}, h('b', {}, t.next), ` ${next}`)),
+    h('div', { class: 'pair no-print' }, h('a', { class: 'b go large', href: hashOf({ at: 'patients' }), 'data-testid': 'next-patient' }, t.nextPatient),
+      visit.patient > 0 ? h('a', { class: 'b', href: hashOf({ at: 'patient', patient: visit.patient }), 'data-testid': 'to-patient' }, t.toPatient) : null, button(t.print, 'print-card', () => print())));
+    this.element.classList.add('carded');
+  }
+}
+
+/** Results of a trial beside those of the last visit. */
+export function resultTable(trial: Trial, last: Visit | undefined): HTMLElement {
+  const t = texts().end, p = texts().patient;
+  if (trial.state === 'waiting') return h('small', {}, p.waiting);
+  if (trial.state === 'failed') return h('small', {}, fill(p.failedTrial, { why: trial.why ?? '' }));
+  const rows = besideLast(trial, last);
+  if (rows.length === 0) return h('small', {}, t.noResults);
+  const words = (result: Result | undefined): string => (result ? `${number(result.value)}${result.unit === '' ? '' : ` ${result.unit}`}` : '–');
+  return h('table', { class: 'table results' }, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.result), h('th', { scope: 'col' }, t.now), h('th', { scope: 'col' }, last ? fill(t.last, { day: visitDay(last) }) : t.lastNone))),
+    h('tbody', {}, ...rows.map(({ result, before }) => h('tr', {}, h('th', { scope: 'row' }, resultName(result.name)), h('td', { class: 'num' }, words(result)), h('td', { class: 'num' }, words(before)))),
+      h('tr', {}, h('th', { scope: 'row' }, t.helped), h('td', { class: 'num' }, `${Math.round(100 * trial.helped_share)} %`), h('td', { class: 'num' }, '')) ));
+}

@@ -1,0 +1,249 @@
+import { h, say, setAttribute } from '../console/dom';
+import { Header } from '../console/header';
+import { ConsoleModel } from '../console/model';
+import { NoticesPanel } from '../console/notices';
+import type { Connection } from '../net/connection';
+import { PacedView } from '../scene/paced_view';
+import { fill } from '../shared/i18n';
+import { answerPresses } from '../shared/pressed';
+import { Clinic } from './clinic';
+import { EndScreen } from './end_screen';
+import { FirstStart } from './first_start';
+import { texts } from './i18n';
+import { PatientForm } from './patient_form';
+import { PatientScreen } from './patient_screen';
+import { PatientsScreen } from './patients_screen';
+import { ProgressPrint, VisitPrint } from './print_screens';
+import { hashOf, routeOf, type Route } from './routes';
+import { SettingsScreen } from './settings_screen';
+import { UnlockScreen, WhoScreen } from './sign_in';
+import { button, problemWords, type Screen } from './ui';
+import { VisitScreen } from './visit_screen';
+import { clock } from './words';
+
+/** Words and numbers are refreshed this often [ms]. */
+const REFRESH_MS = 200;
+/** The records are asked how they are this often [ms]. */
+const LOOK_MS = 4000;
+/** The picture is drawn beside the patient's game, often on one machine [ms]. */
+const PICTURE_MS = 1000 / 12;
+
+/** What screens need of the page. */
+export interface Room {
+  readonly clinic: Clinic;
+  readonly model: ConsoleModel;
+  readonly connection: Connection;
+  go(route: Route): void;
+  /** Says something below the header, until it is closed. */
+  tell(words: string, bad?: boolean): void;
+  /** Loads the picture of the hand, once. */
+  picture(): Promise<PacedView | undefined>;
+  /** Builds what is shown anew. */
+  build(): void;
+}
+
+/** Whether the element with the focus uses the space bar itself. */
+const spaceIsTaken = (target: EventTarget | null): boolean => target instanceof Element && target.closest('input, select, textarea, button, a, summary') !== null;
+
+/** The page where patients, visits and progress are kept. One screen at a time stands below the same header. */
+export class ClinicPage implements Room {
+  readonly clinic: Clinic;
+  readonly model: ConsoleModel;
+  private header: Header | undefined;
+  private notices: NoticesPanel | undefined;
+  private screen: Screen | undefined;
+  private shown = '';
+  private refreshed_ms = -Infinity;
+  private drawn_ms = -Infinity;
+  private view: Promise<PacedView | undefined> | undefined;
+  private told = { words: '', bad: false };
+  /** While a visit is open: the records' doors are shown in its place, as the person asked. */
+  private door = false;
+  private readonly line = { records: h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'records-silent' }), told: h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'told' }), nav: h('nav', { class: 'places' }) };
+
+  constructor(private readonly root: HTMLElement, readonly connection: Connection) {
+    this.model = new ConsoleModel(connection);
+    this.clinic = new Clinic(location.hostname, () => sessionStorage, () => localStorage, () => performance.now());
+    this.clinic.onChange = () => this.update();
+    this.clinic.outbox.onRefused = (waiting, refused) => this.refuseKept(waiting.body, refused);
+    this.model.onScene = () => { if (this.screen instanceof VisitScreen) this.screen.sceneChanged(); };
+    this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
+    connection.on('events', (events) => { if (this.screen instanceof VisitScreen) this.screen.take(events); });
+    addEventListener('keydown', (event) => this.onKey(event), true);
+    for (const input of ['pointerdown', 'keydown', 'input']) addEventListener(input, () => this.clinic.touch(), { capture: true, passive: true });
+    addEventListener('hashchange', () => { this.door = false; this.update(); });
+    answerPresses(document);
+    this.build();
+    const look = (): void => void this.clinic.look((url, init) => fetch(url, init)).finally(() => setTimeout(look, LOOK_MS));
+    look();
+    setInterval(() => this.clinic.watch(), 1000);
+  }
+
+  go(route: Route): void {
+    this.door = false;
+    const hash = hashOf(route);
+    if (location.hash === hash) this.update();
+    else location.hash = hash;
+  }
+
+  tell(words: string, bad = false): void {
+    this.told = { words, bad };
+    this.refreshLine();
+  }
+
+  picture(): Promise<PacedView | undefined> {
+    this.view ??= PacedView.load().catch((problem: unknown) => {
+      console.warn('The 3D view cannot be drawn here:', problem);
+      return undefined;
+    });
+    return this.view;
+  }
+
+  /** Builds everything; what is typed is kept by the screens. */
+  build(): void {
+    document.title = texts().title;
+    this.notices?.close();
+    this.header = new Header(this.model, () => this.build(), false, {
+      who: () => this.screen?.who?.() ?? [texts().clinic, ''], what: () => this.screen?.what?.() ?? ['', ''],
+      startable: () => (this.screen?.startable ? this.screen.startable() : undefined),
+    });
+    this.notices = new NoticesPanel(this.model);
+    this.root.classList.add('live-page', 'clinic-page');
+    this.root.dataset.view = 'therapy';
+    this.shown = '';
+    if (this.screen?.stays) this.root.replaceChildren(this.header.element, this.below(), this.screen.element);
+    this.update();
+  }
+
+  frame(now_ms: number): void {
+    if (now_ms - this.refreshed_ms >= REFRESH_MS) {
+      this.refreshed_ms = now_ms;
+      this.header?.refresh();
+      this.notices?.refresh();
+      this.screen?.refresh?.();
+    }
+    if (!this.model.fresh || now_ms - this.drawn_ms < PICTURE_MS) return;
+    this.model.fresh = false;
+    this.drawn_ms = now_ms;
+    this.screen?.draw?.();
+  }
+
+  /** Shows the screen that is due; the same one stays as it is. */
+  private update(): void {
+    const [name, make] = this.due();
+    if (name !== this.shown && !this.screen?.stays) {
+      this.shown = name;
+      this.screen?.close?.();
+      // What was of the screen before is gone before the next one is made: no name stays in the page.
+      this.screen = undefined;
+      this.root.replaceChildren();
+      this.screen = make();
+      setAttribute(document.body, 'data-screen', name.split(' ')[0]);
+      this.root.replaceChildren(this.header!.element, this.below(), this.screen.element);
+      this.header!.refresh();
+    }
+    this.refreshLine();
+    this.screen?.refresh?.();
+  }
+
+  private below(): HTMLElement {
+    return h('div', { class: 'below' }, this.line.nav, h('div', { class: 'notices' }, this.notices!.element, this.line.records, this.line.told));
+  }
+
+  /** Which screen, by a name that changes where it is to be made anew. */
+  private due(): readonly [name: string, make: () => Screen] {
+    const { clinic } = this;
+    const { stage } = clinic;
+    const route = routeOf(location.hash);
+    const visit = clinic.visit;
+    // An open visit stays usable, whatever became of names and records.
+    if (visit && visit.state === 'open' && stage !== 'in' && !this.door && ['hidden', 'who', 'locked', 'absent'].includes(stage)) return [`visit ${visit.id} ${stage}`, () => new VisitScreen(this, visit.id)];
+    switch (stage) {
+      case 'looking': case 'absent': case 'without': return [stage, () => notYet(stage)];
+      case 'new': return ['new', () => new FirstStart(this)];
+      case 'locked': return ['locked', () => new UnlockScreen(this)];
+      case 'who': case 'hidden': return [`who ${stage} ${JSON.stringify(clinic.state?.tiles)}`, () => new WhoScreen(this)];
+      default: return this.of(route);
+    }
+  }
+
+  private of(route: Route): readonly [name: string, make: () => Screen] {
+    const name = `${route.at} ${hashOf(route)} ${this.clinic.account}`;
+    switch (route.at) {
+      case 'patients': return [name, () => new PatientsScreen(this)];
+      case 'new': return [name, () => new PatientForm(this, 0)];
+      case 'edit': return [name, () => new PatientForm(this, route.patient)];
+      case 'patient': return [name, () => new PatientScreen(this, route.patient)];
+      case 'progress': return [name, () => new ProgressPrint(this, route.patient)];
+      case 'summary': return [name, () => new VisitPrint(this, route.patient, route.visit)];
+      case 'visit': return [name, () => new VisitScreen(this, route.visit)];
+      case 'end': return [name, () => new EndScreen(this, route.visit)];
+      case 'settings': return [name, () => new SettingsScreen(this)];
+    }
+  }
+
+  private refreshLine(): void {
+    const t = texts(), { clinic, line } = this;
+    const { visit, stage, silentSince } = clinic;
+    const waits = clinic.outbox.waiting.length;
+    const silent = silentSince !== undefined && stage !== 'absent' ? fill(t.silentSince, { at: clock(silentSince) }) + (waits > 0 ? ` ${fill(t.waiting, { n: waits })}` : '') : '';
+    line.records.hidden = silent === '';
+    say(line.records, silent);
+    line.told.hidden = this.told.words === '';
+    line.told.className = this.told.bad ? 'notice bad' : 'notice';
+    if (line.told.dataset.words !== this.told.words) {
+      line.told.dataset.words = this.told.words;
+      line.told.replaceChildren(h('span', {}, this.told.words), button(t.close, 'close-told', () => this.tell(''), 'small'));
+    }
+    const at = document.body.dataset.screen;
+    const places = JSON.stringify([stage, at, visit?.id, clinic.tile, this.door, t.title]);
+    if (line.nav.dataset.places === places) return;
+    line.nav.dataset.places = places;
+    line.nav.setAttribute('aria-label', t.places);
+    line.nav.replaceChildren(...this.places());
+  }
+
+  /** Where one can go from here, and who works. */
+  private places(): Node[] {
+    const t = texts(), { clinic } = this;
+    const { visit, stage, tile } = clinic;
+    const at = document.body.dataset.screen;
+    const to = (words: string, test: string, route: Route, here: boolean): HTMLElement =>
+      h('a', { class: 'b place', href: hashOf(route), 'data-testid': test, ...(here ? { 'aria-current': 'page' } : {}) }, words);
+    if (stage !== 'in') {
+      const open = visit?.state === 'open';
+      return [...(open && at === 'visit' ? [button(stage === 'locked' ? t.unlock.open : t.names.show, 'show-names', () => { this.door = true; this.update(); }, 'place')] : []),
+        ...(open && at !== 'visit' && stage !== 'absent' ? [button(t.backToVisit, 'back-to-visit', () => { this.door = false; this.update(); }, 'place')] : [])];
+    }
+    return [
+      to(t.patients.title, 'to-patients', { at: 'patients' }, at === 'patients'),
+      ...(visit ? [to(t.visitOpen, 'to-visit', { at: 'visit', visit: visit.id }, at === 'visit')] : []),
+      to(t.settings.title, 'to-settings', { at: 'settings' }, at === 'settings'),
+      h('span', { class: 'chip' }, h('i', { style: `background: ${/^#[0-9a-f]{6}$/i.test(tile?.colour ?? '') ? tile!.colour : '#5A534C'}` }), tile?.name ?? ''),
+      button(t.names.hide, 'hide-names', () => clinic.hide(), 'place'),
+    ];
+  }
+
+  /** The records will never take it: what was typed goes back to where it was typed. */
+  private refuseKept(body: Readonly<Record<string, unknown>>, problem: unknown): void {
+    const words = typeof body.text === 'string' && body.text !== '' ? ` “${body.text.slice(0, 200)}”` : '';
+    this.tell(`${problemWords(problem)}${words}`, true);
+  }
+
+  private onKey(event: KeyboardEvent): void {
+    if (event.key === 'Escape' && !event.repeat) {
+      event.preventDefault();
+      void this.model.emergencyStop();
+    }
+    if (event.code === 'Space' && !event.repeat && !event.ctrlKey && !event.altKey && !event.metaKey && !spaceIsTaken(event.target)) {
+      event.preventDefault();
+      this.header?.pauseNow();
+    }
+  }
+}
+
+/** The station keeps no records, or they were never heard. */
+function notYet(stage: 'looking' | 'absent' | 'without'): Screen {
+  const t = texts().stages[stage];
+  return { element: h('main', { class: 'gate' }, h('section', { class: 'panel narrow', 'data-testid': stage }, h('h2', {}, t.title), h('p', {}, t.words), stage === 'looking' ? null : h('p', {}, h('a', { href: '/console' }, texts().console)))) };
+}

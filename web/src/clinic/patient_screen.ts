@@ -1,0 +1,198 @@
+import { h } from '../console/dom';
+import { replayUrl, reportUrl } from '../console/recordings';
+import { tokenOf } from '../net/open_connection';
+import { fill, language } from '../shared/i18n';
+import { TodayPanel } from './begin';
+import { curveFigure } from './curves';
+import { texts } from './i18n';
+import { accountName, NoteBox, noteList } from './notes';
+import type { Room } from './page';
+import { painWords } from './pain';
+import { PatientPicker } from './picker';
+import { activeMin, newestFirst, tookPlace, type OneSide, type Patient, type Trial, type Visit } from './records';
+import { hashOf } from './routes';
+import { saveText } from './save_text';
+import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, type Screen } from './ui';
+import { clock, itemWords, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
+
+/** So many visits are listed at first. */
+const NEWEST = 12;
+/** Results that are still measured are asked for again after this [ms]. */
+const MEASURED_MS = 4000;
+
+/** One patient: curves over the visits, the visits, today, the person, notes. */
+export class PatientScreen implements Screen {
+  readonly element = h('main', { class: 'patient' });
+  private readonly t = texts().patient;
+  private patient: Patient | undefined;
+  private today: TodayPanel | undefined;
+  private notes: NoteBox | undefined;
+  private readonly said = new Said();
+  private readonly extra = h('div', { class: 'extra' });
+  private readonly listed = h('div', {});
+  private failedSince: Date | undefined;
+  private all = false;
+  private closed = false;
+  private reading: Promise<void> | undefined;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly room: Room, private readonly id: number) {
+    this.element.append(h('section', { class: 'panel narrow' }, this.said.element, h('p', { class: 'none' }, this.t.reading)));
+    void this.read();
+  }
+
+  who(): readonly [string, string] { return [this.patient?.name ?? this.t.patient, this.patient ? `${this.patient.code} · ${sideWords(this.patient.side)}` : '']; }
+  what(): readonly [string, string] {
+    const { patient, t } = this;
+    if (!patient) return ['', ''];
+    const done = newestFirst(patient.visits).filter(tookPlace);
+    return [fill(done.length === 1 ? t.oneVisit : t.visitCount, { n: done.length }), done[0] ? fill(t.lastOn, { day: visitDay(done[0]) }) : t.noVisit];
+  }
+
+  refresh(): void {
+    this.today?.refresh();
+    if (this.failedSince && !this.room.clinic.silentSince) void this.read();
+  }
+
+  close(): void {
+    this.closed = true;
+    clearTimeout(this.timer);
+    this.notes?.close();
+  }
+
+  private read(): Promise<void> {
+    this.reading ??= this.readNow().finally(() => { this.reading = undefined; });
+    return this.reading;
+  }
+
+  private async readNow(): Promise<void> {
+    const { clinic } = this.room;
+    try {
+      clinic.presets ??= await clinic.api.get('/api/presets');
+      const patient = await clinic.api.get<Patient>(`/api/patients/${this.id}`);
+      if (this.closed) return;
+      const first = this.patient === undefined;
+      this.patient = patient;
+      this.failedSince = undefined;
+      this.said.say('');
+      if (first) this.build(patient);
+      else this.showLists(patient);
+      clearTimeout(this.timer);
+      if (patient.visits.some(({ trials }) => trials.some(({ state }) => state === 'waiting'))) this.timer = setTimeout(() => void this.read(), MEASURED_MS);
+    } catch (problem) {
+      if (this.closed) return;
+      this.failedSince ??= new Date();
+      this.said.say(`${problemWords(problem)} ${fill(this.t.failed, { at: clock(this.failedSince) })}`);
+    }
+  }
+
+  private build(patient: Patient): void {
+    const { room, t } = this;
+    this.today = new TodayPanel(room, patient);
+    this.notes = new NoteBox(room, `/api/patients/${patient.id}/notes`, 'note', patient.id, () => void this.read());
+    const progress = h('div', { class: 'lists' }, this.progressPanel(patient), this.visitsPanel(patient));
+    this.listed.className = 'listed';
+    this.element.replaceChildren(h('div', { class: 'col' }, this.extra, progress), h('div', { class: 'col side' }, this.said.element, this.today.element, this.personPanel(patient), panel(t.notes, 'notes-panel', this.notes.element, this.listed)));
+    this.showLists(patient);
+  }
+
+  private showLists(patient: Patient): void {
+    this.listed.replaceChildren(noteList(patient.notes, accountName(this.room)));
+    this.element.querySelector('.lists')?.replaceChildren(this.progressPanel(patient), this.visitsPanel(patient));
+  }
+
+  private progressPanel({ curves, visits }: Patient): HTMLElement {
+    const { t } = this;
+    const first = newestFirst(visits).filter(tookPlace).at(-1);
+    return besideTitle(panel(first ? fill(t.progressSince, { day: visitDay(first) }) : t.progress, 'progress',
+      first ? h('div', { class: 'curves' }, ...curves.map(curveFigure)) : h('p', { class: 'none' }, t.noProgress)), h('span', { class: 'aside' }, first ? t.noClaim : ''));
+  }
+
+  private visitsPanel(patient: Patient): HTMLElement {
+    const { t } = this;
+    const visits = newestFirst(patient.visits);
+    const shown = this.all ? visits : visits.slice(0, NEWEST);
+    const csv = button(t.csv, 'csv', async () => { try { await saveText(this.room, `/api/export/patient/${patient.id}.csv`, `patient-${patient.id}.csv`); } catch (problem) { this.said.problem(problem); } });
+    const more = visits.length > NEWEST ? button(this.all ? t.newest : fill(t.all, { n: visits.length }), 'all-visits', () => { this.all = !this.all; this.showLists(patient); }) : null;
+    return besideTitle(panel(t.visits, 'visits', visits.length === 0 ? h('p', { class: 'none' }, t.noVisits) : h('ul', { class: 'visit-list', 'data-testid': 'visits' }, ...shown.map((visit, i) => this.visitRow(visit, visits.slice(i + 1)))), more),
+      h('span', { class: 'sp' }), visits.length > 0 ? h('a', { class: 'b', href: hashOf({ at: 'progress', patient: patient.id }), 'data-testid': 'print-progress' }, t.print) : null, visits.length > 0 ? csv : null);
+  }
+
+  private visitRow(visit: Visit, earlier: readonly Visit[]): HTMLElement {
+    const { t } = this;
+    const when = h('div', { class: 'when' }, h('b', {}, visitDay(visit)), h('small', {}, visit.state === 'no_show' ? '' : visitClock(visit)));
+    if (visit.state === 'no_show') return h('li', { 'data-visit': visit.id }, when, h('span', { class: 'tag' }, t.noShow));
+    const pain = visit.pain_before === null && visit.pain_after === null ? '' : fill(t.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) });
+    const tag = visit.state === 'unfinished' ? t.unfinished : visit.state === 'open' ? t.open : '';
+    return h('li', { 'data-visit': visit.id }, when, h('div', { class: 'did' }, h('p', {}, h('b', {}, minutes(activeMin(visit))), ` ${[t.active, sideWords(visit.side), pain].filter(Boolean).join(' · ')} `, tag ? h('span', { class: 'tag warn' }, tag) : null),
+      ...(visit.trials.length === 0 ? [h('small', {}, t.nothingDone)] : visit.trials.map((trial) => this.trialRow(trial, earlier)))),
+      h('div', { class: 'links' }, h('a', { href: hashOf({ at: 'summary', patient: visit.patient, visit: visit.id }) }, t.look), visit.state === 'open' ? null : button(t.move, `move-${visit.id}`, () => this.move(visit))));
+  }
+
+  /** What an item gave, with replay and report of its recording, and the last one of the same exercise beside it. */
+  private trialRow(trial: Trial, earlier: readonly Visit[]): HTMLElement {
+    const { t } = this, token = tokenOf(location), name = itemWords(trial);
+    const link = (href: string, words: string, spoken: string): HTMLElement => h('a', { href, target: '_blank', rel: 'noopener', 'aria-label': `${words}: ${spoken}` }, words);
+    const before = earlier.flatMap(({ trials }) => trials).find((other) => other.exercise === trial.exercise && other.recording !== '');
+    const words = trial.state === 'measured' ? [...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share > 0 ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : [])].join(' · ')
+      : trial.state === 'waiting' ? t.waiting : fill(t.failedTrial, { why: trial.why ?? '' });
+    return h('div', { class: 'trial' }, h('span', {}, name, h('small', {}, words)), trial.recording === '' ? h('span', { class: 'aside' }, t.noRecording) : h('span', { class: 'links' },
+      link(replayUrl([trial.recording], token), t.replay, name), link(reportUrl(trial.recording, token), t.report, name), before ? link(replayUrl([trial.recording, before.recording], token), t.compare, name) : null));
+  }
+
+  private personPanel(patient: Patient): HTMLElement {
+    const { t, room } = this;
+    const force = room.clinic.presets?.force.find(({ id }) => id === patient.preset);
+    const born = patient.born === '' ? '' : new Date(`${patient.born}T00:00:00Z`).toLocaleDateString(language(), { timeZone: 'UTC', day: 'numeric', month: 'long', year: 'numeric' });
+    const facts: (readonly [string, string])[] = [
+      ...(born === '' ? [] : [[t.born, born] as const]), ...(patient.number === '' ? [] : [[t.number, patient.number] as const]),
+      ...(Object.entries(patient.hands) as [OneSide, { length_m: number; breadth_m: number }][]).map(([side, size]) => [fill(t.hand, { side: sideWords(side) }), `${Math.round(size.length_m * 1000)} × ${Math.round(size.breadth_m * 1000)} mm`] as const),
+      [t.preset, presetName(patient.preset)], ...Object.entries({ ...force?.parameters, ...patient.parameters }).map(([name, value]) => parameterWords(name, value)),
+    ];
+    return besideTitle(panel(t.person, 'person', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings),
+      h('dl', { class: 'facts' }, ...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))), this.mistakes(patient)),
+    h('span', { class: 'sp' }), h('a', { class: 'b', href: hashOf({ at: 'edit', patient: patient.id }), 'data-testid': 'edit-patient' }, t.edit));
+  }
+
+  /** What is rarely done, and then by mistake: out of the way, and each with a second press. */
+  private mistakes(patient: Patient): HTMLElement {
+    const { t, room } = this, { api } = room.clinic;
+    const said = new Said();
+    const attempt = async (act: () => Promise<unknown>, then: () => void): Promise<void> => {
+      try { await act(); then(); } catch (problem) { said.problem(problem); }
+    };
+    const twice = (words: string, sure: string, test: string, act: () => Promise<unknown>, then: () => void): HTMLElement => {
+      const press = button(words, test, () => {
+        const yes = button(sure, `${test}-yes`, () => once(yes, () => attempt(act, then)), 'danger');
+        press.replaceWith(yes);
+        yes.focus();
+      });
+      return press;
+    };
+    const code = new Field(fill(t.erase.code, { code: patient.code }), textInput('erase-code'));
+    const erase = button(t.erase.press, 'erase-yes', () => once(erase, async () => {
+      if (code.input.value.trim() !== patient.code) return code.refuse(t.erase.wrong);
+      await attempt(() => api.send('POST', `/api/patients/${patient.id}/erase`, { code: patient.code }), () => { room.tell(t.erase.done); room.go({ at: 'patients' }); });
+    }), 'danger');
+    return h('details', { class: 'mistakes' }, h('summary', {}, t.more), said.element, h('div', { class: 'pair' },
+      twice(t.noShowNote, t.noShowYes, 'no-show', () => api.send('POST', `/api/patients/${patient.id}/no_show`, { at_us: Date.now() * 1000 }), () => void this.read()),
+      button(t.merge.title, 'merge', () => this.merge(patient)),
+      patient.visits.length === 0 ? twice(t.remove, fill(t.removeYes, { name: patient.name }), 'delete-patient', () => api.send('DELETE', `/api/patients/${patient.id}`), () => room.go({ at: 'patients' })) : null),
+    h('details', {}, h('summary', {}, t.erase.title), h('p', {}, t.erase.words), code.element, erase));
+  }
+
+  private pick(title: string, ask: string, act: (other: number) => Promise<unknown>): void {
+    const done = (): void => this.extra.replaceChildren();
+    this.extra.replaceChildren(new PatientPicker(this.room, title, ask, this.id, async ({ id }) => { await act(id); done(); await this.read(); }, done).element);
+    this.extra.scrollIntoView({ block: 'nearest' });
+  }
+
+  private move(visit: Visit): void {
+    this.pick(fill(this.t.moveTitle, { day: visitDay(visit), at: visitClock(visit) }), this.t.moveYes, (patient) => this.room.clinic.api.send('POST', `/api/visits/${visit.id}/move`, { patient }));
+  }
+
+  private merge(patient: Patient): void {
+    this.pick(fill(this.t.merge.which, { name: patient.name, code: patient.code }), this.t.merge.yes, (from) => this.room.clinic.api.send('POST', `/api/patients/${patient.id}/merge`, { from }));
+  }
+}
+

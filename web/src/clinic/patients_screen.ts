@@ -1,0 +1,169 @@
+import { h } from '../console/dom';
+import { fill } from '../shared/i18n';
+import { texts } from './i18n';
+import type { Room } from './page';
+import { PatientPicker } from './picker';
+import type { OneSide, Patient, PatientList, PatientRow, Visit } from './records';
+import { hashOf } from './routes';
+import { button, once, problemWords, Said, textInput, type Screen } from './ui';
+import { activeMin, itemNow } from './records';
+import { clock, dayOf, minutes, sideWords, visitClock, visitDay } from './words';
+
+/** The list is read again this often [ms]. */
+const EVERY_MS = 15_000;
+
+/** Open and unfinished visits first, then all patients, found by name or code. */
+export class PatientsScreen implements Screen {
+  readonly element = h('main', { class: 'patients' });
+  private readonly t = texts().patients;
+  private readonly find = textInput('find', '', { type: 'search', 'aria-label': this.t.find, placeholder: this.t.find });
+  private readonly cards = h('div', { class: 'cards' });
+  private readonly rows = h('div', { class: 'rows' });
+  private readonly said = new Said();
+  private readonly count = h('span', { class: 'aside', role: 'status' });
+  private readonly extra = h('div', { class: 'extra' });
+  private readonly timer: ReturnType<typeof setInterval>;
+  private typing: ReturnType<typeof setTimeout> | undefined;
+  private list: PatientList | undefined;
+  private listed: Date | undefined;
+  private failedSince: Date | undefined;
+  private shown = '';
+  private closed = false;
+
+  constructor(private readonly room: Room) {
+    const { t } = this;
+    this.find.addEventListener('input', () => { clearTimeout(this.typing); this.typing = setTimeout(() => void this.read(), 150); });
+    const fresh = h('a', { class: 'b go', href: hashOf({ at: 'new' }), 'data-testid': 'new-patient' }, t.fresh);
+    this.element.append(this.cards, this.extra, h('section', { class: 'panel list', 'aria-label': t.title },
+      h('div', { class: 'tools' }, this.find, fresh, this.count, button(t.without, 'without-patient', () => this.askSide())), this.said.element, this.rows));
+    this.timer = setInterval(() => { if (!document.hidden && !this.room.clinic.silentSince) void this.read(); }, EVERY_MS);
+    void this.read();
+  }
+
+  who(): readonly [string, string] {
+    return [texts().patients.title, new Date().toLocaleDateString(document.documentElement.lang, { weekday: 'long', day: 'numeric', month: 'long' })];
+  }
+
+  refresh(): void {
+    // Records that answer again are read at once.
+    if (this.failedSince && !this.room.clinic.silentSince) void this.read();
+  }
+
+  close(): void {
+    this.closed = true;
+    clearInterval(this.timer);
+    clearTimeout(this.typing);
+  }
+
+  private async read(): Promise<void> {
+    const find = this.find.value.trim();
+    try {
+      const list = await this.room.clinic.api.get<PatientList>(`/api/patients${find === '' ? '' : `?find=${encodeURIComponent(find)}`}`);
+      if (this.closed || find !== this.find.value.trim()) return;
+      this.list = list;
+      this.listed = new Date();
+      this.failedSince = undefined;
+      this.said.say('');
+      this.show();
+    } catch (problem) {
+      if (this.closed) return;
+      this.failedSince ??= new Date();
+      this.said.say([problemWords(problem), fill(this.t.failed, { at: clock(this.failedSince) }), this.listed ? fill(this.t.asOf, { at: clock(this.listed) }) : ''].join(' '));
+    }
+  }
+
+  private show(): void {
+    const { list, t } = this;
+    if (!list) return;
+    const shown = JSON.stringify(list);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    this.cards.replaceChildren(...list.open.map((row) => this.card(row)), ...(list.unassigned ?? []).map((visit) => this.unassigned(visit)));
+    const searched = this.find.value.trim() !== '';
+    const empty = list.patients.length === 0 && !searched;
+    this.element.classList.toggle('none-yet', empty);
+    this.count.textContent = empty ? '' : fill(list.patients.length === 1 ? t.countOne : t.count, { n: list.patients.length });
+    if (empty) this.rows.replaceChildren(h('div', { class: 'empty', 'data-testid': 'empty' }, h('p', {}, t.empty), h('a', { class: 'b go large', href: hashOf({ at: 'new' }), 'data-testid': 'first-patient' }, t.fresh)));
+    else if (list.patients.length === 0) this.rows.replaceChildren(h('p', { class: 'none', 'data-testid': 'nobody' }, fill(t.nobody, { find: this.find.value.trim() })));
+    else this.rows.replaceChildren(h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.name, t.code, t.hand, t.last, t.visits].map((words) => h('th', { scope: 'col' }, words)))),
+      h('tbody', {}, ...list.patients.map((row) => this.row(row)))));
+  }
+
+  private row(row: PatientRow): HTMLElement {
+    const { t } = this;
+    const line = h('tr', {}, h('th', { scope: 'row' }, h('a', { href: hashOf({ at: 'patient', patient: row.id }), 'data-testid': `patient-${row.id}` }, row.name)),
+      h('td', { class: 'num', 'data-name': t.code }, row.code), h('td', { 'data-name': t.hand }, sideWords(row.side)), h('td', { 'data-name': t.last }, row.last_visit_us > 0 ? dayOf(row.last_visit_us) : t.never), h('td', { class: 'num', 'data-name': t.visits }, String(row.visits)));
+    // The whole line may be touched; keys have its link.
+    line.addEventListener('click', (event) => { if (!(event.target instanceof HTMLAnchorElement)) this.room.go({ at: 'patient', patient: row.id }); });
+    return line;
+  }
+
+  private card(row: PatientRow): HTMLElement {
+    const { t } = this, { room } = this;
+    const open = row.state === 'open';
+    const said = new Said();
+    const go = button(t.goOn, `go-on-${row.id}`, () => once(go, async () => {
+      if (open) return room.go({ at: 'visit', visit: row.visit });
+      try { await this.goOn(row); } catch (problem) { said.problem(problem); }
+    }), 'go');
+    const end = button(t.endIt, `end-it-${row.id}`, () => once(end, async () => {
+      try {
+        await room.clinic.api.send('POST', `/api/visits/${row.visit}/finish`, { state: 'done' });
+        await this.read();
+      } catch (problem) { said.problem(problem); }
+    }));
+    return h('article', { class: 'panel card' }, h('p', {}, h('span', { class: open ? 'tag on' : 'tag warn' }, open ? t.open : t.unfinished)),
+      h('h2', {}, h('a', { href: hashOf({ at: 'patient', patient: row.id }) }, row.name)), h('p', { class: 'aside' }, [row.code, sideWords(row.side), row.last_visit_us > 0 ? dayOf(row.last_visit_us) : ''].filter(Boolean).join(' · ')),
+      said.element, h('div', { class: 'pair' }, go, open ? null : end));
+  }
+
+  /** Goes on with an unfinished visit where it ended. */
+  private async goOn(row: PatientRow): Promise<void> {
+    const { clinic } = this.room;
+    const patient = await clinic.api.get<Patient>(`/api/patients/${row.id}`);
+    const visit = patient.visits.find(({ id }) => id === row.visit);
+    clinic.visit = await clinic.api.send<Visit>('POST', `/api/visits/${row.visit}/item`, { item: visit ? itemNow(visit) : 0 });
+    clinic.visitPatient = row;
+    this.room.go({ at: 'visit', visit: row.visit });
+  }
+
+  /** A visit that nobody was chosen for: it is given to a patient, or deleted. */
+  private unassigned(visit: Visit): HTMLElement {
+    const { t } = this, { api } = this.room.clinic;
+    const said = new Said();
+    const give = button(t.give, `give-${visit.id}`, () => {
+      this.extra.replaceChildren(new PatientPicker(this.room, t.giveTo, t.giveYes, 0, async (row) => {
+        await api.send('POST', `/api/visits/${visit.id}/move`, { patient: row.id });
+        this.extra.replaceChildren();
+        await this.read();
+      }, () => this.extra.replaceChildren()).element);
+    }, 'go');
+    const away = button(t.remove, `delete-${visit.id}`, () => {
+      const sure = button(t.removeYes, `delete-yes-${visit.id}`, () => once(sure, async () => {
+        try { await api.send('DELETE', `/api/visits/${visit.id}`); await this.read(); } catch (problem) { said.problem(problem); }
+      }), 'danger');
+      away.replaceWith(sure);
+      sure.focus();
+    });
+    return h('article', { class: 'panel card' }, h('p', {}, h('span', { class: 'tag warn' }, t.noPatient)), h('h2', {}, `${visitDay(visit)}, ${visitClock(visit)}`),
+      h('p', { class: 'aside' }, `${sideWords(visit.side)} · ${minutes(activeMin(visit))}`), said.element, h('div', { class: 'pair' }, give, away));
+  }
+
+  /** A visit without a patient has the gentle limits, and says so before it begins. */
+  private askSide(): void {
+    const { t } = this, { clinic } = this.room;
+    const said = new Said();
+    const begin = (side: OneSide): HTMLButtonElement => {
+      const press = button(fill(t.beginWith, { side: sideWords(side) }), `without-${side}`, () => once(press, async () => {
+        try {
+          clinic.visit = await clinic.api.send<Visit>('POST', '/api/guest_visits', { side });
+          clinic.visitPatient = null;
+          this.room.go({ at: 'visit', visit: clinic.visit.id });
+        } catch (problem) { said.problem(problem); }
+      }), 'go');
+      return press;
+    };
+    this.extra.replaceChildren(h('section', { class: 'panel', 'aria-label': t.without }, h('div', { class: 'hd' }, h('h2', {}, t.without), h('span', { class: 'sp' }), button(texts().picker.cancel, 'without-cancel', () => this.extra.replaceChildren())),
+      h('p', {}, t.withoutMore), said.element, h('div', { class: 'pair' }, begin('left'), begin('right'))));
+  }
+}

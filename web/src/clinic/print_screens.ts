@@ -1,0 +1,88 @@
+import { h } from '../console/dom';
+import { fill } from '../shared/i18n';
+import { curveFigure } from './curves';
+import { resultTable } from './end_screen';
+import { texts } from './i18n';
+import { accountName, noteList } from './notes';
+import type { Room } from './page';
+import { painWords } from './pain';
+import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Visit } from './records';
+import { hashOf } from './routes';
+import { button, Said, type Screen } from './ui';
+import { itemWords, minutes, sideWords, visitClock, visitDay } from './words';
+
+/** A sheet of paper: what is on it is seen before it is printed. */
+abstract class Sheet implements Screen {
+  readonly element = h('main', { class: 'sheet' });
+  protected readonly t = texts().sheet;
+  protected patient: Patient | undefined;
+  private readonly said = new Said();
+  private closed = false;
+  private theme: string | undefined;
+  private readonly light = (): void => { this.theme = document.documentElement.dataset.theme; document.documentElement.dataset.theme = 'light'; };
+  private readonly back = (): void => { document.documentElement.dataset.theme = this.theme; };
+
+  constructor(protected readonly room: Room, private readonly id: number) {
+    addEventListener('beforeprint', this.light);
+    addEventListener('afterprint', this.back);
+    this.element.append(h('section', { class: 'panel narrow' }, this.said.element));
+    void this.open();
+  }
+
+  who(): readonly [string, string] { return [this.patient?.name ?? '', this.patient?.code ?? '']; }
+  close(): void {
+    this.closed = true;
+    removeEventListener('beforeprint', this.light);
+    removeEventListener('afterprint', this.back);
+  }
+
+  /** What stands on the paper; undefined where there is nothing. */
+  protected abstract paper(patient: Patient): Node[] | undefined;
+
+  private async open(): Promise<void> {
+    try {
+      const patient = this.patient = await this.room.clinic.api.get<Patient>(`/api/patients/${this.id}`);
+      if (this.closed) return;
+      const paper = this.paper(patient);
+      const { t } = this;
+      this.element.replaceChildren(h('div', { class: 'pair no-print' }, h('a', { class: 'b', href: hashOf({ at: 'patient', patient: this.id }) }, fill(t.back, { name: patient.name })), paper ? button(t.print, 'print', () => print(), 'go') : null),
+        h('article', { class: 'panel paper' }, ...(paper ?? [h('p', { class: 'none' }, t.nothing)])));
+    } catch (problem) {
+      if (!this.closed) this.said.problem(problem);
+    }
+  }
+
+  protected head(title: string, patient: Patient): Node[] {
+    return [h('h2', {}, title), h('p', { class: 'of' }, h('b', {}, patient.name), ` · ${patient.code} · ${sideWords(patient.side)}`, patient.born === '' ? '' : ` · ${patient.born}`)];
+  }
+}
+
+/** Curves and visits of a patient. */
+export class ProgressPrint extends Sheet {
+  protected paper(patient: Patient): Node[] | undefined {
+    const { t } = this, visits = newestFirst(patient.visits).filter(tookPlace);
+    if (visits.length === 0) return undefined;
+    return [...this.head(t.progress, patient), h('div', { class: 'curves' }, ...patient.curves.map(curveFigure)), h('p', { class: 'aside' }, texts().patient.noClaim),
+      h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.day, t.hand, t.done, t.active, t.pain].map((words) => h('th', { scope: 'col' }, words)))),
+        h('tbody', {}, ...visits.map((visit) => h('tr', {}, h('th', { scope: 'row' }, visitDay(visit)), h('td', {}, sideWords(visit.side)), h('td', {}, [...new Set(visit.trials.map(itemWords))].join(', ')), h('td', { class: 'num' }, minutes(activeMin(visit))),
+          h('td', {}, `${painWords(visit.pain_before)} → ${painWords(visit.pain_after)}`)))))];
+  }
+}
+
+/** One visit: done against planned, results, pain, notes. */
+export class VisitPrint extends Sheet {
+  constructor(room: Room, id: number, private readonly visitId: number) { super(room, id); }
+
+  protected paper(patient: Patient): Node[] | undefined {
+    const { t } = this, visits = newestFirst(patient.visits);
+    const at = visits.findIndex(({ id }) => id === this.visitId), visit: Visit | undefined = visits[at];
+    if (!visit) return undefined;
+    const last = visits.slice(at + 1).find(tookPlace);
+    const notes = (visit.notes?.length ?? 0) > 0 ? visit.notes! : patient.notes.filter((note) => note.visit === visit.id);
+    return [...this.head(`${t.visit} ${visitDay(visit)}, ${visitClock(visit)}`, patient),
+      h('p', {}, `${sideWords(visit.side)} · ${minutes(activeMin(visit))} ${texts().patient.active} · ${fill(texts().patient.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) })}`),
+      h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => h('li', {}, h('span', { class: 'nr' }, String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(texts().end.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
+        ...visit.trials.filter((trial) => trial.item === i).map((trial) => resultTable(trial, last)))))),
+      h('h3', {}, texts().patient.notes), noteList(notes, accountName(this.room))];
+  }
+}

@@ -1,0 +1,132 @@
+// What the records hold, as their process sends it. Times in microseconds UTC, lengths in m.
+export type Side = 'right' | 'left' | 'both';
+export type OneSide = Exclude<Side, 'both'>;
+export type Values = Readonly<Record<string, number>>;
+
+export interface Tile { readonly id: number; readonly name: string; readonly colour: string }
+
+export interface RecordsState {
+  readonly clinic: 'new' | 'locked' | 'open';
+  readonly tiles: readonly Tile[];
+  readonly station: { readonly heard: boolean };
+  /** Number of the open visit; 0: none. */
+  readonly visit: number;
+  readonly backup: { readonly last_us: number; readonly folder: string };
+}
+
+export interface Item {
+  readonly exercise: string;
+  readonly level: number;
+  readonly minutes: number;
+  readonly help: 'full' | 'some' | 'none';
+  readonly parameters?: Values;
+}
+
+export interface Presets {
+  readonly force: readonly { readonly id: string; readonly parameters: Values }[];
+  readonly plans: readonly { readonly id: string; readonly items: readonly Item[] }[];
+  readonly exercises: readonly { readonly id: string; readonly levels: number }[];
+}
+
+export interface PatientRow {
+  readonly id: number;
+  readonly code: string;
+  readonly name: string;
+  readonly side: Side;
+  readonly visits: number;
+  readonly last_visit_us: number;
+  readonly state: 'open' | 'unfinished' | '';
+  readonly visit: number;
+}
+
+export interface PatientList {
+  readonly open: readonly PatientRow[];
+  readonly patients: readonly PatientRow[];
+  /** Ended visits without a patient, to be assigned or deleted. */
+  readonly unassigned?: readonly Visit[];
+}
+
+export interface Size { readonly length_m: number; readonly breadth_m: number }
+
+/** What a person writes of a patient. */
+export interface PatientText {
+  readonly name: string;
+  readonly code: string;
+  readonly born: string;
+  readonly number: string;
+  readonly side: Side;
+  readonly hands: Readonly<Partial<Record<OneSide, Size>>>;
+  readonly preset: string;
+  readonly parameters: Values;
+  readonly warnings: string;
+  readonly plan: readonly Item[];
+}
+
+export interface Note {
+  readonly id: number;
+  readonly visit: number;
+  readonly at_us: number;
+  readonly account: string | number;
+  readonly kind: string;
+  readonly text: string;
+}
+
+export interface Result { readonly name: string; readonly value: number; readonly unit: string }
+
+export interface Trial {
+  readonly item: number;
+  readonly exercise: string;
+  readonly level: number;
+  readonly recording: string;
+  readonly began_us: number;
+  readonly active_s: number;
+  readonly helped_share: number;
+  readonly results: readonly Result[];
+  readonly state: 'measured' | 'waiting' | 'failed';
+  readonly why?: string;
+}
+
+export interface Visit {
+  readonly id: number;
+  readonly patient: number;
+  readonly side: OneSide;
+  readonly began_us: number;
+  readonly ended_us: number;
+  readonly offset_min: number;
+  readonly state: 'open' | 'unfinished' | 'done' | 'no_show' | 'guest';
+  readonly account: string | number;
+  readonly plan: readonly Item[];
+  readonly next_item: number;
+  readonly trials: readonly Trial[];
+  readonly notes?: readonly Note[];
+  /** 0 is an answer; null: not asked. */
+  readonly pain_before: number | null;
+  readonly pain_after: number | null;
+}
+
+export interface Curve { readonly name: string; readonly points: readonly (readonly [t_us: number, value: number])[] }
+
+export interface Patient extends PatientText {
+  readonly id: number;
+  readonly version: number;
+  readonly visits: readonly Visit[];
+  readonly notes: readonly Note[];
+  readonly today: readonly Item[];
+  readonly curves: readonly Curve[];
+}
+
+/** Active minutes of a visit. */
+export const activeMin = ({ trials }: Pick<Visit, 'trials'>): number => trials.reduce((sum, { active_s }) => sum + (active_s || 0), 0) / 60;
+
+/** Active seconds of an item of the plan. */
+export const activeOf_s = ({ trials }: Pick<Visit, 'trials'>, item: number): number =>
+  trials.filter((trial) => trial.item === item).reduce((sum, { active_s }) => sum + (active_s || 0), 0);
+
+/** The item that is set up; the last one where all are done. */
+export const itemNow = ({ plan, next_item }: Pick<Visit, 'plan' | 'next_item'>): number => Math.max(0, Math.min(next_item, plan.length - 1));
+
+/** A visit to which a patient belongs, and which took place. */
+export const tookPlace = ({ state }: Visit): boolean => state === 'done' || state === 'unfinished';
+
+/** Newest first. */
+export const newestFirst = (visits: readonly Visit[]): Visit[] => [...visits].sort((a, b) => b.began_us - a.began_us);

@@ -1,0 +1,37 @@
+// Where the page is, after the "#". An address carries numbers only: it is seen, kept and sent.
+
+export type Route =
+  | { readonly at: 'patients' } | { readonly at: 'new' } | { readonly at: 'settings' }
+  | { readonly at: 'patient' | 'edit' | 'progress'; readonly patient: number }
+  | { readonly at: 'summary'; readonly patient: number; readonly visit: number }
+  | { readonly at: 'visit' | 'end'; readonly visit: number };
+
+export function routeOf(hash: string): Route {
+  const parts = hash.replace(/^#\/?/, '').split('/');
+  const [place, first, more, second] = parts;
+  const number = (text: string | undefined): number => (/^\d{1,15}$/.test(text ?? '') ? Number(text) : 0);
+  const id = number(first);
+  if (place === 'new') return { at: 'new' };
+  if (place === 'settings') return { at: 'settings' };
+  if (place === 'visit' && id > 0) return { at: more === 'end' ? 'end' : 'visit', visit: id };
+  if (place === 'patient' && id > 0) {
+    if (more === 'edit' || more === 'progress') return { at: more, patient: id };
+    if (more === 'visit' && number(second) > 0) return { at: 'summary', patient: id, visit: number(second) };
+    return { at: 'patient', patient: id };
+  }
+  return { at: 'patients' };
+}
+
+export function hashOf(route: Route): string {
+  switch (route.at) {
+    case 'patients': return '#/patients';
+    case 'new': return '#/new';
+    case 'settings': return '#/settings';
+    case 'patient': return `#/patient/${route.patient}`;
+    case 'edit': return `#/patient/${route.patient}/edit`;
+    case 'progress': return `#/patient/${route.patient}/progress`;
+    case 'summary': return `#/patient/${route.patient}/visit/${route.visit}`;
+    case 'visit': return `#/visit/${route.visit}`;
+    case 'end': return `#/visit/${route.visit}/end`;
+  }
+}

@@ -1,0 +1,113 @@
+import { h, say } from '../console/dom';
+import { texts } from './i18n';
+import type { Room } from './page';
+import type { Tile } from './records';
+import { button, Field, once, Said, textInput, type Screen } from './ui';
+
+/** Colours of tiles; white stands on each with 4.5 or more. */
+export const COLOURS = ['#0B6B58', '#1F5FC4', '#8E0B4E', '#7A4B00', '#5A3E9B', '#A1141A'] as const;
+
+export const initials = (name: string): string => name.split(/\s+/).filter(Boolean).slice(0, 2).map((word) => [...word][0].toUpperCase()).join('');
+
+/** A tile's colour, by its name. */
+export function colourChoice(chosen: string): { element: HTMLElement; value: () => string } {
+  const t = texts().tile;
+  const radios = COLOURS.map((colour, i) => h('input', { type: 'radio', name: 'tile-colour', value: colour, checked: colour === chosen, 'aria-label': t.colours[i] }));
+  return {
+    element: h('fieldset', { class: 'colours' }, h('legend', {}, t.colour), ...radios.map((radio) => h('label', { style: `background: ${radio.value}` }, radio))),
+    value: () => radios.find((radio) => radio.checked)?.value ?? chosen,
+  };
+}
+
+/** Opens the records for the day: by the pass phrase, or by the printed code. */
+export class UnlockScreen implements Screen {
+  readonly element = h('main', { class: 'gate' });
+  private byCode = false;
+
+  constructor(private readonly room: Room) { this.show(); }
+
+  private show(): void {
+    const t = texts().unlock, { byCode } = this;
+    const field = new Field(byCode ? t.code : t.phrase, textInput('unlock-words', '', byCode ? {} : { type: 'password', autocomplete: 'current-password' }));
+    const go = h('button', { type: 'submit', class: 'b go wide', 'data-testid': 'unlock' }, t.open);
+    const said = new Said();
+    const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words), field.element, said.element, go,
+      button(byCode ? t.byPhrase : t.byCode, 'unlock-other', () => { this.byCode = !byCode; this.show(); }, 'wide'));
+    form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      void once(go, async () => {
+        said.say('');
+        try {
+          await this.room.clinic.api.send('POST', '/api/unlock', byCode ? { recovery_code: field.input.value.trim() } : { pass_phrase: field.input.value });
+          await this.room.clinic.look((url, init) => fetch(url, init));
+        } catch (problem) {
+          said.problem(problem);
+          field.input.select();
+        }
+      });
+    });
+    this.element.replaceChildren(form);
+    field.input.focus();
+  }
+}
+
+/** Tiles of those who work here, then the digits of the one who was chosen. */
+export class WhoScreen implements Screen {
+  readonly element = h('main', { class: 'gate' });
+  private readonly t = texts().who;
+
+  constructor(private readonly room: Room) {
+    const { clinic } = room;
+    const tiles = clinic.state?.tiles ?? [];
+    const same = clinic.stage === 'hidden' ? tiles.find(({ id }) => id === clinic.account) : undefined;
+    if (same) this.pad(same);
+    else if (tiles.length === 1) this.pad(tiles[0]);
+    else this.tiles();
+  }
+
+  private tiles(): void {
+    const { t } = this;
+    this.element.replaceChildren(h('section', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title),
+      h('div', { class: 'tiles' }, ...(this.room.clinic.state?.tiles ?? []).map((tile) => {
+        const press = button('', `tile-${tile.id}`, () => this.pad(tile), 'tile');
+        press.replaceChildren(face(tile), h('span', {}, tile.name));
+        return press;
+      }))));
+    this.element.querySelector<HTMLElement>('.tile')?.focus();
+  }
+
+  private pad(tile: Tile): void {
+    const { t } = this, { clinic } = this.room;
+    const hidden = clinic.stage === 'hidden' && tile.id === clinic.account;
+    const field = new Field(t.pin, textInput('pin', '', { type: 'password', inputmode: 'numeric', maxlength: 8, autocomplete: 'off' }));
+    const { input } = field;
+    const said = new Said();
+    const go = h('button', { type: 'submit', class: 'b go', 'data-testid': 'pin-ok' }, t.ok);
+    const key = (digit: string): HTMLElement => button(digit, `key-${digit}`, () => { input.value += digit; }, 'key');
+    const back = button('⌫', 'key-back', () => { input.value = input.value.slice(0, -1); }, 'key');
+    back.setAttribute('aria-label', t.back);
+    const form = h('form', { class: 'panel narrow pad', 'aria-label': hidden ? t.again : t.title },
+      h('h2', {}, hidden ? t.again : t.title), h('p', { class: 'whose' }, face(tile), h('b', {}, tile.name)), hidden ? h('p', {}, t.kept) : null, field.element, said.element,
+      h('div', { class: 'keys' }, ...[...'123456789'].map(key), back, key('0'), go),
+      (clinic.state?.tiles.length ?? 0) > 1 ? button(t.other, 'other-tile', () => this.tiles(), 'wide') : null);
+    form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      void once(go, async () => {
+        say(said.element, '');
+        try {
+          if (hidden) await clinic.show(input.value);
+          else clinic.signedIn(await clinic.api.send('POST', '/api/sign_in', { account: tile.id, pin: input.value }));
+          await clinic.look((url, init) => fetch(url, init));
+        } catch (problem) {
+          said.problem(problem);
+          input.value = '';
+          input.focus();
+        }
+      });
+    });
+    this.element.replaceChildren(form);
+    input.focus();
+  }
+}
+
+const face = ({ name, colour }: Tile): HTMLElement => h('span', { class: 'face', 'aria-hidden': 'true', style: `background: ${/^#[0-9a-f]{6}$/i.test(colour) ? colour : '#5A534C'}` }, initials(name));

@@ -1,0 +1,308 @@
+import { BigControls } from '../console/big_controls';
+import { builtFrom } from '../console/built_from';
+import { h, say, setAttribute } from '../console/dom';
+import type { Panel } from '../console/model';
+import { ExercisePanelView } from '../console/panel_view';
+import { ScenePanel } from '../console/scene_panel';
+import type { EventT } from '../protocol';
+import type { HandLook, PacedView } from '../scene/paced_view';
+import { duration } from '../shared/format';
+import { fill } from '../shared/i18n';
+import { texts } from './i18n';
+import { NoteBox } from './notes';
+import type { Room } from './page';
+import { PainChoice, type When } from './pain';
+import { activeOf_s, itemNow, type OneSide, type Visit } from './records';
+import { hashOf } from './routes';
+import { besideTitle, button, panel, problemWords, Said, type Screen } from './ui';
+import { clock, clockOf, helpWords, itemWords, minutes, sideWords } from './words';
+
+/** A gentle stop is over by then, or something is wrong [ms]. */
+const STOPPED_WITHIN_MS = 5000;
+/** The visit is read again this often [ms]. */
+const EVERY_MS = 4000;
+const MARKS = ['tired', 'spasm', 'cue', 'hands_on'] as const;
+
+/** What the program says of the visit it has set up; undefined from a program that says nothing of it. */
+interface VisitOfScene { readonly visit?: bigint | number; readonly visitItem?: number }
+
+/** A visit under way: the picture, the plan, what is set most, notes by one touch. It works with names hidden and records gone. */
+export class VisitScreen implements Screen {
+  readonly element = h('main', { class: 'visit' });
+  private readonly t = texts().visit;
+  private readonly picture = h('div', { class: 'picture' });
+  private readonly controls = h('div', { class: 'controls' });
+  private readonly planned = h('div', {});
+  private readonly clock = h('b', { class: 'num' });
+  private readonly active = h('span', { class: 'num', 'data-testid': 'active' });
+  private readonly side = h('div', {});
+  private readonly said = new Said();
+  private readonly marked = h('p', { class: 'marked', role: 'status' });
+  private readonly next: HTMLButtonElement;
+  private readonly end: HTMLButtonElement;
+  private readonly stop: HTMLButtonElement;
+  private panels: Panel[] = [];
+  private exercise: ExercisePanelView | undefined;
+  private scenePanel: ScenePanel | undefined;
+  private look: HandLook = 'skin';
+  private view: PacedView | undefined;
+  private viewTried = false;
+  private builtFrom = '';
+  private shownPlan = '';
+  private note: NoteBox | undefined;
+  private pain: When | undefined;
+  private readonly painPlace = h('div', {});
+  private marks: readonly string[] = [];
+  private closed = false;
+  private busy = false;
+  private read_ms = -Infinity;
+
+  constructor(private readonly room: Room, private readonly id: number) {
+    const { t } = this;
+    this.next = button(t.next, 'next-item', () => this.goTo(this.now + 1), 'wide');
+    this.end = button(t.end, 'end-visit', () => this.ending(), 'wide');
+    this.stop = button(t.stop, 'gentle-stop', () => this.gently(), 'wide');
+    if (room.clinic.visit?.id === id) this.build();
+    else void this.find();
+  }
+
+  private get visit(): Visit | undefined {
+    const { visit } = this.room.clinic;
+    return visit?.id === this.id ? visit : undefined;
+  }
+  private get now(): number { return this.visit ? itemNow(this.visit) : 0; }
+  private get named(): boolean { return this.room.clinic.stage === 'in'; }
+
+  who(): readonly [string, string] {
+    const { visitPatient, visit } = this.room.clinic, { t } = this;
+    const side = visit ? sideWords(visit.side) : '';
+    if (visit?.patient === 0 || visit?.state === 'guest') return [t.noPatient, `${side} · ${t.gentle}`];
+    if (!this.named || !visitPatient) return [t.hiddenName, side];
+    return [visitPatient.name, `${visitPatient.code} · ${side}`];
+  }
+
+  what(): readonly [string, string] {
+    const { visit, t, room: { model } } = this;
+    const item = visit?.plan[this.now];
+    const recorded = model.recorded === undefined ? [] : [model.recorded ? t.recorded : t.unrecorded];
+    return item ? [itemWords(item), [fill(t.itemOf, { n: this.now + 1, m: visit!.plan.length }), ...recorded].join(' · ')] : [t.title, ''];
+  }
+
+  /** Not before somebody has said which hand is in the device, and not with what another visit has set. */
+  startable(): boolean { return this.visit !== undefined && !this.busy && this.sideSaid && this.setUp; }
+
+  refresh(): void {
+    const { visit, t } = this;
+    if (!visit) return;
+    say(this.clock, clock(new Date()));
+    say(this.active, this.activeWords(visit));
+    for (const each of this.panels) each.refresh?.();
+    this.showPlan(visit);
+    this.showSide(visit);
+    const rendering = ['rendering', 'paused'].includes(this.room.model.status.name);
+    this.stop.disabled = !rendering;
+    this.showPain(visit);
+    if (this.said.element.textContent === '' && !this.setUp) this.said.say(t.notSetUp);
+    else if (this.said.element.textContent === t.notSetUp && this.setUp) this.said.say('');
+    const now_ms = performance.now();
+    if (now_ms - this.read_ms < EVERY_MS || this.room.clinic.silentSince) return;
+    this.read_ms = now_ms;
+    if (['in', 'hidden'].includes(this.room.clinic.stage)) void this.room.clinic.lookAtVisit().catch(() => {});
+  }
+
+  draw(): void { this.scenePanel?.draw(); }
+  take(events: readonly EventT[]): void { this.exercise?.take(events); }
+
+  close(): void {
+    this.closed = true;
+    this.note?.close();
+    for (const each of this.panels) each.close?.();
+  }
+
+  /** The program loaded another exercise or hand: what shows it is built anew. */
+  sceneChanged(): void {
+    const { model } = this.room;
+    if (model.scene) this.view?.setScene(model.scene);
+    const built = builtFrom(model.scene);
+    if (built === this.builtFrom || !this.visit) return;
+    this.builtFrom = built;
+    for (const each of this.panels) each.close?.();
+    this.scenePanel = new ScenePanel(model, this.look, (look) => { this.look = look; });
+    this.exercise = new ExercisePanelView(model);
+    const big = new BigControls(model);
+    this.panels = [this.scenePanel, this.exercise, big];
+    this.picture.replaceChildren(this.scenePanel.element, this.exercise.element);
+    this.controls.replaceChildren(big.element);
+    if (this.viewTried) this.scenePanel.setView(this.view);
+  }
+
+  private async find(): Promise<void> {
+    const { clinic } = this.room, { t } = this;
+    this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.said.element));
+    try {
+      await clinic.lookAtVisit();
+      if (this.closed) return;
+      if (this.visit) return this.build();
+      this.said.say(clinic.visit ? t.another : t.over);
+      this.said.element.after(h('p', {}, h('a', { class: 'b', href: clinic.visit ? hashOf({ at: 'visit', visit: clinic.visit.id }) : hashOf({ at: 'patients' }) }, clinic.visit ? texts().visitOpen : texts().patients.title)));
+    } catch (problem) {
+      if (!this.closed) this.said.problem(problem);
+    }
+  }
+
+  private build(): void {
+    const { t, room } = this, visit = this.visit!;
+    const plan = besideTitle(panel(t.plan, 'planned', h('p', { class: 'session' }, this.clock, ' ', this.active), this.planned, this.said.element, h('div', { class: 'pair' }, this.stop, this.next, this.end)));
+    const marks = panel(t.marks, 'marks', h('div', { class: 'mark-keys' }, ...MARKS.map((kind) => button(texts().notes.kinds[kind], `mark-${kind}`, () => this.mark(kind)))), this.marked);
+    if (this.named) {
+      this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient, () => void room.clinic.lookAtVisit().catch(() => {}));
+      marks.append(this.note.element);
+    }
+    this.element.replaceChildren(h('div', { class: 'col seen' }, this.side, this.picture), h('div', { class: 'col side' }, plan, this.controls, marks, panel(t.pain, 'pains', this.painPlace)));
+    this.sceneChanged();
+    void room.picture().then((view) => {
+      if (this.closed) return;
+      this.view = view;
+      this.viewTried = true;
+      if (view && room.model.scene) view.setScene(room.model.scene);
+      view?.setBodies(room.connection.bodies);
+      this.scenePanel?.setView(view);
+    });
+    this.refresh();
+  }
+
+  /** How long the item and the visit have been active: what was measured, and what goes on now. */
+  private activeWords(visit: Visit): string {
+    const { tally } = this.room.model, { t, now } = this;
+    const from_us = (tally.from?.getTime() ?? 0) * 1000;
+    const measured = visit.trials.some(({ began_us, state }) => state === 'measured' && began_us > from_us - 5e6);
+    const live_s = from_us > visit.began_us - 5e6 && !measured ? tally.active_s : 0;
+    const all_s = live_s + visit.trials.reduce((sum, { active_s }) => sum + (active_s || 0), 0);
+    return fill(t.active, { item: duration(activeOf_s(visit, now) + live_s), of: visit.plan[now]?.minutes ?? 0, all: duration(all_s) });
+  }
+
+  private showPlan(visit: Visit): void {
+    const { now, t } = this;
+    const last = now >= visit.plan.length - 1;
+    const shown = JSON.stringify([visit.plan, now, visit.trials.map(({ item, active_s, state }) => [item, active_s, state]), this.busy]);
+    if (shown === this.shownPlan) return;
+    this.shownPlan = shown;
+    this.next.hidden = last;
+    this.next.classList.toggle('go', !last);
+    this.end.classList.toggle('go', last);
+    this.next.disabled = this.end.disabled = this.busy;
+    const following = visit.plan[now + 1];
+    say(this.next, following ? fill(t.nextIs, { name: itemWords(following) }) : t.next);
+    this.planned.replaceChildren(h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
+      const done_s = activeOf_s(visit, i);
+      const state = i === now ? t.inProgress : visit.trials.some((trial) => trial.item === i) ? t.done : '';
+      const again = i === now ? null : button(t.setUp, `item-${i}`, () => this.goTo(i), 'small');
+      again?.setAttribute('aria-label', `${t.setUp}: ${itemWords(item)}`);
+      return h('li', { ...(i === now ? { 'aria-current': 'step' } : {}) }, h('span', { class: 'nr', 'aria-hidden': 'true' }, state === t.done ? '✓' : String(i + 1)), h('span', {}, h('b', {}, itemWords(item)),
+        h('small', {}, [state, `${done_s > 0 ? `${duration(done_s)} / ` : ''}${minutes(item.minutes)}`, i === now ? fill(texts().helpOf, { help: helpWords(item.help) }) : ''].filter(Boolean).join(' · '))), again);
+    })));
+  }
+
+  // ---- which hand
+
+  private get sideKey(): string { return `wholehand.clinic.side.${this.id}`; }
+  private get sideSaid(): boolean {
+    try { return sessionStorage.getItem(this.sideKey) === this.visit?.side; } catch { return this.sideHere; }
+  }
+  private sideHere = false;
+
+  /** Asked once before the first start of a visit: a wrong side is the mistake that nobody sees. */
+  private showSide(visit: Visit): void {
+    const { t } = this;
+    const due = !this.sideSaid;
+    this.side.hidden = !due;
+    if (!due) {
+      if (this.side.childElementCount > 0) this.side.replaceChildren();
+      return;
+    }
+    if (this.side.childElementCount > 0) return;
+    const wrong = h('p', { class: 'said', role: 'alert' });
+    const answer = (side: OneSide): HTMLElement => button(sideWords(side), `side-${side}`, () => {
+      if (side !== visit.side) return say(wrong, fill(t.wrongSide, { side: sideWords(visit.side) }));
+      this.sideHere = true;
+      try { sessionStorage.setItem(this.sideKey, side); } catch { /* this page knows it */ }
+      this.refresh();
+      document.querySelector<HTMLElement>('[data-testid=arm]')?.focus();
+    }, 'large');
+    this.side.replaceChildren(h('section', { class: 'panel ask', 'aria-label': t.whichHand }, h('h2', {}, t.whichHand), h('p', {}, t.whichHandMore), h('div', { class: 'pair' }, answer('left'), answer('right')), wrong));
+  }
+
+  /** The program has set up this visit and item; one that says nothing of visits is believed. */
+  private get setUp(): boolean {
+    const { visit, visitItem } = (this.room.model.scene ?? {}) as VisitOfScene;
+    return visit === undefined || (Number(visit) === this.id && (visitItem ?? this.now) === this.now);
+  }
+
+  // ---- stop, next, end
+
+  /** Stops gently and waits until nothing pushes; says so where it does not end. */
+  private async gently(): Promise<boolean> {
+    const { model } = this.room;
+    const runs = (): boolean => ['rendering', 'paused', 'stopping'].includes(model.status.name);
+    if (['rendering', 'paused'].includes(model.status.name) && !(await model.command(this.t.stop, () => model.connection.stop())).accepted) return false;
+    const end_ms = performance.now() + STOPPED_WITHIN_MS;
+    while (runs() && performance.now() < end_ms) await new Promise((resolve) => setTimeout(resolve, 50));
+    return !runs();
+  }
+
+  /** A gentle stop, then the item's exercise, help and limits. Nothing starts by it. */
+  private async goTo(item: number): Promise<void> {
+    if (this.busy) return;
+    const { clinic } = this.room, { t } = this;
+    this.busy = true;
+    this.said.say('');
+    this.refresh();
+    try {
+      if (!await this.gently()) return this.said.say(t.doesNotStop);
+      clinic.visit = await clinic.api.send<Visit>('POST', `/api/visits/${this.id}/item`, { item });
+    } catch (problem) {
+      this.said.say(`${problemWords(problem)} ${t.staysAsItIs}`);
+    } finally {
+      this.busy = false;
+      this.refresh();
+    }
+  }
+
+  private async ending(): Promise<void> {
+    if (this.busy) return;
+    this.busy = true;
+    try {
+      if (await this.gently()) this.room.go({ at: 'end', visit: this.id });
+      else this.said.say(this.t.doesNotStop);
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  // ---- notes by one touch, pain
+
+  private mark(kind: (typeof MARKS)[number]): void {
+    const at_us = Date.now() * 1000;
+    this.marks = [`${clockOf(at_us)} ${texts().notes.kinds[kind]}`, ...this.marks].slice(0, 4);
+    say(this.marked, this.marks.join(' · '));
+    void this.room.clinic.outbox.add(`/api/visits/${this.id}/notes`, { kind, text: '', at_us });
+  }
+
+  /** Before the first trial it is asked for before, later for after. */
+  private showPain(visit: Visit): void {
+    const when: When = visit.trials.length > 0 || this.room.model.tally.active_s > 0 && (this.room.model.tally.from?.getTime() ?? 0) * 1000 > visit.began_us - 5e6 ? 'after' : 'before';
+    if (this.pain === when) return;
+    this.pain = when;
+    this.painPlace.replaceChildren(h('p', { class: 'aside' }, texts().pain[when]), painChoice(this.room, visit, when).element);
+    setAttribute(this.painPlace, 'data-when', when);
+  }
+}
+
+/** Sends it, or keeps it until the records answer; the visit knows it at once. */
+export function painChoice({ clinic }: Room, visit: Visit, when: When): PainChoice {
+  const key = when === 'before' ? 'pain_before' : 'pain_after';
+  return new PainChoice(when, visit[key], (value) => {
+    if (clinic.visit?.id === visit.id) clinic.visit = { ...clinic.visit, [key]: value };
+    void clinic.outbox.add(`/api/visits/${visit.id}/pain`, { when, value });
+  });
+}

@@ -1,0 +1,51 @@
+import { exerciseWords } from '../console/title_words';
+import { texts as consoleTexts } from '../console/i18n';
+import { asWords, fixed } from '../shared/format';
+import { fill, language } from '../shared/i18n';
+import { texts } from './i18n';
+import type { Item, Result, Side, Visit } from './records';
+
+/** A visit's own day and clock, wherever the page is opened. */
+const ofVisit = (t_us: number, offset_min: number): Date => new Date(t_us / 1000 + offset_min * 60_000);
+const DAY = { weekday: 'short', day: 'numeric', month: 'short' } as const;
+const CLOCK = { hour: '2-digit', minute: '2-digit', hour12: false } as const;
+
+export const visitDay = ({ began_us, offset_min }: Pick<Visit, 'began_us' | 'offset_min'>): string =>
+  ofVisit(began_us, offset_min).toLocaleDateString(language(), { ...DAY, timeZone: 'UTC', ...(yearNow() === ofVisit(began_us, offset_min).getUTCFullYear() ? {} : { year: 'numeric' }) });
+export const visitClock = ({ began_us, offset_min }: Pick<Visit, 'began_us' | 'offset_min'>): string =>
+  ofVisit(began_us, offset_min).toLocaleTimeString(language(), { ...CLOCK, timeZone: 'UTC' });
+
+const yearNow = (): number => new Date().getFullYear();
+
+/** A moment in this machine's time. */
+export function dayOf(t_us: number): string {
+  const at = new Date(t_us / 1000), t = texts();
+  if (at.toDateString() === new Date().toDateString()) return t.todayWord;
+  return at.toLocaleDateString(language(), at.getFullYear() === yearNow() ? DAY : { ...DAY, year: 'numeric' });
+}
+export const shortDay = (t_us: number): string => new Date(t_us / 1000).toLocaleDateString(language(), { day: 'numeric', month: 'short' });
+export const clock = (at: Date): string => at.toLocaleTimeString(language(), CLOCK);
+export const clockOf = (t_us: number): string => clock(new Date(t_us / 1000));
+
+export const sideWords = (side: Side): string => texts().sides[side];
+export const itemWords = ({ exercise, level }: Pick<Item, 'exercise' | 'level'>): string => exerciseWords(exercise, level);
+export const helpWords = (help: Item['help']): string => texts().helps[help];
+export const minutes = (min: number): string => fill(texts().min, { n: fixed(min, min > 0 && min < 1 ? 1 : 0) });
+
+/** The name of a limit, and its value as people read it. */
+export function parameterWords(name: string, value: number): readonly [name: string, value: string] {
+  const label = consoleTexts().parameters.names[name] ?? asWords(name);
+  if (name.endsWith('_rad')) return [label, `${fixed(value * 180 / Math.PI, 0)}°`];
+  if (name.endsWith('_m')) return [label, `${fixed(value * 1000, 0)} mm`];
+  if (name.endsWith('_l')) return [label, `${fixed(value * 1000, 0)} ml`];
+  if (name.endsWith('_n')) return [label, `${number(value)} N`];
+  if (name.endsWith('_s')) return [label, `${number(value)} s`];
+  return [label, number(value)];
+}
+
+/** As few decimals as it has, three figures at most. */
+export const number = (value: number): string => (Number.isFinite(value) ? String(Number(value.toPrecision(3))).replace('-', '−') : '–');
+
+export const resultName = (name: string): string => texts().results[name] ?? asWords(name.split('/').at(-1) ?? name);
+export const resultWords = ({ name, value, unit }: Result): string => `${resultName(name)} ${number(value)}${unit === '' ? '' : ` ${unit}`}`;
+export const presetName = (id: string): string => texts().presets[id] ?? asWords(id);
