@@ -1061,6 +1061,7 @@ void Station::Core::changePerson(const Task& task, const Profile* profile) {
     help_ = profile != nullptr ? profile->help : Help::kUnsaid;
   }
   std::map<std::string, Setting> next;
+  for (const auto& [name, value] : config_.first_parameters) next[name] = {value, task.asked};
   if (profile != nullptr) {
     for (const auto& [name, value] : profile->parameters) next[name] = {value, task.asked};
   }
@@ -1517,6 +1518,7 @@ Expected<Done> Station::Core::load() {
       std::move(watched), config_.rig.period_s,
       [this](const SafetyTransition& transition) { say(describe(transition)); });
   publishScene("");
+  for (const auto& [name, value] : config_.first_parameters) asked_parameters_[name] = {value, 0};
   return Done{};
 }
 

@@ -213,6 +213,32 @@ TEST_F(Visits, WhileArmed_AreRefusedAndTheRecordingCarriesTheNumbersAlone) {
   EXPECT_EQ((*reader)->meta().profile, "");
 }
 
+// The records' process is gone, or nobody has opened a visit: what is armed then is gentle.
+TEST_F(Visits, WithoutAnOpenVisit_TheClinicsGentleLimitsHold) {
+  StationConfig config = barConfig();
+  config.rehearse = false;
+  config.visit_hands_folder = folder_ + "/hands";
+  config.first_parameters = {{"effort_limit_arm_n", 6.0}, {"no_such_parameter", 1.0}};
+  load(config);
+  run(false);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 6.0);
+  orders::OpenVisit visit = ofVisit(2);
+  visit.parameters = {{"effort_limit_arm_n", 12.0}};
+  ASSERT_TRUE(open(visit).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 12.0);
+  ASSERT_TRUE(ask(orders::CloseVisit{2}).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 6.0);
+  Order other_hand = of(orders::LoadExercise{.hand = "woman-p05-left"});
+  other_hand.may_raise_limits = true;
+  ASSERT_TRUE(ask(other_hand).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 6.0);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
+  ASSERT_TRUE(rendersOn());
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  EXPECT_EQ(record.effort_limit[0], 6.0);
+}
+
 TEST_F(Visits, WithoutAClinic_AreNotHere) {
   run(false);
   EXPECT_EQ(open(ofVisit(1)).refusal, Refusal::kNotHere);
