@@ -198,10 +198,10 @@ int eraseByCode(const ClinicOptions& options, const std::string& code) {
     return refuse({{options.folder, 0, "CODE", code, "has a visit open", "finish it first"}});
   }
   listErased(options.folder, options.backups, row.text(1));
-  std::vector<std::string> recordings;
+  ErasedFiles files;
   {
     Transaction transaction(db);
-    recordings = eraseRows(db, id);
+    files = eraseRows(db, id);
     db.change(
         "INSERT INTO log (at_us, account, what, patient, visit, detail) VALUES (?, 0, 'erased',"
         " ?, 0, 'by the command line')",
@@ -210,7 +210,7 @@ int eraseByCode(const ClinicOptions& options, const std::string& code) {
   }
   row = db.query("SELECT 1");
   compact(db);
-  for (const std::string& left : removeRecordings(options.recordings, recordings)) {
+  for (const std::string& left : removeFiles(options.folder, options.recordings, files)) {
     std::fprintf(stderr, "%s is still there: remove it, or give --recordings\n", left.c_str());
   }
   std::printf("erased\n");

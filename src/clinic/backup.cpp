@@ -284,33 +284,38 @@ void listErased(const std::string& folder, const std::string& backups, const std
   }
 }
 
-std::vector<std::string> eraseRows(Database& db, std::int64_t patient) {
-  std::vector<std::string> recordings;
+ErasedFiles eraseRows(Database& db, std::int64_t patient) {
+  ErasedFiles files;
   {
     Statement rows = db.query(
         "SELECT t.recording FROM trial t JOIN visit v ON v.id = t.visit WHERE v.patient = ?",
         patient);
-    while (rows.step()) recordings.push_back(rows.text(0));
+    while (rows.step()) files.recordings.push_back(rows.text(0));
+    Statement hands =
+        db.query("SELECT hand_file FROM visit WHERE patient = ? AND hand_file <> ''", patient);
+    while (hands.step()) files.hands.push_back(hands.text(0));
   }
   db.change("DELETE FROM visit WHERE patient = ?", patient);  // with trials and notes
   db.change("DELETE FROM patient WHERE id = ?", patient);
   db.run("DELETE FROM answer");
-  return recordings;
+  return files;
 }
 
-std::vector<std::string> removeRecordings(const std::string& folder,
-                                          const std::vector<std::string>& names) {
+std::vector<std::string> removeFiles(const std::string& folder, const std::string& recordings,
+                                     const ErasedFiles& files) {
   std::vector<std::string> left;
   std::error_code error;
-  if (folder.empty()) return names;
-  for (const std::string& name : names) {
+  for (const std::string& hand : files.hands) fs::remove(folder + "/hands/" + hand, error);
+  if (recordings.empty()) return files.recordings;
+  for (const std::string& name : files.recordings) {
     const std::string stem = fs::path(name).stem().string() + ".";
     std::vector<fs::path> parts;  // the recording, its note, its inputs
-    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    for (fs::directory_iterator it(recordings, error), end; !error && it != end;
+         it.increment(error)) {
       if (it->path().filename().string().starts_with(stem)) parts.push_back(it->path());
     }
     for (const fs::path& part : parts) fs::remove(part, error);
-    if (fs::exists(fs::path(folder) / name, error)) left.push_back(name);
+    if (fs::exists(fs::path(recordings) / name, error)) left.push_back(name);
   }
   return left;
 }

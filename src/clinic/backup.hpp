@@ -45,11 +45,17 @@ void removeOldBackups(const std::string& folder, std::int64_t now_us);
 
 /// Puts a patient on the lists of the erased, which restoreBackup() obeys: first of all.
 void listErased(const std::string& folder, const std::string& backups, const std::string& mark);
-/// Deletes every row of a patient but the log's. @return names of the recordings
-[[nodiscard]] std::vector<std::string> eraseRows(Database& db, std::int64_t patient);
-/// Removes recordings with what stands beside them. @return those that are still there
-[[nodiscard]] std::vector<std::string> removeRecordings(const std::string& folder,
-                                                        const std::vector<std::string>& names);
+/// Files that belong to an erased patient.
+struct ErasedFiles {
+  std::vector<std::string> recordings, hands;  ///< names
+};
+/// Deletes every row of a patient but the log's.
+[[nodiscard]] ErasedFiles eraseRows(Database& db, std::int64_t patient);
+/// Removes recordings with what stands beside them, and hand files of FOLDER/hands.
+/// @return recordings that are still there
+[[nodiscard]] std::vector<std::string> removeFiles(const std::string& folder,
+                                                   const std::string& recordings,
+                                                   const ErasedFiles& files);
 /// Frees what deleted rows held, and empties the write-ahead log.
 void compact(Database& db);
 

@@ -35,7 +35,8 @@ std::string textOr(const Json& body, const char* key, std::size_t most, bool lin
 
 double numberOf(const Json& value, const std::string& field, double lower, double upper,
                 const std::string& unit) {
-  const double number = value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+  const double number =
+      value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
   if (!(number >= lower && number <= upper)) {
     throw badValue(field, fmt::format("{} = {}: must be a number in [{}, {}]{}", field,
                                       value.dump(-1, ' ', true, Json::error_handler_t::replace),
@@ -489,10 +490,10 @@ Json Clinic::erasePatient(Call& call) {
   }
   checkNoOpenVisit(id);
   listErased(options_.folder, options_.backups, row.text(0));
-  const std::vector<std::string> recordings = eraseRows(*db_, id);
+  const ErasedFiles files = eraseRows(*db_, id);
   log(call.session.account, "erased", id);
-  call.after.emplace_back([this, &call, recordings] {
-    const auto left = removeRecordings(options_.recordings, recordings);
+  call.after.emplace_back([this, &call, files] {
+    const auto left = removeFiles(options_.folder, options_.recordings, files);
     compact(*db_);
     const std::int64_t gone_us = last_backup_us_ == 0 ? 0 : last_backup_us_ + kBackupsKept_us;
     call.answer.body =

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 /// Visits: opened and closed on the station, noted, moved.
 namespace wholehand::clinic {
@@ -243,6 +245,10 @@ Json Clinic::startVisit(Call& call, std::optional<std::int64_t> patient, const s
     db_->change("DELETE FROM visit WHERE id = ?", visit.id);
     log(call.session.account, "visit refused", patient.value_or(0), visit.id, refused.code);
     transaction.commit();
+    std::error_code ignored;
+    if (!visit.hand_file.empty()) {
+      std::filesystem::remove(options_.folder + "/hands/" + visit.hand_file, ignored);
+    }
     throw;
   }
   begin(call);

@@ -99,7 +99,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
     response_.set(http::field::vary, "Origin");
     const std::string origin(request[http::field::origin]);
     const bool ours = std::find(origins_.begin(), origins_.end(), origin) != origins_.end();
-    if (ours) response_.set(http::field::access_control_allow_origin, origin);
+    if (ours) {
+      response_.set(http::field::access_control_allow_origin, origin);
+      response_.set(http::field::access_control_expose_headers, "Content-Disposition");
+    }
     if (error == http::error::body_limit) {
       send(kTooLarge, refusal("bad_value", "the body has more than 65536 bytes"));
     } else if (error.category() == http::make_error_code(http::error{}).category()) {
@@ -114,7 +117,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
       response_.set(http::field::access_control_allow_methods, "GET, POST, PUT, DELETE");
       response_.set(http::field::access_control_allow_headers,
                     "Authorization, Content-Type, Idempotency-Key");
-      response_.set(http::field::access_control_expose_headers, "Content-Disposition");
       response_.set(http::field::access_control_max_age, "600");
       send(204, {});
     } else {
