@@ -101,7 +101,10 @@ export class FakeClinic {
     if (this.clinic !== 'open') return refuse(403, 'locked', 'locked');
     if (route === 'POST /api/sign_in') return this.pin(body, Number(body.account));
     if (authorization !== `Bearer ${this.token}` || this.token === '') return refuse(401, 'not_signed_in', 'no session');
-    if (route === 'POST /api/show') return this.pin(body, this.account);
+    if (route === 'POST /api/show') {
+      const { status, body: said } = this.pin(body, this.account, false);
+      return { status, body: status === 200 ? {} : said };
+    }
     const ofVisit = /^(GET \/api\/visits\/open|POST \/api\/visits\/N\/(item|finish|notes|pain)|POST \/api\/(hide|sign_out|lock)|GET \/api\/presets)$/;
     if (this.hidden && !ofVisit.test(route)) return refuse(403, 'hidden', 'hidden');
     return this.inside(route, first, query, body);
@@ -159,12 +162,13 @@ export class FakeClinic {
     return ok({ recovery_code: this.code, ...this.signIn() });
   }
 
-  private pin({ pin }: Body, account: number): Answer {
+  private pin({ pin }: Body, account: number, anew = true): Answer {
     const tile = this.tiles.find(({ id }) => id === account);
     if (tile?.pin !== pin) return this.tries <= 1 ? refuse(429, 'too_many_tries', 'wait', { wait_s: 60 }) : refuse(403, 'wrong_pin', 'wrong', { tries_left: this.tries -= 1 });
     this.tries = 5;
     this.account = account;
-    return ok(this.signIn());
+    this.hidden = false;
+    return ok(anew ? this.signIn() : {});
   }
 
   private list(find: string): Answer {

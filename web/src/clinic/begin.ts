@@ -33,7 +33,7 @@ export class TodayPanel {
     });
     sides.element.dataset.testid = 'visit-side';
     this.begin = h('button', { type: 'button', class: 'b go large wide', 'data-testid': 'begin-visit', onclick: () => void once(this.begin, () => this.press()) });
-    const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; say(change, this.editing ? t.ready : t.change); this.show(); });
+    const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; say(change, this.editing ? t.ready : t.change); this.show(); }, 'wide');
     const last = newestFirst(patient.visits).find(tookPlace);
     this.element = besideTitle(panel(t.title, 'today', h('p', { class: 'aside' }, last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan), this.body,
       patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.said.element, this.begin, change), this.total);
@@ -73,8 +73,7 @@ export class TodayPanel {
     try {
       const visit = await clinic.api.send<Visit>('POST', `/api/patients/${patient.id}/visits`, { side, plan: this.plan });
       clinic.drafts.drop('today', patient.id);
-      clinic.visit = visit;
-      clinic.visitPatient = { id: patient.id, code: patient.code, name: patient.name, side: patient.side, visits: patient.visits.length, last_visit_us: 0, state: 'open', visit: visit.id };
+      clinic.take(visit, { id: patient.id, code: patient.code, name: patient.name, side: patient.side, visits: patient.visits.length, last_visit_us: 0, state: 'open', visit: visit.id });
       room.go({ at: 'visit', visit: visit.id });
     } catch (problem) {
       if (problem instanceof Refused && problem.code === 'visit_open') await clinic.lookAtVisit().catch(() => {});

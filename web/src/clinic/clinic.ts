@@ -1,7 +1,7 @@
 import { ClinicApi, Refused, Silent, type Fetch } from './api';
 import { Drafts, type Store } from './drafts';
 import { Outbox } from './outbox';
-import type { PatientRow, Presets, RecordsState, Tile, Visit } from './records';
+import { isOpen, type PatientRow, type Presets, type RecordsState, type Tile, type Visit } from './records';
 
 /** Names go after so long without input [ms]. */
 export const NAMES_FOR_MS = 5 * 60_000;
@@ -84,6 +84,13 @@ export class Clinic {
     this.onChange();
   }
 
+  /** A visit was opened, changed or ended from here. */
+  take(visit: Visit | null, patient = this.visitPatient): void {
+    this.visit = visit && isOpen(visit) ? visit : null;
+    this.visitPatient = this.visit && !this.hidden ? patient : null;
+    this.onChange();
+  }
+
   signedIn({ token, account }: { readonly token: string; readonly account: number | Tile }): void {
     this.api.token = token;
     this.drafts.account = typeof account === 'number' ? account : account.id;
@@ -114,7 +121,8 @@ export class Clinic {
   }
 
   async show(pin: string): Promise<void> {
-    await this.api.send('POST', '/api/show', { pin });
+    const { token } = await this.api.send<{ token?: string }>('POST', '/api/show', { pin });
+    if (token) this.keep(TOKEN, this.api.token = token);
     this.hidden = false;
     this.touch();
     await this.lookAtVisit().catch(() => {});

@@ -119,7 +119,7 @@ export class EndScreen implements Screen {
         clinic.drafts.drop(`${kind}-${id}`, visit.patient);
       }
       this.finished = await clinic.api.send<Visit>('POST', `/api/visits/${id}/finish`, { state });
-      if (clinic.visit?.id === id) clinic.visit = null;
+      if (clinic.visit?.id === id) clinic.take(null);
       this.card(this.finished, notes[0][1].input.value.trim());
     } catch (problem) {
       this.said.problem(problem);

@@ -33,7 +33,7 @@ export class NoteBox {
     });
     this.keeper.onChange = () => this.show();
     this.timer = setInterval(() => { if (this.keeper.state === 'waits') void this.keeper.save(); }, AGAIN_MS);
-    this.element = h('div', { class: 'note-box' }, this.area, h('div', { class: 'hd' }, this.state, done));
+    this.element = h('div', { class: 'note-box' }, this.area, done, this.state);
     this.show();
   }
 

@@ -14,6 +14,7 @@ import { PatientForm } from './patient_form';
 import { PatientScreen } from './patient_screen';
 import { PatientsScreen } from './patients_screen';
 import { ProgressPrint, VisitPrint } from './print_screens';
+import { isOpen } from './records';
 import { hashOf, routeOf, type Route } from './routes';
 import { SettingsScreen } from './settings_screen';
 import { UnlockScreen, WhoScreen } from './sign_in';
@@ -157,7 +158,7 @@ export class ClinicPage implements Room {
     const route = routeOf(location.hash);
     const visit = clinic.visit;
     // An open visit stays usable, whatever became of names and records.
-    if (visit && visit.state === 'open' && stage !== 'in' && !this.door && ['hidden', 'who', 'locked', 'absent'].includes(stage)) return [`visit ${visit.id} ${stage}`, () => new VisitScreen(this, visit.id)];
+    if (visit && isOpen(visit) && stage !== 'in' && !this.door && ['hidden', 'who', 'locked', 'absent'].includes(stage)) return [`visit ${visit.id} ${stage}`, () => new VisitScreen(this, visit.id)];
     switch (stage) {
       case 'looking': case 'absent': case 'without': return [stage, () => notYet(stage)];
       case 'new': return ['new', () => new FirstStart(this)];
@@ -211,7 +212,7 @@ export class ClinicPage implements Room {
     const to = (words: string, test: string, route: Route, here: boolean): HTMLElement =>
       h('a', { class: 'b place', href: hashOf(route), 'data-testid': test, ...(here ? { 'aria-current': 'page' } : {}) }, words);
     if (stage !== 'in') {
-      const open = visit?.state === 'open';
+      const open = visit !== null && isOpen(visit);
       return [...(open && at === 'visit' ? [button(stage === 'locked' ? t.unlock.open : t.names.show, 'show-names', () => { this.door = true; this.update(); }, 'place')] : []),
         ...(open && at !== 'visit' && stage !== 'absent' ? [button(t.backToVisit, 'back-to-visit', () => { this.door = false; this.update(); }, 'place')] : [])];
     }

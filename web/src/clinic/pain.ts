@@ -6,7 +6,7 @@ export type When = 'before' | 'after';
 export type Pain = number | null;
 
 /** In words: 0 is an answer, "not asked" another one. */
-export const painWords = (pain: Pain | undefined): string => (pain === null || pain === undefined ? texts().pain.notAsked : String(pain));
+export const painWords = (pain: Pain | undefined): string => (pain === null || pain === undefined ? texts().pain.unasked : String(pain));
 
 /** Pain from 0 to 10, or not asked, with one touch. */
 export class PainChoice {

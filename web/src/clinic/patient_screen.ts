@@ -1,7 +1,7 @@
 import { h } from '../console/dom';
 import { replayUrl, reportUrl } from '../console/recordings';
 import { tokenOf } from '../net/open_connection';
-import { fill, language } from '../shared/i18n';
+import { fill } from '../shared/i18n';
 import { TodayPanel } from './begin';
 import { curveFigure } from './curves';
 import { texts } from './i18n';
@@ -13,7 +13,7 @@ import { activeMin, newestFirst, tookPlace, type OneSide, type Patient, type Tri
 import { hashOf } from './routes';
 import { saveText } from './save_text';
 import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, type Screen } from './ui';
-import { clock, itemWords, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
+import { clock, itemWords, locale, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
 
 /** So many visits are listed at first. */
 const NEWEST = 12;
@@ -124,9 +124,10 @@ export class PatientScreen implements Screen {
     if (visit.state === 'no_show') return h('li', { 'data-visit': visit.id }, when, h('span', { class: 'tag' }, t.noShow));
     const pain = visit.pain_before === null && visit.pain_after === null ? '' : fill(t.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) });
     const tag = visit.state === 'unfinished' ? t.unfinished : visit.state === 'open' ? t.open : '';
-    return h('li', { 'data-visit': visit.id }, when, h('div', { class: 'did' }, h('p', {}, h('b', {}, minutes(activeMin(visit))), ` ${[t.active, sideWords(visit.side), pain].filter(Boolean).join(' · ')} `, tag ? h('span', { class: 'tag warn' }, tag) : null),
-      ...(visit.trials.length === 0 ? [h('small', {}, t.nothingDone)] : visit.trials.map((trial) => this.trialRow(trial, earlier)))),
-      h('div', { class: 'links' }, h('a', { href: hashOf({ at: 'summary', patient: visit.patient, visit: visit.id }) }, t.look), visit.state === 'open' ? null : button(t.move, `move-${visit.id}`, () => this.move(visit))));
+    const links = h('span', { class: 'links' }, h('a', { href: hashOf({ at: 'summary', patient: visit.patient, visit: visit.id }) }, t.look), visit.state === 'open' ? null : button(t.move, `move-${visit.id}`, () => this.move(visit)));
+    return h('li', { 'data-visit': visit.id }, when, h('div', { class: 'did' },
+      h('div', { class: 'first' }, h('span', {}, h('b', {}, minutes(activeMin(visit))), ` ${[t.active, sideWords(visit.side), pain].filter(Boolean).join(' · ')} `, tag ? h('span', { class: 'tag warn' }, tag) : null), links),
+      ...(visit.trials.length === 0 ? [h('small', {}, t.nothingDone)] : visit.trials.map((trial) => this.trialRow(trial, earlier)))));
   }
 
   /** What an item gave, with replay and report of its recording, and the last one of the same exercise beside it. */
@@ -143,7 +144,7 @@ export class PatientScreen implements Screen {
   private personPanel(patient: Patient): HTMLElement {
     const { t, room } = this;
     const force = room.clinic.presets?.force.find(({ id }) => id === patient.preset);
-    const born = patient.born === '' ? '' : new Date(`${patient.born}T00:00:00Z`).toLocaleDateString(language(), { timeZone: 'UTC', day: 'numeric', month: 'long', year: 'numeric' });
+    const born = patient.born === '' ? '' : new Date(`${patient.born}T00:00:00Z`).toLocaleDateString(locale(), { timeZone: 'UTC', day: 'numeric', month: 'long', year: 'numeric' });
     const facts: (readonly [string, string])[] = [
       ...(born === '' ? [] : [[t.born, born] as const]), ...(patient.number === '' ? [] : [[t.number, patient.number] as const]),
       ...(Object.entries(patient.hands) as [OneSide, { length_m: number; breadth_m: number }][]).map(([side, size]) => [fill(t.hand, { side: sideWords(side) }), `${Math.round(size.length_m * 1000)} × ${Math.round(size.breadth_m * 1000)} mm`] as const),

@@ -7,7 +7,7 @@ import type { OneSide, Patient, PatientList, PatientRow, Visit } from './records
 import { hashOf } from './routes';
 import { button, once, problemWords, Said, textInput, type Screen } from './ui';
 import { activeMin, itemNow } from './records';
-import { clock, dayOf, minutes, sideWords, visitClock, visitDay } from './words';
+import { clock, dayOf, locale, minutes, sideWords, visitClock, visitDay } from './words';
 
 /** The list is read again this often [ms]. */
 const EVERY_MS = 15_000;
@@ -41,7 +41,7 @@ export class PatientsScreen implements Screen {
   }
 
   who(): readonly [string, string] {
-    return [texts().patients.title, new Date().toLocaleDateString(document.documentElement.lang, { weekday: 'long', day: 'numeric', month: 'long' })];
+    return [texts().patients.title, new Date().toLocaleDateString(locale(), { weekday: 'long', day: 'numeric', month: 'long' })];
   }
 
   refresh(): void {
@@ -122,8 +122,7 @@ export class PatientsScreen implements Screen {
     const { clinic } = this.room;
     const patient = await clinic.api.get<Patient>(`/api/patients/${row.id}`);
     const visit = patient.visits.find(({ id }) => id === row.visit);
-    clinic.visit = await clinic.api.send<Visit>('POST', `/api/visits/${row.visit}/item`, { item: visit ? itemNow(visit) : 0 });
-    clinic.visitPatient = row;
+    clinic.take(await clinic.api.send<Visit>('POST', `/api/visits/${row.visit}/item`, { item: visit ? itemNow(visit) : 0 }), row);
     this.room.go({ at: 'visit', visit: row.visit });
   }
 
@@ -156,9 +155,9 @@ export class PatientsScreen implements Screen {
     const begin = (side: OneSide): HTMLButtonElement => {
       const press = button(fill(t.beginWith, { side: sideWords(side) }), `without-${side}`, () => once(press, async () => {
         try {
-          clinic.visit = await clinic.api.send<Visit>('POST', '/api/guest_visits', { side });
-          clinic.visitPatient = null;
-          this.room.go({ at: 'visit', visit: clinic.visit.id });
+          const visit = await clinic.api.send<Visit>('POST', '/api/guest_visits', { side });
+          clinic.take(visit, null);
+          this.room.go({ at: 'visit', visit: visit.id });
         } catch (problem) { said.problem(problem); }
       }), 'go');
       return press;

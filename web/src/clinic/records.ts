@@ -125,6 +125,9 @@ export const activeOf_s = ({ trials }: Pick<Visit, 'trials'>, item: number): num
 /** The item that is set up; the last one where all are done. */
 export const itemNow = ({ plan, next_item }: Pick<Visit, 'plan' | 'next_item'>): number => Math.max(0, Math.min(next_item, plan.length - 1));
 
+/** It goes on: it may be trained in, and nothing else begins. */
+export const isOpen = ({ state, ended_us }: Visit): boolean => state === 'open' || (state === 'guest' && ended_us === 0);
+
 /** A visit to which a patient belongs, and which took place. */
 export const tookPlace = ({ state }: Visit): boolean => state === 'done' || state === 'unfinished';
 

@@ -1,6 +1,6 @@
 import { BigControls } from '../console/big_controls';
 import { builtFrom } from '../console/built_from';
-import { h, say, setAttribute } from '../console/dom';
+import { choice, h, say } from '../console/dom';
 import type { Panel } from '../console/model';
 import { ExercisePanelView } from '../console/panel_view';
 import { ScenePanel } from '../console/scene_panel';
@@ -50,8 +50,9 @@ export class VisitScreen implements Screen {
   private builtFrom = '';
   private shownPlan = '';
   private note: NoteBox | undefined;
-  private pain: When | undefined;
-  private readonly painPlace = h('div', {});
+  private painAsked: When | undefined;
+  private painShown = '';
+  private readonly painPlace = h('div', { class: 'pain-place' });
   private marks: readonly string[] = [];
   private closed = false;
   private busy = false;
@@ -59,7 +60,7 @@ export class VisitScreen implements Screen {
 
   constructor(private readonly room: Room, private readonly id: number) {
     const { t } = this;
-    this.next = button(t.next, 'next-item', () => this.goTo(this.now + 1), 'wide');
+    this.next = button(t.next, 'next-item', () => this.goTo(this.now + 1), 'first wide');
     this.end = button(t.end, 'end-visit', () => this.ending(), 'wide');
     this.stop = button(t.stop, 'gentle-stop', () => this.gently(), 'wide');
     if (room.clinic.visit?.id === id) this.build();
@@ -152,13 +153,13 @@ export class VisitScreen implements Screen {
 
   private build(): void {
     const { t, room } = this, visit = this.visit!;
-    const plan = besideTitle(panel(t.plan, 'planned', h('p', { class: 'session' }, this.clock, ' ', this.active), this.planned, this.said.element, h('div', { class: 'pair' }, this.stop, this.next, this.end)));
+    const plan = besideTitle(panel(t.plan, 'planned', h('p', { class: 'session' }, this.clock, ' ', this.active), this.planned, this.said.element, h('div', { class: 'pair acts' }, this.next, this.stop, this.end)));
     const marks = panel(t.marks, 'marks', h('div', { class: 'mark-keys' }, ...MARKS.map((kind) => button(texts().notes.kinds[kind], `mark-${kind}`, () => this.mark(kind)))), this.marked);
     if (this.named) {
       this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient, () => void room.clinic.lookAtVisit().catch(() => {}));
       marks.append(this.note.element);
     }
-    this.element.replaceChildren(h('div', { class: 'col seen' }, this.side, this.picture), h('div', { class: 'col side' }, plan, this.controls, marks, panel(t.pain, 'pains', this.painPlace)));
+    this.element.replaceChildren(h('div', { class: 'col seen' }, this.side, this.picture, h('div', { class: 'under' }, marks, panel(t.pain, 'pains', this.painPlace))), h('div', { class: 'col' }, plan, this.controls));
     this.sceneChanged();
     void room.picture().then((view) => {
       if (this.closed) return;
@@ -259,7 +260,7 @@ export class VisitScreen implements Screen {
     this.refresh();
     try {
       if (!await this.gently()) return this.said.say(t.doesNotStop);
-      clinic.visit = await clinic.api.send<Visit>('POST', `/api/visits/${this.id}/item`, { item });
+      clinic.take(await clinic.api.send<Visit>('POST', `/api/visits/${this.id}/item`, { item }));
     } catch (problem) {
       this.said.say(`${problemWords(problem)} ${t.staysAsItIs}`);
     } finally {
@@ -288,13 +289,19 @@ export class VisitScreen implements Screen {
     void this.room.clinic.outbox.add(`/api/visits/${this.id}/notes`, { kind, text: '', at_us });
   }
 
-  /** Before the first trial it is asked for before, later for after. */
+  /** Before the first trial it is asked for before, later for after; the other one is a touch away. */
   private showPain(visit: Visit): void {
-    const when: When = visit.trials.length > 0 || this.room.model.tally.active_s > 0 && (this.room.model.tally.from?.getTime() ?? 0) * 1000 > visit.began_us - 5e6 ? 'after' : 'before';
-    if (this.pain === when) return;
-    this.pain = when;
-    this.painPlace.replaceChildren(h('p', { class: 'aside' }, texts().pain[when]), painChoice(this.room, visit, when).element);
-    setAttribute(this.painPlace, 'data-when', when);
+    const { tally } = this.room.model;
+    const trained = visit.trials.length > 0 || (tally.active_s > 0 && (tally.from?.getTime() ?? 0) * 1000 > visit.began_us - 5e6);
+    const when: When = this.painAsked ?? (trained ? 'after' : 'before');
+    const shown = JSON.stringify([when, visit.pain_before, visit.pain_after]);
+    if (this.painShown === shown) return;
+    this.painShown = shown;
+    const t = texts().pain;
+    const whens = choice(this.t.pain, [{ key: 'before', name: t.before }, { key: 'after', name: t.after }], when, (key) => { this.painAsked = key as When; this.showPain(this.visit ?? visit); });
+    const focused = document.activeElement?.getAttribute('data-testid');
+    this.painPlace.replaceChildren(whens.element, painChoice(this.room, visit, when).element);
+    if (focused?.startsWith('pain-')) this.painPlace.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
   }
 }
 

@@ -5,15 +5,18 @@ import { fill, language } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Item, Result, Side, Visit } from './records';
 
+/** Days as they are written in Europe. */
+export const locale = (): string => (language() === 'en' ? 'en-GB' : language());
+
 /** A visit's own day and clock, wherever the page is opened. */
 const ofVisit = (t_us: number, offset_min: number): Date => new Date(t_us / 1000 + offset_min * 60_000);
 const DAY = { weekday: 'short', day: 'numeric', month: 'short' } as const;
 const CLOCK = { hour: '2-digit', minute: '2-digit', hour12: false } as const;
 
 export const visitDay = ({ began_us, offset_min }: Pick<Visit, 'began_us' | 'offset_min'>): string =>
-  ofVisit(began_us, offset_min).toLocaleDateString(language(), { ...DAY, timeZone: 'UTC', ...(yearNow() === ofVisit(began_us, offset_min).getUTCFullYear() ? {} : { year: 'numeric' }) });
+  ofVisit(began_us, offset_min).toLocaleDateString(locale(), { ...DAY, timeZone: 'UTC', ...(yearNow() === ofVisit(began_us, offset_min).getUTCFullYear() ? {} : { year: 'numeric' }) });
 export const visitClock = ({ began_us, offset_min }: Pick<Visit, 'began_us' | 'offset_min'>): string =>
-  ofVisit(began_us, offset_min).toLocaleTimeString(language(), { ...CLOCK, timeZone: 'UTC' });
+  ofVisit(began_us, offset_min).toLocaleTimeString(locale(), { ...CLOCK, timeZone: 'UTC' });
 
 const yearNow = (): number => new Date().getFullYear();
 
@@ -21,10 +24,10 @@ const yearNow = (): number => new Date().getFullYear();
 export function dayOf(t_us: number): string {
   const at = new Date(t_us / 1000), t = texts();
   if (at.toDateString() === new Date().toDateString()) return t.todayWord;
-  return at.toLocaleDateString(language(), at.getFullYear() === yearNow() ? DAY : { ...DAY, year: 'numeric' });
+  return at.toLocaleDateString(locale(), at.getFullYear() === yearNow() ? DAY : { ...DAY, year: 'numeric' });
 }
-export const shortDay = (t_us: number): string => new Date(t_us / 1000).toLocaleDateString(language(), { day: 'numeric', month: 'short' });
-export const clock = (at: Date): string => at.toLocaleTimeString(language(), CLOCK);
+export const shortDay = (t_us: number): string => new Date(t_us / 1000).toLocaleDateString(locale(), { day: 'numeric', month: 'short' });
+export const clock = (at: Date): string => at.toLocaleTimeString(locale(), CLOCK);
 export const clockOf = (t_us: number): string => clock(new Date(t_us / 1000));
 
 export const sideWords = (side: Side): string => texts().sides[side];

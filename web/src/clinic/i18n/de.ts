@@ -67,7 +67,7 @@ export const de: ClinicTexts = {
     write: 'Notiz schreiben. Sie wird laufend behalten.', done: 'Notiz fertig', none: 'Noch keine Notizen.', states: { empty: '', typing: 'hier behalten', saved: 'gespeichert', waits: 'hier behalten, gespeichert sobald die Akten antworten' },
     kinds: { tired: 'Müde', spasm: 'Spasmus', cue: 'Hinweis gegeben', hands_on: 'Von Hand geholfen', next: 'Nächstes Mal', reason: 'Warum nichts gemacht wurde' },
   },
-  pain: { before: 'Schmerz vorher', after: 'Schmerz jetzt', notAsked: 'Nicht gefragt', of: 'Schmerz {n} von 10' },
+  pain: { unasked: 'nicht gefragt', before: 'Schmerz vorher', after: 'Schmerz jetzt', notAsked: 'Nicht gefragt', of: 'Schmerz {n} von 10' },
   today: { title: 'Heute', from: 'Wie am {day}', fromPlan: 'Nach dem Plan', begin: 'Sitzung {n} beginnen', goOn: 'Sitzung weiterführen', otherOpen: 'Zur offenen Sitzung', side: 'Welche Hand heute?', change: 'Plan ändern', ready: 'Plan ist fertig', noPlan: 'Der Plan ist leer. Fügen Sie eine Übung hinzu.', notNow: 'Solange die Akten nicht antworten, kann keine Sitzung beginnen.' },
   visit: {
     title: 'Sitzung', plan: 'Plan', noPatient: 'Ohne Person', gentle: 'sanfte Werte', hiddenName: 'Name ausgeblendet', recorded: '● Aufnahme', unrecorded: 'Nicht aufgezeichnet', itemOf: '{n} von {m}', active: 'aktiv: {item} von {of} min, Sitzung {all}', inProgress: 'jetzt', done: 'gemacht', setUp: 'Einrichten',

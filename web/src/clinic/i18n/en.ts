@@ -65,7 +65,7 @@ export const en = {
     write: 'Write a note. It is kept as you type.', done: 'Note done', none: 'No notes yet.', states: { empty: '', typing: 'kept here', saved: 'saved', waits: 'kept here, saved when the records answer' },
     kinds: { tired: 'Tired', spasm: 'Spasm', cue: 'Cue given', hands_on: 'Hands-on', next: 'Next time', reason: 'Why nothing was done' } as Record<string, string>,
   },
-  pain: { before: 'Pain before', after: 'Pain now', notAsked: 'Not asked', of: 'Pain {n} of 10' },
+  pain: { unasked: 'not asked', before: 'Pain before', after: 'Pain now', notAsked: 'Not asked', of: 'Pain {n} of 10' },
   today: { title: 'Today', from: 'As on {day}', fromPlan: 'From the plan', begin: 'Begin visit {n}', goOn: 'Go on with the visit', otherOpen: 'Go to the open visit', side: 'Which hand today?', change: 'Change plan', ready: 'Plan is ready', noPlan: 'The plan is empty. Add an exercise.', notNow: 'A visit cannot begin while the records do not answer.' },
   visit: {
     title: 'Visit', plan: 'Plan', noPatient: 'No patient', gentle: 'gentle preset', hiddenName: 'Name hidden', recorded: '● Recording', unrecorded: 'Not recorded', itemOf: '{n} of {m}', active: 'active: {item} of {of} min, visit {all}', inProgress: 'now', done: 'done', setUp: 'Set up',

@@ -67,7 +67,7 @@ export const fr: ClinicTexts = {
     write: 'Écrivez une note. Elle est gardée à mesure.', done: 'Note finie', none: 'Pas encore de notes.', states: { empty: '', typing: 'gardée ici', saved: 'enregistrée', waits: 'gardée ici, enregistrée quand les dossiers répondent' },
     kinds: { tired: 'Fatigue', spasm: 'Spasme', cue: 'Indication', hands_on: 'Aide manuelle', next: 'La prochaine fois', reason: 'Pourquoi rien n’a été fait' },
   },
-  pain: { before: 'Douleur avant', after: 'Douleur maintenant', notAsked: 'Pas demandé', of: 'Douleur {n} sur 10' },
+  pain: { unasked: 'pas demandée', before: 'Douleur avant', after: 'Douleur maintenant', notAsked: 'Pas demandé', of: 'Douleur {n} sur 10' },
   today: { title: 'Aujourd’hui', from: 'Comme le {day}', fromPlan: 'D’après le programme', begin: 'Commencer la séance {n}', goOn: 'Continuer la séance', otherOpen: 'Aller à la séance en cours', side: 'Quelle main aujourd’hui ?', change: 'Changer le programme', ready: 'Le programme est prêt', noPlan: 'Le programme est vide. Ajoutez un exercice.', notNow: 'Une séance ne peut pas commencer tant que les dossiers ne répondent pas.' },
   visit: {
     title: 'Séance', plan: 'Programme', noPatient: 'Sans patient', gentle: 'réglage doux', hiddenName: 'Nom masqué', recorded: '● Enregistrement', unrecorded: 'Pas enregistré', itemOf: '{n} sur {m}', active: 'actif : {item} sur {of} min, séance {all}', inProgress: 'en cours', done: 'fait', setUp: 'Préparer',
