@@ -17,6 +17,9 @@ pkg_check_modules(qhull REQUIRED IMPORTED_TARGET qhull_r)
 pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)
 pkg_check_modules(zlib REQUIRED IMPORTED_TARGET zlib)
+# Of the clinic's process alone.
+pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
+pkg_check_modules(sodium REQUIRED IMPORTED_TARGET libsodium)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)  # SHA-256 of passports
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)

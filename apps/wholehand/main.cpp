@@ -4,6 +4,7 @@
 #include "apps/wholehand/device/device_host_command.hpp"
 #include "apps/wholehand/doctor/doctor.hpp"
 #include "apps/wholehand/experiment/experiment_command.hpp"
+#include "apps/wholehand/measures/measures_command.hpp"
 #include "apps/wholehand/replay/replay_command.hpp"
 #include "apps/wholehand/report/report_command.hpp"
 #include "apps/wholehand/run/run_command.hpp"
@@ -212,7 +213,7 @@ void addValidate(CLI::App& app, std::vector<std::string>& files, AdmitOptions& o
   });
 }
 
-void addOthers(CLI::App& app, ReportOptions& report, int& code) {
+void addOthers(CLI::App& app, ReportOptions& report, std::string& measured, int& code) {
   CLI::App* p =
       app.add_subcommand("report", "Make the report of a recording: one HTML file, index.html");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
@@ -222,6 +223,11 @@ void addOthers(CLI::App& app, ReportOptions& report, int& code) {
   p->callback([&] {
     code = reportCommand({report.recording, pageIn(report.page), report.before});
   });
+
+  CLI::App* m = app.add_subcommand(
+      "measures", "Print what a recording says of the person, as one line of JSON");
+  m->add_option("recording", measured, "HDF5 file")->required();
+  m->callback([&] { code = measuresCommand(measured); });
 
   CLI::App* d = app.add_subcommand("doctor", "Check whether this machine may drive a device");
   d->callback([&] { code = runDoctor(shippedFile("scripts/packages.txt")); });
@@ -259,7 +265,8 @@ int runProgram(int argc, char** argv) {
   addValidate(app, files, admit, code);
   DecomposeOptions decompose;
   addDecompose(app, decompose, code);
-  addOthers(app, report, code);
+  std::string measured;
+  addOthers(app, report, measured, code);
   const std::vector<std::string> words(argv, argv + argc);
   std::vector<const char*> given;
   for (const std::string& word : words) given.push_back(word.c_str());

@@ -75,6 +75,8 @@ Expected<Done> Run::keepTrack() {
   auto meta = describeRecording(*rig_, plan_.title, plan_.seed, plan_.simulated_clock);
   if (!meta) return meta.errors();
   meta->profile = printable(plan_.profile);
+  meta->clinic_visit = plan_.visit;
+  meta->clinic_item = plan_.visit_item;
   if (!plan_.black_box.empty()) {
     const std::uint64_t most_ticks =
         plan_.duration_ticks > 0 ? plan_.duration_ticks : std::numeric_limits<std::uint64_t>::max();

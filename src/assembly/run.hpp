@@ -32,10 +32,11 @@ struct ResultValue {
 /// Options of a run.
 struct RunPlan {
   std::string title;
-  std::string profile;               ///< code of the person whose profile is open; empty: none
-  std::uint64_t seed = 0;            ///< stored in the recording
-  std::uint64_t duration_ticks = 0;  ///< 0: until stopped
-  std::string record;                ///< HDF5 file; empty: none
+  std::string profile;  ///< code of the person whose profile is open; empty: none
+  std::uint64_t visit = 0, visit_item = 0;  ///< of the clinic's records; 0: none
+  std::uint64_t seed = 0;                   ///< stored in the recording
+  std::uint64_t duration_ticks = 0;         ///< 0: until stopped
+  std::string record;                       ///< HDF5 file; empty: none
   std::string black_box;  ///< file written on a fault (blackBoxPath()); empty: no black box
   bool simulated_clock = false;
   /// Refuses to begin where the machine grants no real-time priority or locked memory: for what

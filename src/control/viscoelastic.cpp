@@ -5,6 +5,12 @@
 #include <numbers>
 
 namespace wholehand {
+namespace {
+
+/// Travel of a shell that is whole again: what is left decays for ever, into denormal numbers.
+constexpr double kWhole = 1e-12;
+
+}  // namespace
 
 CushionStep advanceCushion(const Cushion& cushion, double travel, double depth, bool open,
                            double elapsed_s) noexcept {
@@ -22,6 +28,7 @@ CushionStep advanceCushion(const Cushion& cushion, double travel, double depth, 
   } else if (q < 0.0) {
     y = after(cushion.air_resistance, pressed, k + k_s);
     if (k * y > pressed) y = after(cushion.air_resistance, 0.0, k_s);  // the digit left the shell
+    if (pressed == 0.0 && y < kWhole) y = 0.0;
   }
   return std::isfinite(y) ? CushionStep{y, effort_at(y)} : CushionStep{};
 }

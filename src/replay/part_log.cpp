@@ -38,11 +38,35 @@ std::vector<bool> marked(const std::vector<std::string>& names, Names among) {
   return out;
 }
 
+constexpr double kStep_m = 1e-3;  ///< shorter ones are resolution or tremor
+
 double valueAt(const TickRecord& record, int index) {
   return index >= 0 && index < record.exercise.value_count ? record.exercise.values[index] : 0.0;
 }
 
 }  // namespace
+
+HandPath::HandPath(const std::vector<std::string>& axis_names) {
+  constexpr std::array kAxes = {"x", "y", "z"};
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i] = indexOf(axis_names, kAxes[i]);
+}
+
+void HandPath::add(const TickRecord& record) {
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero(), speed_m_s = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const int axis = axes_[static_cast<std::size_t>(i)];
+    if (axis >= 0 && axis < record.q_m.size()) place_m[i] = record.q_m[axis];
+    if (axis >= 0 && axis < record.qd_mf.size()) speed_m_s[i] = record.qd_mf[axis];
+  }
+  if (!place_m.allFinite() || !speed_m_s.allFinite()) return;
+  if (!std::exchange(begun_, true)) anchor_m_ = place_m;
+  place_m_ = place_m;
+  speed_m_s_ = speed_m_s.norm();
+  if (const double step_m = (place_m - anchor_m_).norm(); step_m >= kStep_m) {
+    length_m_ += step_m;
+    anchor_m_ = place_m;
+  }
+}
 
 PartLog::PartLog(const RecordingMeta& meta)
     : meta_(meta),
@@ -51,7 +75,8 @@ PartLog::PartLog(const RecordingMeta& meta)
       reached_(marked(meta.event_names, kReached)),
       restarts_(marked(meta.event_names, kRestarts)),
       step_done_(indexOf(meta.event_names, "step_done")),
-      stars_value_(indexOf(meta.value_names, "stars")) {
+      stars_value_(indexOf(meta.value_names, "stars")),
+      path_(meta.axis_names) {
   for (std::size_t k = 0; k < kEnds.size(); ++k) ends_[k] = indexOf(meta.event_names, kEnds[k]);
   for (const std::string& name : meta.result_names) {
     result_values_.push_back(indexOf(meta.value_names, name));
@@ -61,13 +86,15 @@ PartLog::PartLog(const RecordingMeta& meta)
 }
 
 void PartLog::add(const TickRecord& record, const MovedTime& before, const MovedTime& now) {
+  path_.add(record);
+  if (now.persons() > before.persons()) peak_m_s_ = std::max(peak_m_s_, path_.speed_m_s());
   if (now.sum() == (now - before).sum()) {  // the first tick
     keepResults(record);
-    free_ = {true, record.time_s, before, results_};
+    free_ = {true, record.time_s, before, results_, path_.place_m(), path_.length_m()};
     after_.fill(free_);
   }
   if (record.exercise.event_count > 0) {
-    Begin here{true, record.time_s, before, results_};
+    Begin here{true, record.time_s, before, results_, path_.place_m(), path_.length_m()};
     for (int e = 0; e < record.exercise.event_count; ++e) {
       addEvent(record.exercise.events[e], record, here, now);
     }
@@ -113,6 +140,8 @@ void PartLog::reach(double time_s, const MovedTime& now) {
   if (moved.isPersons()) {
     ++reaches_.count;
     reaches_.sum_s += time_s - free_.time_s;
+    reaches_.path_m += path_.length_m() - free_.path_m;
+    reaches_.straight_m += (path_.place_m() - free_.place_m).norm();
   } else {
     ++(moved.isShared() ? reaches_.shared : reaches_.others);
   }
@@ -127,7 +156,8 @@ void PartLog::finish(Kind kind, const ExerciseEvent& event, const TickRecord& re
                     event.value,
                     began.time_s,
                     record.time_s,
-                    now - began.moved};
+                    now - began.moved,
+                    {}};
   part.stars = valueAt(record, stars_value_);
   if (kind == kDrink) std::swap(part.steps, steps_);
   PartSums& sums = sums_[kind];
@@ -149,7 +179,7 @@ void PartLog::finish(Kind kind, const ExerciseEvent& event, const TickRecord& re
     ++left_out_;
   }
   began_[kind] = {};
-  after_[kind] = {true, record.time_s, now, {}};
+  after_[kind] = {true, record.time_s, now, {}, path_.place_m(), path_.length_m()};
   for (const int value : result_values_) after_[kind].results.push_back(valueAt(record, value));
 }
 
@@ -205,10 +235,10 @@ void PartLog::write(Json& out) const {
   out["parts"] = std::move(parts);
   out["parts_left_out"] = left_out_;
   out["sums"] = std::move(sums);
-  out["reaches"] = {{"count", reaches_.count},
-                    {"shared", reaches_.shared},
-                    {"others", reaches_.others},
-                    {"sum_s", reaches_.sum_s}};
+  out["reaches"] = {{"count", reaches_.count},   {"shared", reaches_.shared},
+                    {"others", reaches_.others}, {"sum_s", reaches_.sum_s},
+                    {"path_m", reaches_.path_m}, {"straight_m", reaches_.straight_m},
+                    {"peak_m_s", peak_m_s_}};
   out["results"] = resultsJson();
 }
 

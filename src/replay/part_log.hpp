@@ -4,6 +4,7 @@
 #include "replay/moved_time.hpp"
 #include "telemetry/recording.hpp"
 
+#include <Eigen/Core>
 #include <nlohmann/json_fwd.hpp>
 
 #include <array>
@@ -34,6 +35,24 @@ struct PartSums {
   std::vector<double> gained;  ///< rise of each result of the exercise from begin to end
 };
 
+/// Path of the hand in the room by the device's axes x, y and z; a device without them has none.
+class HandPath {
+ public:
+  explicit HandPath(const std::vector<std::string>& axis_names);
+
+  void add(const TickRecord& record);
+  [[nodiscard]] const Eigen::Vector3d& place_m() const { return place_m_; }
+  /// Length since the first tick, steps under 1 mm (resolution, tremor) left out.
+  [[nodiscard]] double length_m() const { return length_m_; }
+  [[nodiscard]] double speed_m_s() const { return speed_m_s_; }
+
+ private:
+  std::array<int, 3> axes_{};  ///< -1: no such axis
+  bool begun_ = false;
+  Eigen::Vector3d place_m_ = Eigen::Vector3d::Zero(), anchor_m_ = Eigen::Vector3d::Zero();
+  double length_m_ = 0.0, speed_m_s_ = 0.0;
+};
+
 /// Finds the finished parts of an exercise by its events, and whose they are: moved_time.hpp.
 /// Levels that begin again, or whose exercise the virtual patient begins again, are parts of their
 /// own.
@@ -56,10 +75,13 @@ class PartLog {
     double time_s = 0.0;
     MovedTime moved;
     std::vector<double> results;
+    Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
+    double path_m = 0.0;
   };
+  /// The sums are over the person's.
   struct Reaches {
     std::uint64_t count = 0, shared = 0, others = 0;
-    double sum_s = 0.0;
+    double sum_s = 0.0, path_m = 0.0, straight_m = 0.0;
   };
   /// @param here the tick, as something that begins in it; a restart takes its counts to 0
   void addEvent(const ExerciseEvent& event, const TickRecord& record, Begin& here,
@@ -79,6 +101,8 @@ class PartLog {
   std::array<Begin, kKinds> began_{};  ///< of the part that is being done
   std::array<Begin, kKinds> after_{};  ///< end of the part before, for one that never began
   Begin free_;                         ///< since the hand is free to reach
+  HandPath path_;
+  double peak_m_s_ = 0.0;  ///< while the person moved the hand
   std::vector<std::pair<int, double>> steps_;
   std::array<PartSums, kKinds> sums_{};
   Reaches reaches_;

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,7 +67,8 @@ enum class Refusal : std::uint8_t {
   kBusy,           ///< no room in the loop's queue; nothing of the message was handed over
   kNoBodies,       ///< the scene takes no bodies of a game
   kWaitedTooLong,  ///< the order waited too long behind other orders
-  kRefusedBefore   ///< an earlier order of this client, on which this one builds, was refused
+  kRefusedBefore,  ///< an earlier order of this client, on which this one builds, was refused
+  kVisitOpen       ///< a visit is open, and the order does not belong to it
 };
 
 /// An item of an order to bodies that was refused.
@@ -144,6 +146,12 @@ struct PublishedParameter {
   double lower = 0.0, upper = 0.0, initial = 0.0, rate_per_s = 0.0;
 };
 
+/// A visit of the clinic's records, and the item of its plan.
+struct Visit {
+  std::uint64_t number = 0;  ///< 0: none is open
+  std::uint32_t item = 0;
+};
+
 /// Everything that a client needs to draw and label a WorldState. Immutable once published; every
 /// arming and loading publishes a new one.
 struct SceneFacts {
@@ -163,6 +171,7 @@ struct SceneFacts {
   std::vector<std::string> profiles;          ///< what LoadProfile accepts
   std::string profile;                        ///< profile in force; empty: none
   std::string recording;                      ///< name of the file being written; empty: none
+  Visit visit;                                ///< that is open
 };
 
 /// Status that a real device reports.
@@ -264,6 +273,19 @@ struct HoldToMove {
   std::uint32_t press = 0;
   bool held = false;
 };
+/// What one visit renders. Only the clinic's records give it.
+struct OpenVisit {
+  std::uint64_t visit = 0;
+  std::uint32_t item = 0;
+  std::string exercise, hand;
+  std::string hand_file;  ///< in StationConfig::visit_hands_folder, if `hand` is empty
+  int level = 1;
+  Help help = Help::kUnsaid;
+  std::map<std::string, double> parameters;  ///< by name, in their own units
+};
+struct CloseVisit {
+  std::uint64_t visit = 0;
+};
 /// Orders of a game to its bodies.
 struct OfBodies {
   std::shared_ptr<const BodyOrders> bodies;  ///< never null in an order
@@ -283,10 +305,11 @@ struct HolderAlive {
 struct Unattended {};
 struct Attended {};  ///< somebody has taken the controls
 
-using Any = std::variant<Arm, Stop, EmergencyStop, LoadExercise, SetParameter, Aim, Steer, Action,
-                         TakeControls, ReleaseControls, Heartbeat, Rest, SaveProfile, LoadProfile,
-                         SetHelp, Answer, HoldToMove, PrepareShapes, Spawn, Remove, Teleport,
-                         SetOwner, BodyTargets, HolderAlive, Unattended, Attended>;
+using Any =
+    std::variant<Arm, Stop, EmergencyStop, LoadExercise, SetParameter, Aim, Steer, Action,
+                 TakeControls, ReleaseControls, Heartbeat, Rest, SaveProfile, LoadProfile, SetHelp,
+                 Answer, HoldToMove, PrepareShapes, Spawn, Remove, Teleport, SetOwner, BodyTargets,
+                 OpenVisit, CloseVisit, HolderAlive, Unattended, Attended>;
 
 /// Index of a kind in Any.
 template <class Kind, class... Kinds>
@@ -374,6 +397,8 @@ inline constexpr auto kTable = [] {
       {kIndexOf<Teleport>, 21, "Teleport", kHolder, kLoop},
       {kIndexOf<SetOwner>, 22, "SetOwner", kHolder, kLoop},
       {kIndexOf<BodyTargets>, 23, "BodyTargets", kHolder, kLoop, kStreams},
+      {kIndexOf<OpenVisit>, 24, "OpenVisit", kTherapist, kMain, kAnswered, kNever, "a visit"},
+      {kIndexOf<CloseVisit>, 25, "CloseVisit", kTherapist, kMain, kAnswered, kNever, "a visit"},
       {kIndexOf<HolderAlive>, 0, "HolderAlive", kProgram, kCaller},
       {kIndexOf<Unattended>, 0, "Unattended", kProgram, kCaller},
       {kIndexOf<Attended>, 0, "Attended", kProgram, kCaller},

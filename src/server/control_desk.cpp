@@ -26,7 +26,7 @@ void ControlDesk::holdsNow(Client client, const ControlsArbiter::Taken& taken,
   abandoned_ = false;
   own_holder_ = client;
   claim_ = own_claim_ = taken.claim;
-  heard_ns_ = now_ns;
+  heard_ns_ = steady_ns_ = now_ns;
   excused_ = suspended_ = false;
   resumed_ns_.reset();
 }
@@ -42,9 +42,16 @@ std::string ControlDesk::release(Client client) {
 
 void ControlDesk::heard(Client client, std::int64_t now_ns) {
   if (!holds(client)) return;
+  if (now_ns - heard_ns_ > kSilent_ns) steady_ns_ = now_ns;
   heard_ns_ = now_ns;
   excused_ = false;
-  if (std::exchange(suspended_, false)) resumed_ns_ = now_ns;
+  if (!suspended_ || (often_silent_ && !steadyAgain(now_ns))) return;
+  suspended_ = false;
+  resumed_ns_ = now_ns;
+}
+
+bool ControlDesk::steadyAgain(std::int64_t now_ns) const {
+  return now_ns - resumed_ns_.value_or(now_ns) >= kOnceIn_ns && now_ns - steady_ns_ >= kSteady_ns;
 }
 
 void ControlDesk::left(Client client, std::int64_t now_ns) {
@@ -83,11 +90,11 @@ void ControlDesk::judgeSilence(std::int64_t now_ns, Advice& advice) {
   if (late && !std::exchange(excused_, true)) heard_ns_ = now_ns;
   const std::int64_t silent_ns = now_ns - heard_ns_;
   if (silent_ns <= kSilent_ns) return;
-  const bool again = resumed_ns_ && now_ns - *resumed_ns_ < kOnceIn_ns;
-  if (silent_ns > kGone_ns || again) {
+  if (silent_ns > kGone_ns) {
     advice.silent_client = own_holder_;
     left(own_holder_, now_ns);
   } else if (!std::exchange(suspended_, true)) {
+    often_silent_ = resumed_ns_ && now_ns - *resumed_ns_ < kOnceIn_ns;
     advice.suspended_client = own_holder_;
   }
 }

@@ -14,8 +14,9 @@ namespace wholehand {
 ///   nobody has held them     the virtual patient plays, the exercise pushes (the demo)
 ///   holder silent 200 ms     suspended: the exercise's effort fades out
 ///     heard within 1 s       it goes on as if it had not been silent
-///     silent for 1 s, or     it loses the controls, as if its connection were lost
-///     twice within 10 s
+///     a second time          the effort stays out until 10 s after its last return, and until the
+///     within 10 s            holder has not been silent for 2 s
+///     silent for 1 s         it loses the controls, as if its connection were lost
 ///   connection lost          the exercise's effort fades out and stays out until somebody takes
 ///                            the controls; after 5 s without a new holder the virtual patient
 ///                            steers
@@ -34,6 +35,7 @@ class ControlDesk {
   static constexpr std::int64_t kSilent_ns = 200'000'000;
   static constexpr std::int64_t kGone_ns = 1'000'000'000;
   static constexpr std::int64_t kOnceIn_ns = 10'000'000'000;
+  static constexpr std::int64_t kSteady_ns = 2'000'000'000;
   /// Longer between two looks, the program stood still.
   static constexpr std::int64_t kLate_ns = 50'000'000;
   static constexpr std::int64_t kLost_ns = 5'000'000'000;
@@ -82,6 +84,7 @@ class ControlDesk {
  private:
   void followOthers(std::int64_t now_ns);
   void judgeSilence(std::int64_t now_ns, Advice& advice);
+  [[nodiscard]] bool steadyAgain(std::int64_t now_ns) const;
   void holdsNow(Client client, const ControlsArbiter::Taken& taken, std::int64_t now_ns);
 
   ControlsArbiter& arbiter_;
@@ -93,8 +96,10 @@ class ControlDesk {
   std::int64_t heard_ns_ = 0;    ///< time of the last message of own_holder_
   std::int64_t looked_ns_ = 0;   ///< time of the last advice
   bool excused_ = false;         ///< the present silence began anew by a late wake-up
-  bool suspended_ = false;       ///< own_holder_ is silent
-  std::optional<std::int64_t> resumed_ns_;  ///< when its first message after a silence came
+  bool suspended_ = false;       ///< own_holder_ is silent, or was too often and is not steady yet
+  bool often_silent_ = false;    ///< own_holder_ fell silent within 10 s after the effort returned
+  std::int64_t steady_ns_ = 0;   ///< since when own_holder_ has not been silent
+  std::optional<std::int64_t> resumed_ns_;  ///< when the effort returned last
   bool abandoned_ = false;                  ///< the last holder was lost and has no successor
   std::optional<std::int64_t> lost_ns_;     ///< time of that loss, until the virtual patient steers
   std::optional<std::int64_t> free_ns_;  ///< since when nobody has held them or ordered anything,

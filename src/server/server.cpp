@@ -57,6 +57,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
       const auto& more = options_.more_metrics;
       return metricsText(pulse(), traffic_) + (more ? more() : std::string());
     };
+    loop.clinic_port = options_.clinic_port;
     site_ = std::make_unique<Site>(backend_, options_.web_folder, access, std::move(loop),
                                    options_.replay);
     context_.emplace(

@@ -39,6 +39,8 @@ struct ServerOptions {
   UdpBridge* udp = nullptr;
   /// Returns the state of a commissioning; empty function: the program runs none. Any thread.
   std::function<std::shared_ptr<const CommissioningFacts>()> commissioning;
+  /// Port of the clinic's records; empty: no clinic. Any thread.
+  std::function<std::uint16_t()> clinic_port;
   /// Answers requests of replay pages; empty: no replay. Called on worker threads, which wait for
   /// it.
   ReplayService replay;

@@ -102,13 +102,14 @@ std::string entityTag(const std::string& file) {
 }
 
 constexpr std::string_view kRecordings = "/api/recordings";
+constexpr std::string_view kClinic = "/api/clinic";
 constexpr std::string_view kReplay = "/replay/";  ///< after a recording's name
 // Hand tracking compiles WebAssembly and starts from blobs; plots and the 3D scene set styles.
 constexpr const char* kPagePolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval' blob:; worker-src 'self' blob:; "
     "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; media-src 'self' blob:; "
-    "connect-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'";
+    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
+    "connect-src 'self' data: blob:";
 // A report contains its scripts, styles, fonts and data, and loads nothing.
 constexpr const char* kReportPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; worker-src blob:; style-src 'unsafe-inline'; "
@@ -232,7 +233,9 @@ Site::Site(ServerBackend& backend, std::string web_folder, Access access, LoopRe
 Site::Route Site::routeOf(const HttpRequest& request) {
   // Decodes as answer() does: a differently encoded path needs the same.
   const std::optional<std::string> path = decodedPath(request.path());
-  if (!path || *path == "/healthz" || *path == "/metrics" || *path == "/ws") return Route::kNoFile;
+  if (!path || *path == "/healthz" || *path == "/metrics" || *path == "/ws" || *path == kClinic) {
+    return Route::kNoFile;
+  }
   if (!path->starts_with(kRecordings)) return Route::kPage;
   const std::size_t after_name = path->find('/', std::min(path->size(), kRecordings.size() + 1));
   if (path->find(kReplay) == after_name && after_name != std::string::npos) return Route::kReplay;
@@ -303,6 +306,11 @@ HttpAnswer Site::route(const HttpRequest& request, const std::string& path) cons
     return refusal(426, "no_upgrade", "WebSocket only",
                    "This address is for WebSocket connections.");
   }
+  if (path == kClinic) return clinic();
+  if (path.starts_with(kRecordings) && !maySeeRecordings(request)) {
+    return refusal(403, "role", "For the therapist",
+                   "With a clinic's records, recordings and reports are for the therapist only.");
+  }
   if (path == kRecordings) return recordingList();
   if (path.starts_with(std::string(kRecordings) + "/")) {
     return recording(request, path.substr(kRecordings.size() + 1));
@@ -310,12 +318,35 @@ HttpAnswer Site::route(const HttpRequest& request, const std::string& path) cons
   return page(request, path);
 }
 
+HttpAnswer Site::clinic() const {
+  if (!loop_.clinic_port) return notFound(kClinic);
+  return text(nlohmann::json{{"port", loop_.clinic_port()}}.dump() + "\n", "application/json");
+}
+
+// The records' page may ask their process, too.
+std::string Site::pagePolicy(const std::string& path) const {
+  const std::uint16_t port = path == "/clinic" && loop_.clinic_port ? loop_.clinic_port() : 0;
+  if (port == 0) return {};
+  return fmt::format("{0} http://127.0.0.1:{1} http://localhost:{1}", kPagePolicy, port);
+}
+
+bool Site::maySeeRecordings(const HttpRequest& request) const {
+  if (!loop_.clinic_port) return true;
+  const Role role = roleOf(request);
+  return role == Role::kTherapist || role == Role::kUnsaid;
+}
+
 HttpAnswer Site::page(const HttpRequest& request, const std::string& path) const {
-  const bool ours = path == "/console" || path == "/commission" || path == "/replay";
+  const bool ours =
+      path == "/console" || path == "/commission" || path == "/replay" || path == "/clinic";
   const std::string name = ours ? path + ".html" : path;
   if (const auto found = fileWithin(web_folder_, name)) {
-    return file(*found, request,
-                nameHasHash(name) ? "public, max-age=31536000, immutable" : "no-cache");
+    HttpAnswer a = file(*found, request,
+                        nameHasHash(name) ? "public, max-age=31536000, immutable" : "no-cache");
+    if (std::string policy = pagePolicy(path); !policy.empty()) {
+      a.headers.emplace_back("Content-Security-Policy", std::move(policy));
+    }
+    return a;
   }
   const bool built = fileWithin(web_folder_, "/index.html").has_value();
   if (built || (path != "/" && !ours)) return notFound(path);

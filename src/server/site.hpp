@@ -3,6 +3,7 @@
 #include "server/access.hpp"
 #include "server/backend.hpp"
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -39,6 +40,8 @@ class Site {
   struct LoopReports {
     std::function<std::pair<bool, std::string>()> health;  ///< healthy, its JSON
     std::function<std::string()> metrics;
+    /// Port of the clinic's records on this machine, 0: they do not answer; empty: no clinic.
+    std::function<std::uint16_t()> clinic_port;
   };
 
   /// @param replay empty: no replay
@@ -62,6 +65,10 @@ class Site {
  private:
   [[nodiscard]] HttpAnswer route(const HttpRequest& request, const std::string& path) const;
   [[nodiscard]] HttpAnswer page(const HttpRequest& request, const std::string& path) const;
+  [[nodiscard]] HttpAnswer clinic() const;
+  [[nodiscard]] std::string pagePolicy(const std::string& path) const;
+  /// With a clinic, recordings are the therapist's.
+  [[nodiscard]] bool maySeeRecordings(const HttpRequest& request) const;
   [[nodiscard]] HttpAnswer recordingList() const;
   [[nodiscard]] HttpAnswer recording(const HttpRequest& request,
                                      const std::string& name_and_rest) const;

@@ -123,6 +123,31 @@ orders::HoldToMove read(const fb::HoldToMove& in) {
   return {in.press(), in.held()};
 }
 
+Expected<orders::OpenVisit> read(const fb::OpenVisit& in) {
+  if (!isKnown(in.help())) return unknown("help", in.help());
+  orders::OpenVisit visit{
+      in.visit(),           in.item(),  text(in.exercise()),          text(in.hand()),
+      text(in.hand_file()), in.level(), static_cast<Help>(in.help()), {}};
+  if (in.parameters() == nullptr) return visit;
+  if (in.parameters()->size() > kMaxLiveParameters) {
+    return refusal("parameters", std::to_string(in.parameters()->size()), "are too many",
+                   "at most " + std::to_string(kMaxLiveParameters));
+  }
+  for (const fb::VisitParameter* parameter : *in.parameters()) {
+    const std::string name = text(parameter->name());
+    if (!std::isfinite(parameter->value())) {
+      return refusal(name, std::to_string(parameter->value()), "is not finite", "");
+    }
+    if (!visit.parameters.emplace(name, parameter->value()).second) {
+      return refusal(name, "", "is named twice", "");
+    }
+  }
+  return visit;
+}
+orders::CloseVisit read(const fb::CloseVisit& in) {
+  return {in.visit()};
+}
+
 // Orders to a game's bodies. Counts that no scene allows are refused, and what a picture or a shape
 // cannot be made of. Numbers of a body are read as they are: the code that obeys checks them.
 
@@ -325,8 +350,8 @@ constexpr auto kReaders =
     readersOf<fb::Arm, fb::Stop, fb::EmergencyStop, fb::LoadExercise, fb::SetParameter, fb::Aim,
               fb::Steer, fb::Action, fb::TakeControls, fb::ReleaseControls, fb::Heartbeat, fb::Rest,
               fb::SaveProfile, fb::LoadProfile, fb::SetHelp, fb::Answer, fb::HoldToMove,
-              fb::PrepareShapes, fb::Spawn, fb::Remove, fb::Teleport, fb::SetOwner,
-              fb::BodyTargets>();
+              fb::PrepareShapes, fb::Spawn, fb::Remove, fb::Teleport, fb::SetOwner, fb::BodyTargets,
+              fb::OpenVisit, fb::CloseVisit>();
 static_assert(std::count(kReaders.begin(), kReaders.end(), nullptr) == 1,
               "every type but NONE has a reader");
 

@@ -502,7 +502,7 @@ Bytes controlsMessage(const ControlsFacts& f) {
   return take(b);
 }
 
-static_assert(static_cast<int>(Refusal::kRefusedBefore) == static_cast<int>(fb::Refusal::MAX));
+static_assert(static_cast<int>(Refusal::kVisitOpen) == static_cast<int>(fb::Refusal::MAX));
 static_assert(kBodyRefusals - 1 == static_cast<int>(fb::BodyRefusal::MAX));
 
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
@@ -554,6 +554,8 @@ Bytes sceneMessage(const SceneFacts& s) {
   out.add_profile(p.profile);
   out.add_links(p.links);
   if (!p.budget.IsNull()) out.add_budget(p.budget);
+  out.add_visit(s.visit.number);
+  out.add_visit_item(s.visit.item);
   finish(b, out.Finish(), kSchemaVersion);
   return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
 }

@@ -2,6 +2,7 @@
 
 #include "assembly/run.hpp"
 #include "assembly/run_files.hpp"
+#include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "patient/steered_player.hpp"
 #include "registry/body_registry.hpp"
@@ -137,7 +138,13 @@ class Station::Core {
   OrderReply carryOutTask(const Task& task);
   OrderReply saveProfile(const orders::SaveProfile& order, const Task& task);
   OrderReply loadProfile(const orders::LoadProfile& order, const Task& task);
-  [[nodiscard]] OrderReply refuseParameters(const Profile& profile, const Models& models) const;
+  OrderReply openVisit(const orders::OpenVisit& order, const Task& task);
+  OrderReply closeVisit(const orders::CloseVisit& order, const Task& task);
+  [[nodiscard]] OrderReply fitsVisit(const orders::LoadExercise& order) const;
+  [[nodiscard]] OrderReply refuseParameters(const std::string& whose, const Profile& profile,
+                                            const Models& models) const;
+  OrderReply loadVisit(Task task, const ModelFiles& files, const Profile& settings,
+                       const Visit& visit);
   void stopGently(bool goes_on = false);
   /// @param goes_on a load continues the rendering: no ending that a person must see
   void finishSession(bool goes_on = false);
@@ -209,6 +216,7 @@ class Station::Core {
   SessionFiles files_;
   Profiles profiles_;
   std::string profile_;  ///< last profile loaded or saved, while it applies; empty: none
+  Visit visit_;          ///< that is open
   mutable AsyncLog log_;
   std::unique_ptr<SafetyLog> safety_;   ///< set by load()
   std::optional<Rehearsal> rehearsed_;  ///< rehearsal of the loaded rig
@@ -280,6 +288,11 @@ constexpr auto kPoll = std::chrono::milliseconds(20);
 /// Most commands of bodies that wait for the loop: the shapes of one body with the most pieces and
 /// vertices. The loop takes eight in a tick, so that an aim waits for 36 ms at most.
 constexpr std::size_t kMostWaiting = 288;
+
+OrderReply visitOpen(std::uint64_t visit) {
+  return refused(Refusal::kVisitOpen,
+                 fmt::format("visit {} is open: close it in the clinic's records first", visit));
+}
 
 OrderReply notCommissioned() {
   return refused(Refusal::kNotHere, "no device is commissioned here");
@@ -467,6 +480,8 @@ OrderReply Station::Core::carryOutTask(const Task& task) {
                  [&](const orders::LoadExercise& load) { return loadExercise(load, task); },
                  [&](const orders::SaveProfile& save) { return saveProfile(save, task); },
                  [&](const orders::LoadProfile& load) { return loadProfile(load, task); },
+                 [&](const orders::OpenVisit& open) { return openVisit(open, task); },
+                 [&](const orders::CloseVisit& close) { return closeVisit(close, task); },
                  [&](const auto&) { return notHere(task.order); }},
       task.order.what);
 }
@@ -1036,12 +1051,17 @@ Profile Station::Core::profileNow() const {
 }
 
 // Of the earlier person nothing stays: neither values nor help nor the right to rest. What was set
-// after the order to change was given stays. A limit goes up only for who may set it.
+// after the order to change was given stays; in a visit, only a lower limit, since it may have been
+// meant for the person before. A limit goes up only for who may set it.
 void Station::Core::changePerson(const Task& task, const Profile* profile) {
   ++person_;
   if (!rest_before_start_) rest_ending_ = 0;
-  if (help_asked_ < task.asked) help_ = profile != nullptr ? profile->help : Help::kUnsaid;
+  const bool visit = task.order.is<orders::OpenVisit>() || task.order.is<orders::CloseVisit>();
+  if (help_asked_ < task.asked || visit) {
+    help_ = profile != nullptr ? profile->help : Help::kUnsaid;
+  }
   std::map<std::string, Setting> next;
+  for (const auto& [name, value] : config_.first_parameters) next[name] = {value, task.asked};
   if (profile != nullptr) {
     for (const auto& [name, value] : profile->parameters) next[name] = {value, task.asked};
   }
@@ -1049,9 +1069,10 @@ void Station::Core::changePerson(const Task& task, const Profile* profile) {
     const auto set = asked_parameters_.find(parameter.name);
     const auto found = next.find(parameter.name);
     const double coming = found == next.end() ? parameter.initial : found->second.value;
-    const bool later = set != asked_parameters_.end() && set->second.asked > task.asked;
-    const bool keeps_limit = isEffortLimit(parameter.name) && !task.order.may_raise_limits &&
-                             valueOf(parameter) < coming;
+    const bool lowered = isEffortLimit(parameter.name) && valueOf(parameter) < coming;
+    const bool later =
+        set != asked_parameters_.end() && set->second.asked > task.asked && (!visit || lowered);
+    const bool keeps_limit = lowered && !task.order.may_raise_limits;
     if (later) {
       next[parameter.name] = set->second;
     } else if (keeps_limit) {
@@ -1067,6 +1088,7 @@ OrderReply Station::Core::saveProfile(const orders::SaveProfile& order, const Ta
   if (profile.exercise.empty()) {
     return refused(Refusal::kOther, "a profile needs an exercise; load one first");
   }
+  if (visit_.number != 0) return visitOpen(visit_.number);
   const WaitingFor disk("the disk: a profile");
   if (auto saved = profiles_.save(profile); !saved) {
     return refused(Refusal::kOther, format(saved.errors()));
@@ -1080,6 +1102,7 @@ OrderReply Station::Core::saveProfile(const orders::SaveProfile& order, const Ta
 // Only while disarmed: a person must not suddenly feel another person's limits.
 OrderReply Station::Core::loadProfile(const orders::LoadProfile& order, const Task& task) {
   if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then load the profile");
+  if (visit_.number != 0) return visitOpen(visit_.number);
   const WaitingFor disk("the disk: a profile");
   const Expected<Profile> profile = profiles_.load(order.name);
   if (!profile) return refused(Refusal::kUnknownProfile, format(profile.errors()));
@@ -1102,11 +1125,84 @@ OrderReply Station::Core::loadProfile(const orders::LoadProfile& order, const Ta
         fmt::format("the profile {} is for a {} hand, its hand {} is a {} one", profile->name,
                     profile->side, profile->hand, sideName(models->hand)));
   }
-  if (OrderReply fits = refuseParameters(*profile, *models); !fits.accepted) return fits;
+  if (OrderReply fits = refuseParameters("the profile " + profile->name, *profile, *models);
+      !fits.accepted) {
+    return fits;
+  }
   return this->load(task, files, &*profile);
 }
 
-OrderReply Station::Core::refuseParameters(const Profile& profile, const Models& models) const {
+// A therapist may go on to another exercise or level in a visit, but not with another hand.
+OrderReply Station::Core::fitsVisit(const orders::LoadExercise& order) const {
+  if (visit_.number == 0 || order.hand.empty() || order.hand == stem(models_.files.hand)) {
+    return {true, ""};
+  }
+  return visitOpen(visit_.number);
+}
+
+// Only while disarmed: a person must not suddenly feel another person's limits.
+OrderReply Station::Core::openVisit(const orders::OpenVisit& order, const Task& task) {
+  if (config_.visit_hands_folder.empty()) {
+    return refused(Refusal::kNotHere, "no visits here: the program runs without --clinic");
+  }
+  if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then open the visit");
+  if (order.visit == 0) return refused(Refusal::kOther, "a visit has a number other than 0");
+  const bool goes_on = visit_.number == order.visit;
+  if (visit_.number != 0 && !goes_on) return visitOpen(visit_.number);
+  ModelFiles files;
+  if (OrderReply known = filesOf({order.exercise, order.hand, order.level}, files);
+      !known.accepted) {
+    return known;
+  }
+  if (order.exercise.empty()) return refused(Refusal::kOther, "a visit names its exercise");
+  if (order.hand.empty()) {
+    const fs::path name(order.hand_file);
+    if (name.empty() || name.filename() != name || name.extension() != ".toml") {
+      return refused(Refusal::kUnknownHand,
+                     fmt::format("\"{}\" is no hand file: a visit names one of the hands, or a "
+                                 "file name that ends in .toml",
+                                 printable(order.hand_file)));
+    }
+    files.hand = (fs::path(config_.visit_hands_folder) / name).string();
+  }
+  const WaitingFor disk("the disk: a visit");
+  const Expected<Models> models = loadModels(files);
+  if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
+  Profile settings = profileOf(*models);
+  settings.help = order.help;
+  settings.parameters = order.parameters;
+  if (OrderReply fits = refuseParameters(fmt::format("visit {}", order.visit), settings, *models);
+      !fits.accepted) {
+    return fits;
+  }
+  return loadVisit(task, files, settings, {order.visit, order.item});
+}
+
+// What the clinic's records name, and nothing of whoever came before. The next item of a visit
+// keeps the effort limits that a person has lowered.
+OrderReply Station::Core::loadVisit(Task task, const ModelFiles& files, const Profile& settings,
+                                    const Visit& visit) {
+  task.order.may_raise_limits = visit_.number != visit.number || visit.number == 0;
+  const Visit before = std::exchange(visit_, visit);
+  OrderReply reply = load(task, files, &settings);
+  if (!reply.accepted) {
+    visit_ = before;
+    return reply;
+  }
+  say(visit.number == 0 ? fmt::format("visit {} is closed", before.number)
+                        : fmt::format("visit {}, item {}", visit.number, visit.item));
+  return reply;
+}
+
+OrderReply Station::Core::closeVisit(const orders::CloseVisit& order, const Task& task) {
+  if (visit_.number == 0) return {true, ""};  // closed already: an answer was lost
+  if (visit_.number != order.visit) return visitOpen(visit_.number);
+  if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then close the visit");
+  return loadVisit(task, config_.files, {}, {});
+}
+
+OrderReply Station::Core::refuseParameters(const std::string& whose, const Profile& profile,
+                                           const Models& models) const {
   const SceneFacts facts = sceneFacts(models, config_.rig.period_s);
   for (const auto& parameter : profile.parameters) {
     const std::string& name = parameter.first;  // clang 14 cannot capture structured bindings
@@ -1115,14 +1211,13 @@ OrderReply Station::Core::refuseParameters(const Profile& profile, const Models&
                                     [&](const PublishedParameter& p) { return p.name == name; });
     if (known == facts.parameters.end()) {
       return refused(Refusal::kUnknownParameter,
-                     fmt::format("the profile {} sets {}, which the exercise {} does not have",
-                                 profile.name, name, profile.exercise));
+                     fmt::format("{} sets {}, which the exercise {} does not have", whose, name,
+                                 profile.exercise));
     }
     if (!(value >= known->lower && value <= known->upper)) {
-      return refused(
-          Refusal::kOutOfRange,
-          fmt::format("the profile {} sets {} = {}, which must be in [{}, {}] {}", profile.name,
-                      name, value, known->lower, known->upper, known->unit));
+      return refused(Refusal::kOutOfRange,
+                     fmt::format("{} sets {} = {}, which must be in [{}, {}] {}", whose, name,
+                                 value, known->lower, known->upper, known->unit));
     }
   }
   return {true, ""};
@@ -1224,6 +1319,8 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
   RunPlan plan;
   plan.title = title();
   plan.profile = profile_;
+  plan.visit = visit_.number;
+  plan.visit_item = visit_.item;
   plan.seed = config_.seed + arming_;
   plan.record = record;
   plan.duration_ticks = duration_ticks;
@@ -1397,7 +1494,8 @@ OrderReply Station::Core::armUnasked(const Task& task, std::uint64_t duration_ti
 // Takes the name of a new recording; empty when none can be made.
 std::string Station::Core::newRecording() {
   if (!files_.kept()) return {};
-  auto named = files_.nameNew(profile_, scene()->exercise_name, models_.files.level);
+  const std::string whose = visit_.number != 0 ? fmt::format("visit-{}", visit_.number) : profile_;
+  auto named = files_.nameNew(whose, scene()->exercise_name, models_.files.level);
   if (!named) {
     say("what follows is not recorded: " + format(named.errors()));
     return {};
@@ -1420,6 +1518,7 @@ Expected<Done> Station::Core::load() {
       std::move(watched), config_.rig.period_s,
       [this](const SafetyTransition& transition) { say(describe(transition)); });
   publishScene("");
+  for (const auto& [name, value] : config_.first_parameters) asked_parameters_[name] = {value, 0};
   return Done{};
 }
 
@@ -1433,6 +1532,7 @@ void Station::Core::publishScene(const std::string& recording) {
   facts->hands = stemsIn(config_.config_folder + "/hands");
   facts->profiles = profiles_.list();
   facts->profile = profile_;
+  facts->visit = visit_;
   facts->recording = fs::path(recording).filename().string();
   Profile loaded = profileOf(models_);
   const std::lock_guard lock(mutex_);
@@ -1601,6 +1701,7 @@ OrderReply Station::Core::filesOf(const orders::LoadExercise& order, ModelFiles&
 
 OrderReply Station::Core::loadExercise(const orders::LoadExercise& order, const Task& task) {
   ModelFiles files;
+  if (OrderReply fits = fitsVisit(order); !fits.accepted) return fits;
   if (OrderReply known = filesOf(order, files); !known.accepted) return known;
   return load(task, files, nullptr);
 }

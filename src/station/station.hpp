@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,10 +35,15 @@ struct EndedSession {
 struct StationConfig {
   ModelFiles files;  ///< models to load first
   RigOptions rig;
-  bool rehearse = true;           ///< rehearse what is loaded before its first force
-  RehearsalOptions rehearsal;     ///< the station itself sets its cancellation
-  std::uint64_t seed = 1;         ///< of the virtual patient; incremented by every arming
-  std::string config_folder;      ///< holds exercises/ and hands/, which clients may load
+  bool rehearse = true;        ///< rehearse what is loaded before its first force
+  RehearsalOptions rehearsal;  ///< the station itself sets its cancellation
+  std::uint64_t seed = 1;      ///< of the virtual patient; incremented by every arming
+  std::string config_folder;   ///< holds exercises/ and hands/, which clients may load
+  /// Live parameters that hold in place of the files' values while neither a profile nor a visit
+  /// names them: a clinic's gentle limits. Names that an exercise does not have do not count.
+  std::map<std::string, double> first_parameters;
+  /// Hand files that visits may name. Empty: visits are refused here (no clinic).
+  std::string visit_hands_folder;
   std::string profiles_folder;    ///< patient profiles (station/profiles.hpp); empty: none
   std::string recordings_folder;  ///< recordings of all sessions; empty: none are made
   /// File of the first session, whichever client arms it; later ones are numbered (pathOfSession).

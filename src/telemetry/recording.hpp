@@ -31,9 +31,11 @@ struct RecordingMeta {
   /// Digest of the passport of a real device, or "without" if it had none and --without-passport
   /// was given; empty for other devices.
   std::string passport;
-  std::string title;                                ///< "Reach and grasp"; shown by the report
-  std::string profile;                              ///< code of the person whose profile was open;
-                                                    ///< empty: none
+  std::string title;    ///< "Reach and grasp"; shown by the report
+  std::string profile;  ///< code of the person whose profile was open;
+                        ///< empty: none
+  /// Visit of the clinic's records and item of its plan; 0: none.
+  std::uint64_t clinic_visit = 0, clinic_item = 0;
   std::vector<std::string> axis_names, axis_units;  ///< "m" or "rad"
   std::vector<double> effort_limits;                ///< per axis [N or N·m]
   std::vector<double> lever_arms_m;                 ///< per axis; 0: no tip

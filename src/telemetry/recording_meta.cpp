@@ -99,6 +99,8 @@ bool readFiles(hid_t file, RecordingMeta& meta) {
   return true;
 }
 
+constexpr const char *kVisit = "clinic_visit", *kItem = "clinic_item";
+
 // Far beyond any loop's rate: a file with such a period is damaged.
 constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
 constexpr std::int32_t kMostContactsDropped = 1'000'000;
@@ -111,6 +113,10 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
   bool ok = group.ok() && hdf5::writeAttribute(id, "format", std::string(kFormat)) &&
             hdf5::writeAttribute(id, "schema_version", kRecordingSchema) &&
             visitMeta(Writer(id), meta);
+  if (meta.clinic_visit != 0) {
+    ok = ok && hdf5::writeAttribute(id, kVisit, meta.clinic_visit) &&
+         hdf5::writeAttribute(id, kItem, meta.clinic_item);
+  }
   const Handle files(H5Gcreate2(file, "meta/files", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                      H5Gclose);
   for (std::size_t i = 0; ok && i < meta.files.size(); ++i) {
@@ -139,6 +145,11 @@ bool hasVariableText(hid_t file) {
 std::string readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
   std::string missing;
   if (!visitMeta(Reader(id, missing), meta)) return "'" + missing + "' of /meta";
+  // Only a visit's recording has them.
+  if (H5Aexists(id, kVisit) > 0 && !(hdf5::readAttribute(id, kVisit, meta.clinic_visit) &&
+                                     hdf5::readAttribute(id, kItem, meta.clinic_item))) {
+    return fmt::format("'{}' or '{}' of /meta", kVisit, kItem);
+  }
   return readFiles(file, meta) ? "" : "the texts in /meta/files";
 }
 

@@ -106,6 +106,18 @@ TEST(Cushion, LetGo_SucksItsAirBack) {
 }
 
 /// A live factor of 0 on the stiffness: nothing is felt, and the shell keeps its time.
+// y falls by d / (d + T k_s) a tick, e-fold in 1.33 s: below a picometre after 31 s from 10 mm.
+TEST(Cushion, LetGoForLong_IsWholeAndNotADenormalNumber) {
+  double travel = 0.01;
+  const int ticks =
+      static_cast<int>(std::ceil(std::log(0.01 / 1e-12) / std::log1p(1e-3 * 60.0 / 80.0)));
+  for (int i = 0; i < ticks - 1; ++i)
+    travel = advanceCushion(kSyrup, travel, 0.0, true, kPeriod_s).travel;
+  EXPECT_GT(travel, 0.0);
+  for (int i = 0; i < 2; ++i) travel = advanceCushion(kSyrup, travel, 0.0, true, kPeriod_s).travel;
+  EXPECT_EQ(travel, 0.0);
+}
+
 TEST(Cushion, WithoutStiffness_ComesBackUnfelt) {
   const Cushion bottle{0.0, 25.0, 80.0, 7.5, 0.25};
   CushionStep at{0.02, 0.0};

@@ -1,4 +1,6 @@
+#include "core/sha256.hpp"
 #include "replay/engineering_facts.hpp"
+#include "replay/recording_measures.hpp"
 #include "replay/therapy_facts.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
@@ -6,7 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <numbers>
 
 namespace wholehand {
@@ -295,6 +299,69 @@ TEST(TherapyFacts, DrinksOfTheVirtualPatient_AreListedAndInNoSum) {
   EXPECT_EQ(json["reaches"]["count"], 1);
   EXPECT_EQ(json["reaches"]["shared"], 1);
   EXPECT_EQ(json["reaches"]["others"], 1);
+}
+
+/// A reach of 0.3 m to the left and 0.4 m up in a second each, at 0.3 and 0.4 m/s, with 0.2 mm of
+/// tremor; before it, the virtual patient moves 1 m, ten times as fast.
+void reachAroundACorner(TickRecord& record, int i) {
+  constexpr int kPersonFrom = 500;
+  const double t = 1e-3 * (i - kPersonFrom), tremor_m = 2e-4 * (i % 2);
+  const bool person = i >= kPersonFrom;
+  record.moved_by = person ? Mover::kPerson : Mover::kVirtualPatient;
+  record.help = person && i < kPersonFrom + 500 ? Help::kSome : Help::kNone;
+  record.q_m = AxisPosition(6);
+  record.qd_mf = AxisVelocity(6);
+  record.q_m[0] = tremor_m + (person ? 0.0 : 0.002 * i - 1.0);
+  record.q_m[1] = person ? std::min(0.3, 0.3 * t) : 0.0;
+  record.q_m[2] = person ? std::max(0.0, 0.4 * (t - 1.0)) : 0.0;
+  if (!person) record.qd_mf[0] = 2.0;
+  if (person) record.qd_mf[t < 1.0 ? 1 : 2] = t < 1.0 ? 0.3 : 0.4;
+  ExerciseRecord& out = record.exercise;
+  if (i == kPersonFrom) out.events[out.event_count++] = {kRestarted, -1, 0.0};
+  if (i == kPersonFrom + 2000) out.events[out.event_count++] = {kEngaged, 0, 0.0};
+}
+
+// Path over straight line: (0.3 + 0.4) / 0.5. Tremor across a step of 1 mm makes it 2 % longer at
+// most: sqrt(1 + 0.2²).
+TEST(RecordingMeasures, ReachAroundACorner_HasItsTimePathAndSpeed) {
+  const test::Folder folder;
+  const std::string path = folder.path() + "/visit.h5";
+  RecordingMeta meta = barMeta();
+  meta.clinic_visit = 1'234'567'890'123;
+  meta.clinic_item = 2;
+  const auto writer = RecordingWriter::create(path, meta);
+  ASSERT_TRUE(writer) << format(writer.errors());
+  for (int i = 0; i <= 2500; ++i) {
+    TickRecord record = restingTick(i);
+    reachAroundACorner(record, i);
+    ASSERT_TRUE((*writer)->append(record));
+  }
+  EXPECT_FALSE(recordingMeasures(path).ok()) << "it is still being written";
+  (*writer)->close();
+  const auto measures = recordingMeasures(path);
+  ASSERT_TRUE(measures) << format(measures.errors());
+  EXPECT_EQ((*measures)["visit"], 1'234'567'890'123U);
+  EXPECT_EQ((*measures)["item"], 2);
+  EXPECT_NEAR((*measures)["active_s"].get<double>(), 2.001, 1e-9);
+  EXPECT_NEAR((*measures)["helped_share"].get<double>(), 500.0 / 2001.0, 1e-9);
+  EXPECT_EQ((*measures)["reaches"], 1);
+  EXPECT_NEAR((*measures)["reach_s"].get<double>(), 2.0, 1e-9);
+  EXPECT_NEAR((*measures)["path_ratio"].get<double>(), 1.4, 0.02 * 1.4);
+  EXPECT_NEAR((*measures)["peak_speed_m_s"].get<double>(), 0.4, 1e-6);
+  EXPECT_EQ((*measures)["recording"]["ticks"], 2501);
+  EXPECT_TRUE((*measures)["recording"]["complete"].get<bool>());
+  std::ifstream in(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_EQ((*measures)["recording"]["sha256"], sha256(bytes));
+}
+
+TEST(RecordingMeasures, OfAFileThatIsNone_NamesIt) {
+  const test::Folder folder;
+  const std::string path = folder.path() + "/cut.h5";
+  std::ofstream(path) << "half a recor";
+  const auto measures = recordingMeasures(path);
+  ASSERT_FALSE(measures);
+  EXPECT_EQ(measures.errors().front().file, path);
 }
 
 TEST(EngineeringFacts, Ticks_AreCountedInStepsOfThePeriod) {

@@ -163,6 +163,33 @@ TEST_F(ControlDeskTest, BeatsTooSeldom_TheEffortReturnsOnceAtMost) {
   }
 }
 
+// A busy machine: the page does not come to speak for up to 0.9 s, every few seconds, for an hour.
+// Its player loses the controls never, and feels the effort again when it is steady.
+TEST_F(ControlDeskTest, SilentOftenButUnderASecond_KeepsTheControls) {
+  auto random = test::seededRandom(1703);
+  annaTakes();
+  bool alive = true;
+  std::int64_t silences = 0;
+  for (std::int64_t t = 0, beat = 0; t < 3'600'000; t += 10) {
+    if (t >= beat) {
+      desk.heard(anna, now);
+      const bool silent = random() % 20 == 0;  // about every 2 s
+      silences += silent ? 1 : 0;
+      beat = t + (silent ? 210 + static_cast<std::int64_t>(random() % 700) : 100);
+    }
+    const auto advice = after(10);
+    if (advice.holder_alive) alive = *advice.holder_alive;
+    ASSERT_TRUE(desk.holds(anna)) << "after " << t << " ms";
+  }
+  EXPECT_GT(silences, 500);
+  for (std::int64_t t = 0; t < 12'000; t += 10) {
+    if (t % 100 == 0) desk.heard(anna, now);
+    const auto advice = after(10);
+    if (advice.holder_alive) alive = *advice.holder_alive;
+  }
+  EXPECT_TRUE(alive) << "she has been heard for 12 s";
+}
+
 // However her messages come: 0 to 400 ms apart, for an hour.
 TEST_F(ControlDeskTest, BeatsAtRandom_TheEffortReturnsOnceIn10sAtMost) {
   auto random = test::seededRandom(1702);

@@ -70,6 +70,7 @@ class WaitingOrders : public Bar {
     config.files.exercise = kRoot + "/config/exercises/free-grasping.toml";
     config.recordings_folder.clear();
     config.profiles_folder = folder_ + "/profiles";
+    config.visit_hands_folder = folder_ + "/hands";
     config.rehearse = false;
     config.now = [this] { return Clock::time_point(std::chrono::milliseconds(now_ms_)); };
     config.make_device = [this](const DeviceModel& device) {
@@ -342,6 +343,28 @@ TEST_F(WaitingOrders, LoadProfile_OverwritesNothingThatWasSetLater) {
   ASSERT_TRUE(loaded.get().accepted);
   EXPECT_EQ(value("effort_limit_arm_n"), 3.0) << "the answer to the therapist was \"accepted\"";
   EXPECT_EQ(value("effort_limit_hand_tip_n"), 5.0);
+}
+
+// A console that still shows the patient before moves a slider while the next visit is being
+// opened. Only what lowers the next one's limit stays.
+TEST_F(WaitingOrders, OpenVisit_TakesOverNothingThatWasSetMeanwhileButALowerLimit) {
+  begin();
+  hold();
+  Order open = person().asks(of(orders::OpenVisit{
+      .visit = 12,
+      .exercise = "free-grasping",
+      .hand = "man-p95-right",
+      .parameters = {{"effort_limit_arm_n", 6.0}, {"effort_limit_hand_tip_n", 3.0}}}));
+  open.may_raise_limits = true;
+  auto opened = askLater(open);
+  ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 15.0)).accepted);
+  ASSERT_TRUE(ask(parameter("effort_limit_hand_tip_n", 2.0)).accepted);
+  ASSERT_TRUE(ask(orders::SetHelp{Help::kFull}).accepted);
+  release();
+  ASSERT_TRUE(opened.get().accepted);
+  EXPECT_EQ(value("effort_limit_arm_n"), 6.0);
+  EXPECT_EQ(value("effort_limit_hand_tip_n"), 2.0);
+  EXPECT_EQ(station_->status().help, Help::kUnsaid);
 }
 
 // Nothing of the earlier patient outlives a change of hand, side or person; a limit rises only by

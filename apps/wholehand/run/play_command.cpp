@@ -1,4 +1,5 @@
 #include "apps/wholehand/report/report_command.hpp"
+#include "apps/wholehand/run/clinic_process.hpp"
 #include "apps/wholehand/run/run_command.hpp"
 #include "apps/wholehand/run/run_summary.hpp"
 #include "apps/wholehand/run/status_line.hpp"
@@ -15,6 +16,7 @@
 #include "device/plugin/observed_driver.hpp"
 #include "device/plugin/plugin_device.hpp"
 #include "files/text_file.hpp"
+#include "model/toml/toml_file.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "replay/replay_children.hpp"
 #include "runtime/interrupt_scope.hpp"
@@ -29,6 +31,8 @@
 #include <arpa/inet.h>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -166,7 +170,11 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
   config.seed = options.seed;
   config.config_folder = shippedFile("config");
   config.recordings_folder = kRecordings;
-  config.profiles_folder = kProfiles;
+  if (options.clinic.empty()) {
+    config.profiles_folder = kProfiles;
+  } else {  // whose settings hold is the records' to say
+    config.visit_hands_folder = options.clinic + "/hands";
+  }
   config.record = options.record;
   config.program_version = programVersion();
   config.make_player = makeMotionPlayer;
@@ -190,6 +198,36 @@ Expected<Done> checkDevice(const MakeDevice& make_device, const DeviceModel& mod
   auto fits = make_device(model);
   if (!fits) return fits.errors();
   return Done{};
+}
+
+/// The gentlest limits that a clinic offers: what holds while no visit is open.
+Expected<std::map<std::string, double>> gentleLimits() {
+  const std::string path = shippedFile("config/clinic/presets.toml");
+  TomlFile file(path, "clinic-presets");
+  if (!file.readable()) return file.finish();
+  std::map<std::string, double> limits;
+  for (TomlTable& preset : file.root().tables("force", 1)) {
+    auto parameters = preset.optionalTable("parameters");
+    if (!parameters || !limits.empty()) continue;
+    for (const std::string& name : parameters->keys()) {
+      limits[name] = parameters->number(name, NumberRule{});
+    }
+  }
+  return limits;
+}
+
+/// The process of the clinic's records; null: none is asked for. Its token is in no process list.
+Expected<std::unique_ptr<ClinicProcess>> clinicOf(RunOptions& options, Terminal& terminal) {
+  if (options.clinic.empty()) return std::unique_ptr<ClinicProcess>();
+  auto program = ClinicProcess::findProgram();
+  if (!program) return program.errors();
+  options.wait = true;
+  const std::string token = roleTokens(options.tokens).therapist;
+  if (!token.empty()) ::setenv("WHOLEHAND_CLINIC_STATION_TOKEN", token.c_str(), 1);
+  return std::make_unique<ClinicProcess>(
+      *program,
+      ClinicProcess::Options{options.clinic, kRecordings, options.origins,
+                             [&terminal](const std::string& line) { terminal.say(line); }});
 }
 
 ServerOptions serverOptions(const RunOptions& options,
@@ -280,6 +318,7 @@ void printAddresses(const RunOptions& options, const Server& server, const UdpBr
     std::printf("  others   http://<this machine>:%u/?token=<token>\n",
                 static_cast<unsigned>(server.port()));
   }
+  if (!options.clinic.empty()) std::printf("  clinic   %sclinic%s\n", url.c_str(), therapist);
   if (!options.udp.empty()) std::printf("  udp      %s\n", format(udp.local()).c_str());
 }
 
@@ -367,6 +406,13 @@ int playCommand(RunOptions options) {
   ReplayChildren replays(ReplayChildren::Options{});
   StationConfig config = stationConfig(options, terminal, reports);
   config.rig.certificate = *certificate;
+  auto clinic = clinicOf(options, terminal);
+  if (!clinic) return refuse(clinic.errors());
+  if (*clinic) {
+    auto limits = gentleLimits();
+    if (!limits) return refuse(limits.errors());
+    config.first_parameters = std::move(*limits);
+  }
   auto driver = useDriver(options, config, terminal);
   if (!driver) return refuse(driver.errors());
   const MakeDevice make_device = config.make_device;
@@ -388,6 +434,7 @@ int playCommand(RunOptions options) {
     return replays.answer(path, question);
   };
   server_options.more_metrics = [&udp] { return udpMetricsText(udp.counters()); };
+  if (*clinic) server_options.clinic_port = [&records = **clinic] { return records.port(); };
   if (!options.udp.empty()) {
     auto udp_options = udpOptions(options);
     if (!udp_options) return refuse(udp_options.errors());
@@ -404,6 +451,7 @@ int playCommand(RunOptions options) {
   }
   station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
   printAddresses(options, **server, udp);
+  if (*clinic) (*clinic)->start((*server)->port());
   if (*driver) {
     std::printf("  driver   %s, %zu axes%s\n", (*driver)->name().c_str(), (*driver)->axes().size(),
                 options.host.empty() ? "" : (", in " + (*driver)->where()).c_str());
@@ -415,6 +463,7 @@ int playCommand(RunOptions options) {
   terminal.end();
   {
     const WaitingFor disk("the disk: files that pages have asked for");
+    clinic->reset();
     reports.end();
     replays.end();
     udp.stop();

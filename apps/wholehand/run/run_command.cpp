@@ -59,8 +59,8 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
     faults.push_back({"", 0, "--level", std::to_string(o.files.level),
                       "belongs to an exercise, not to a scene", "leave one of them out"});
   }
-  for (const char* option : {"--port", "--address", "--token", "--token-file", "--origin", "--udp",
-                             "--udp-key", "--wait"}) {
+  for (const char* option : {"--port", "--address", "--token", "--token-file", "--origin",
+                             "--clinic", "--udp", "--udp-key", "--wait"}) {
     if (pages || run.count(option) == 0) continue;
     faults.push_back({"", 0, option, "", "is about pages and games, and this run opens no port",
                       scene && !o.no_web && !o.simulated_clock
@@ -114,6 +114,8 @@ void addPages(CLI::App& run, RunOptions& o) {
                  "Key of a game or microcontroller that speaks UDP only: 16 hexadecimal digits");
   run.add_flag("--no-web", o.no_web, "Open no port");
   run.add_flag("--wait", o.wait, "Arm only when a client asks for it");
+  run.add_option("--clinic", o.clinic,
+                 "Folder of a clinic's patients and visits (docs/clinic.md); implies --wait");
 }
 
 constexpr double kRestAfterMotion_s = 1.0;

@@ -43,6 +43,7 @@ struct RunOptions {
   std::string udp;                   ///< "port" or "address:port" for game engines; empty: closed
   std::string udp_key;               ///< of a game without a WebSocket; empty: none
   bool wait = false;                 ///< arm only on a client's order
+  std::string clinic;                ///< folder of the clinic's records; empty: none
 };
 
 /// True when a person holds the device.

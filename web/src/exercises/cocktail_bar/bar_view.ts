@@ -1,7 +1,7 @@
 // The cocktail bar in the picture: dispensers, signs, glass, stream, guest.
 
 import { Group, Vector3, type PerspectiveCamera, type SpotLight } from 'three';
-import { RunState, type PoseT, type SceneT, type WorldStateT } from '../../protocol';
+import { RunState, ShapeType, type BodyT, type PoseT, type SceneT, type WorldStateT } from '../../protocol';
 import type { SkinUniforms } from '../../hand/skin_shader';
 import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
 import { quaternionToThree, toThree } from '../../scene/frames';
@@ -18,6 +18,7 @@ import { layersOf, lineHeight, surfaceHeight } from './layers';
 import { liquidLook } from './liquids';
 import { bottlesOf, outlineOf } from './outline';
 import { ServingClock, type Serving } from './serving';
+import { makeShelf } from './shelf';
 import { StreamView } from './stream';
 
 /** Over the rail, and before it [m]. */
@@ -54,6 +55,7 @@ export class BarView implements ExerciseView {
   private target = -1;
   private bottles: Vector3[] = [];   // where they hang, three.js's frame
   private shelf_m = 0;               // what stands on the counter, and hides what is behind it
+  private readonly shelves: { readonly body: number; readonly root: Group }[] = [];
 
   constructor(private readonly bar: Bar, private readonly scene: SceneT, quality: Quality) {
     const bodyIndex = (name: string) => scene.bodies.findIndex((b) => String(b.name) === name);
@@ -64,6 +66,13 @@ export class BarView implements ExerciseView {
     this.stream = new StreamView(quality);
     this.guest = new GuestView(quality);
     this.root.add(this.glass.root, this.stream.root, this.air.root, this.guest.root, this.guest.counterEnd);
+    scene.bodies.forEach((body, i) => {
+      const half = body.shapes[0]?.halfExtentsM;
+      if (!half || !this.isShelf(body)) return;
+      const root = makeShelf(new Vector3(half.y, half.z, half.x), quality);   // in three.js's frame
+      this.root.add(root);
+      this.shelves.push({ body: i, root });
+    });
     this.hung = bar.dispensers.map((d) => {
       const { root, shell } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
       const sign = new Sign(d.liquid);
@@ -72,10 +81,19 @@ export class BarView implements ExerciseView {
     });
   }
 
+  /** Boxes that are fixed on the counter, but not its own parts. */
+  private isShelf({ name, fixed, shapes }: BodyT): boolean {
+    return fixed && shapes.length === 1 && shapes[0].type === ShapeType.Box && !this.isPart(String(name));
+  }
+
+  private isPart(name: string): boolean {
+    return ['counter', 'rail', this.bar.glass.body].includes(name) || this.bar.dispensers.some((d) => d.body === name);
+  }
+
   get rail_m(): number { return this.bar.rail_z_m - this.bar.counter_z_m; }
 
   owns(name: string): boolean {
-    return ['counter', 'rail', this.bar.glass.body].includes(name) || this.bar.dispensers.some((d) => d.body === name);
+    return this.isPart(name) || this.shelves.some(({ body }) => String(this.scene.bodies[body].name) === name);
   }
 
   placement(state: WorldStateT | undefined): { place: CameraPlace; outline: Vector3[] } {
@@ -102,6 +120,10 @@ export class BarView implements ExerciseView {
     const still = this.still.matches, inUse = stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo || stage === Stage.Breathe;
     const serving = this.serving.look(done, inUse, dt_s, still || this.shelf_m > 0);
     this.glass.update(serving.empty ? [] : layersOf(poured, liquids, rise, rim), this.line_m, done && !serving.empty);
+    for (const shelf of this.shelves) {
+      const at = state.bodies[shelf.body];
+      if (at) place(shelf.root, at, 0);
+    }
     const body = state.bodies[this.glassBody];
     if (body) place(this.glass.root, body, -this.bar.glass.height_m / 2);
     const guest = this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink');
@@ -134,9 +156,9 @@ export class BarView implements ExerciseView {
 
   /** Height over the counter of what is fixed on it. */
   private shelfOf(state: WorldStateT): number {
-    const tops_m = this.scene.bodies.map(({ name, fixed, shapes }, i) => {
-      const half_m = shapes[0]?.halfExtentsM?.z, z_m = state.bodies[i]?.positionM?.z;
-      return !fixed || half_m === undefined || z_m === undefined || this.owns(String(name)) ? 0 : z_m + half_m - this.bar.counter_z_m;
+    const tops_m = this.shelves.map(({ body }) => {
+      const half_m = this.scene.bodies[body].shapes[0]?.halfExtentsM?.z, z_m = state.bodies[body]?.positionM?.z;
+      return half_m === undefined || z_m === undefined ? 0 : z_m + half_m - this.bar.counter_z_m;
     });
     return Math.max(0, ...tops_m);
   }

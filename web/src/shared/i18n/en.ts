@@ -168,6 +168,7 @@ export const en = {
   'refusal.NoBodies': 'This exercise takes no bodies of a game.',
   'refusal.WaitedTooLong': 'It waited too long behind other orders. Look at how things are, then ask again.',
   'refusal.RefusedBefore': 'What you asked for before it was refused. See why, then ask again.',
+  'refusal.VisitOpen': 'A visit is open in the clinic’s records. Close it there first.',
   'line.none': 'There is no connection.',
   'line.silent': 'The program does not answer.',
   'line.lost': 'The connection was lost.',

@@ -163,6 +163,7 @@ export const fr: Texts = {
   'refusal.NoBodies': 'Cet exercice n’accepte pas de corps d’un jeu.',
   'refusal.WaitedTooLong': 'L’ordre a attendu trop longtemps derrière d’autres. Voyez où en sont les choses, puis réessayez.',
   'refusal.RefusedBefore': 'Ce que vous aviez demandé avant a été refusé. Voyez pourquoi, puis réessayez.',
+  'refusal.VisitOpen': 'Une visite est ouverte dans les dossiers. Terminez-la d’abord là.',
   'line.none': 'Il n’y a pas de connexion.',
   'line.silent': 'Le programme ne répond pas.',
   'line.lost': 'La connexion a été perdue.',

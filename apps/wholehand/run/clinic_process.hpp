@@ -1,0 +1,57 @@
+#pragma once
+
+#include "core/expected.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace wholehand {
+
+/// Keeps `wholehand-clinic serve` running beside the loop, and starts it again when it ends: the
+/// loop and its stops do not depend on it (docs/adr/0076). The child ends with
+/// this process. Its port stays the same.
+class ClinicProcess {
+ public:
+  struct Options {
+    std::string folder;                           ///< of the records
+    std::string recordings_folder;                ///< whose sessions it measures
+    std::vector<std::string> origins;             ///< of pages that may ask it
+    std::function<void(const std::string&)> log;  ///< a line for the person at the terminal
+  };
+
+  /// Path of wholehand-clinic beside this program, or why there is none.
+  [[nodiscard]] static Expected<std::string> findProgram();
+
+  ClinicProcess(std::string program, Options options);
+  ~ClinicProcess();
+  ClinicProcess(const ClinicProcess&) = delete;
+  ClinicProcess& operator=(const ClinicProcess&) = delete;
+
+  /// @param station_port of this program's server. Once.
+  void start(std::uint16_t station_port);
+  /// Port on this machine; 0: the process does not run. Any thread.
+  [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
+
+ private:
+  [[nodiscard]] std::vector<std::string> arguments(std::uint16_t station_port) const;
+  void keepRunning(std::uint16_t station_port);
+  void serveOnce(std::uint16_t station_port);
+  [[nodiscard]] bool ending();
+
+  const std::string program_;
+  const Options options_;
+  std::atomic<std::uint16_t> port_{0};
+  std::uint16_t last_port_ = 0;  ///< the thread's
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ends_ = false;
+  std::thread thread_;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,442 @@
+#include "clinic/clinic.hpp"
+#include "clinic/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+/// Visits: opened and closed on the station, noted, moved.
+namespace wholehand::clinic {
+namespace {
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+/// So long a difference between station and database is an order on its way.
+constexpr std::int64_t kApart_us = 10 * kSecond_us;
+constexpr int kMostPain = 10;
+
+std::string sideOf(const Json& body) {
+  const Json side = body.value("side", Json());
+  if (side != "right" && side != "left") throw badValue("side", "side must be right or left");
+  return side;
+}
+
+}  // namespace
+
+struct Clinic::VisitRow {
+  std::int64_t id = 0, account = 0, began_us = 0, ended_us = 0, item = 0;
+  int offset_min = 0;
+  std::optional<std::int64_t> patient;
+  std::string side, hand, hand_file, state, plan_json;
+  Plan plan;
+  Json pain_before, pain_after;
+};
+
+Clinic::VisitRow Clinic::visitRow(std::int64_t id) {
+  Statement row = db_->query(
+      "SELECT patient, account, side, hand, hand_file, began_us, ended_us, offset_min, state, plan,"
+      " item, pain_before, pain_after FROM visit WHERE id = ?",
+      id);
+  if (!row.step()) throw notFound(fmt::format("there is no visit {}", id));
+  VisitRow visit;
+  visit.id = id;
+  if (!row.isNull(0)) visit.patient = row.integer(0);
+  visit.account = row.integer(1);
+  visit.side = row.text(2);
+  visit.hand = row.text(3);
+  visit.hand_file = row.text(4);
+  visit.began_us = row.integer(5);
+  visit.ended_us = row.integer(6);
+  visit.offset_min = static_cast<int>(row.integer(7));
+  visit.state = row.text(8);
+  visit.plan_json = row.text(9);
+  visit.plan = planFrom(visit.plan_json);
+  visit.item = row.integer(10);
+  if (!row.isNull(11)) visit.pain_before = row.integer(11);
+  if (!row.isNull(12)) visit.pain_after = row.integer(12);
+  return visit;
+}
+
+/// The visit of a request. While names are hidden, only the one that is open.
+Clinic::VisitRow Clinic::visitOf(const Call& call) {
+  VisitRow visit = visitRow(call.ids.at(0));
+  if (call.session.hidden && visit.state != "open") {
+    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+  }
+  return visit;
+}
+
+Json Clinic::trialsOf(std::int64_t visit, const Plan& plan) {
+  Json trials = Json::array();
+  Statement rows = db_->query(
+      "SELECT item, recording, began_us, state, why, measures FROM trial WHERE visit = ?"
+      " ORDER BY began_us, id",
+      visit);
+  while (rows.step()) {
+    const Json m = Json::parse(rows.text(5));
+    const auto item = static_cast<std::size_t>(rows.integer(0));
+    const bool planned = item < plan.size();
+    trials.push_back({{"item", item},
+                      {"exercise", m.value("exercise", Json(planned ? plan[item].exercise : ""))},
+                      {"level", m.value("level", Json(planned ? plan[item].level : 0))},
+                      {"recording", rows.text(1)},
+                      {"began_us", rows.integer(2)},
+                      {"active_s", m.value("active_s", Json())},
+                      {"helped_share", m.value("helped_share", Json())},
+                      {"results", m.value("results", Json::array())},
+                      {"peak_speed_m_s", m.value("peak_speed_m_s", Json())},
+                      {"path_ratio", m.value("path_ratio", Json())},
+                      {"reach_s", m.value("reach_s", Json())},
+                      {"ended_by", m.value("ended_by", Json(""))},
+                      {"state", rows.text(3)},
+                      {"why", rows.text(4)}});
+  }
+  return trials;
+}
+
+Json Clinic::visitJson(std::int64_t id, bool hidden) {
+  const VisitRow v = visitRow(id);
+  return {{"id", v.id},
+          {"patient", v.patient ? Json(*v.patient) : Json()},
+          {"side", v.side},
+          {"began_us", v.began_us},
+          {"ended_us", v.ended_us},
+          {"offset_min", v.offset_min},
+          {"state", v.state},
+          {"account", v.account},
+          {"plan", Json::parse(v.plan_json)},
+          {"item", v.item},
+          {"next_item", v.item + 1},
+          {"hand", v.hand.empty() ? v.hand_file : v.hand},
+          {"trials", trialsOf(id, v.plan)},
+          {"notes", notesOf("visit", id, hidden)},
+          {"pain_before", v.pain_before},
+          {"pain_after", v.pain_after}};
+}
+
+/// Force preset, then the person's own; what the station has narrower bounds for is clamped.
+Parameters Clinic::limitsOf(const std::optional<std::int64_t>& patient) {
+  std::string preset = presets_->force.front().id;
+  Parameters own;
+  if (patient) {
+    Statement row = db_->query("SELECT preset, parameters FROM patient WHERE id = ?", *patient);
+    if (!row.step()) throw notFound(fmt::format("there is no patient {}", *patient));
+    preset = row.text(0);
+    own = Json::parse(row.text(1)).get<Parameters>();
+  }
+  const ForcePreset* force = presets_->forceOf(preset);
+  if (force == nullptr) throw badValue("preset", "the patient's preset is no longer offered");
+  const StationScene scene = station_.scene();
+  for (const auto& [name, value] : force->parameters) {
+    const auto heard = scene.bounds.find(name);
+    const bool has = heard != scene.bounds.end();
+    if (scene.heard && !has) continue;  // a device without such an axis
+    own.emplace(name, has ? std::clamp(value, heard->second[0], heard->second[1]) : value);
+  }
+  return own;
+}
+
+VisitOrder Clinic::orderOf(const VisitRow& visit, std::int64_t item) {
+  const PlanItem& now = visit.plan.at(item);
+  const ExerciseFacts* facts = presets_->exercise(now.exercise);
+  if (facts == nullptr) throw badValue("item", now.exercise + " is no longer one of ours");
+  VisitOrder order{static_cast<std::uint64_t>(visit.id),
+                   static_cast<std::uint32_t>(item),
+                   now.exercise,
+                   now.level,
+                   visit.hand,
+                   visit.hand_file,
+                   now.help,
+                   {}};
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const Parameters limits = limitsOf(visit.patient);
+  for (const auto& [name, value] : limits) {
+    if (has(presets_->device, name) || has(facts->parameters, name)) order.parameters[name] = value;
+  }
+  for (const auto& [name, value] : now.parameters) {
+    const auto limit = limits.find(name);
+    const bool capped = limit != limits.end() && name.starts_with("effort_limit_");
+    order.parameters[name] = capped ? std::min(value, limit->second) : value;
+  }
+  return order;
+}
+
+/// A shipped hand of this size, or a file of the visit's own.
+void Clinic::chooseHand(VisitRow& visit) {
+  visit.hand = "adult-median-" + visit.side;
+  if (!visit.patient) return;
+  Statement row = db_->query("SELECT hands FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  const Json hand = Json::parse(row.text(0)).value(visit.side, Json());
+  const std::string field = "hands." + visit.side;
+  if (hand.is_null()) throw badValue(field, "length and breadth of this hand are missing");
+  const double length_m = hand.at("length_m"), breadth_m = hand.at("breadth_m");
+  visit.hand = shippedHand(hands_, visit.side, length_m, breadth_m);
+  if (!visit.hand.empty()) return;
+  const std::string name = fmt::format("visit-{}-{}", visit.id, visit.side);
+  visit.hand_file = name + ".toml";
+  const auto written =
+      writeHandFile(options_.config + "/hands", options_.folder + "/hands/" + visit.hand_file, name,
+                    visit.side, length_m, breadth_m);
+  if (!written) throw Refused{503, "database", format(written.errors()), field};
+}
+
+void Clinic::refuseWhileOpen() {
+  const std::int64_t open = db_->number("SELECT id FROM visit WHERE state = 'open'");
+  if (open == 0) return;
+  throw Refused{409,
+                "visit_open",
+                "another visit is open; finish it first",
+                {},
+                {{"now", visitJson(open, false)}}};
+}
+
+/// Sends an order and waits for its reply; other requests go on meanwhile.
+void Clinic::ask(Call& call, const std::function<StationReply()>& order) {
+  if (asking_) throw Refused{409, "busy", "the station is being asked already; try again", {}};
+  asking_ = true;
+  call.lock.unlock();
+  StationReply reply;
+  try {
+    reply = order();
+  } catch (const std::exception& error) {
+    reply.why = error.what();
+  }
+  call.lock.lock();
+  asking_ = false;
+  apart_since_us_ = 0;
+  if (reply.what == StationReply::What::kRefused) throw Refused{409, "station", reply.why, {}};
+  if (reply.what == StationReply::What::kSilent) {
+    throw Refused{504, "station_silent", reply.why, {}};
+  }
+}
+
+Json Clinic::startVisit(Call& call, std::optional<std::int64_t> patient, const std::string& side,
+                        const Plan& plan) {
+  if (plan.empty()) throw badValue("plan", "a visit has at least one item");
+  if (asking_) throw Refused{409, "busy", "the station is being asked already; try again", {}};
+  refuseWhileOpen();
+  VisitRow visit;
+  visit.patient = patient;
+  visit.side = side;
+  visit.plan = plan;
+  // The row is on the disk before the station knows its number: no recording is without one.
+  begin(call);
+  visit.id = db_->number("SELECT next_visit FROM clinic");
+  db_->run("UPDATE clinic SET next_visit = next_visit + 1");
+  chooseHand(visit);
+  const VisitOrder order = orderOf(visit, 0);
+  const std::int64_t now_us = clock_.now_us();
+  db_->change(
+      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
+      " offset_min, state, plan, item) VALUES (?, ?, ?, ?, ?, ?, ?, 0, ?, 'open', ?, 0)",
+      visit.id, patient, call.session.account, side, visit.hand, visit.hand_file, now_us,
+      clock_.offset_min(now_us), toJson(plan).dump());
+  log(call.session.account, "asked for a visit", patient.value_or(0), visit.id);
+  call.transaction->commit();
+  call.transaction.reset();
+  try {
+    ask(call, [&] { return station_.open(order); });
+  } catch (const Refused& refused) {
+    Transaction transaction(*db_);
+    db_->change("DELETE FROM visit WHERE id = ?", visit.id);
+    log(call.session.account, "visit refused", patient.value_or(0), visit.id, refused.code);
+    transaction.commit();
+    std::error_code ignored;
+    if (!visit.hand_file.empty()) {
+      std::filesystem::remove(options_.folder + "/hands/" + visit.hand_file, ignored);
+    }
+    throw;
+  }
+  begin(call);
+  log(call.session.account, "began a visit", patient.value_or(0), visit.id);
+  return visitJson(visit.id, call.session.hidden);
+}
+
+Json Clinic::beginVisit(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  checkPatient(id);
+  const std::string side = sideOf(call.body);
+  Statement row = db_->query("SELECT side FROM patient WHERE id = ?", id);
+  row.step();
+  if (row.text(0) != "both" && row.text(0) != side) {
+    throw badValue("side", "the patient's affected side is " + row.text(0) + ", not " + side);
+  }
+  return startVisit(call, id, side,
+                    readPlan(call.body.value("plan", Json::array()), "plan", limitsOf(id)));
+}
+
+Json Clinic::beginGuestVisit(Call& call) {
+  return startVisit(call, {}, sideOf(call.body), presets_->plans.front().items);
+}
+
+Json Clinic::openVisit(Call& call) {
+  const std::int64_t id = db_->number("SELECT id FROM visit WHERE state = 'open'");
+  if (id == 0) return {{"visit", nullptr}, {"patient", nullptr}};
+  Json row;
+  const VisitRow visit = visitRow(id);
+  if (!call.session.hidden && visit.patient) row = patientRows({}, *visit.patient).at(0);
+  return {{"visit", visitJson(id, call.session.hidden)}, {"patient", row}};
+}
+
+Json Clinic::nextItem(Call& call) {
+  const VisitRow visit = visitOf(call);
+  if (visit.state != "open" && visit.state != "unfinished") {
+    throw Refused{409,
+                  "changed",
+                  "this visit was finished meanwhile",
+                  {},
+                  {{"now", visitJson(visit.id, call.session.hidden)}}};
+  }
+  if (visit.state != "open") refuseWhileOpen();
+  const Json item = call.body.value("item", Json());
+  const auto items = static_cast<std::int64_t>(visit.plan.size());
+  if (!item.is_number_integer() || item < 0 || item >= items) {
+    throw badValue("item", fmt::format("item must be one of 0 to {}", items - 1));
+  }
+  const auto k = item.get<std::int64_t>();
+  const VisitOrder order = orderOf(visit, k);
+  ask(call, [&] { return station_.open(order); });
+  begin(call);
+  // Another console may have finished it meanwhile: then nothing changes, and the station is told.
+  db_->change("UPDATE visit SET item = ?, state = 'open', ended_us = 0 WHERE id = ? AND state = ?",
+              k, visit.id, visit.state);
+  log(call.session.account, "began an item", visit.patient.value_or(0), visit.id,
+      std::to_string(k));
+  return visitJson(visit.id, call.session.hidden);
+}
+
+Json Clinic::finishVisit(Call& call) {
+  const VisitRow visit = visitOf(call);
+  const Json state = call.body.value("state", Json());
+  if (state != "done" && state != "unfinished") {
+    throw badValue("state", "state must be done or unfinished");
+  }
+  if (visit.state != "open" && visit.state != "unfinished") {
+    throw Refused{409,
+                  "changed",
+                  "this visit was finished meanwhile",
+                  {},
+                  {{"now", visitJson(visit.id, call.session.hidden)}}};
+  }
+  // A station that is not there has nothing open; lookAtStation() closes it when it comes back.
+  if (visit.state == "open" && station_.scene().heard) {
+    ask(call, [&] { return station_.close(static_cast<std::uint64_t>(visit.id)); });
+  }
+  begin(call);
+  db_->change("UPDATE visit SET state = ?, ended_us = ? WHERE id = ?",
+              visit.patient ? state.get<std::string>() : std::string("guest"),
+              std::max(clock_.now_us(), visit.began_us), visit.id);
+  log(call.session.account, "finished a visit", visit.patient.value_or(0), visit.id, state);
+  return visitJson(visit.id, call.session.hidden);
+}
+
+Json Clinic::noteVisit(Call& call) {
+  const VisitRow visit = visitOf(call);
+  insertNote(call, {}, visit.id);
+  return visitJson(visit.id, call.session.hidden);
+}
+
+Json Clinic::pain(Call& call) {
+  const VisitRow visit = visitOf(call);
+  const Json when = call.body.value("when", Json());
+  if (when != "before" && when != "after") throw badValue("when", "when must be before or after");
+  const Json value = call.body.value("value", Json());
+  const bool number = value.is_number_integer() && value >= 0 && value <= kMostPain;
+  if (!number && !value.is_null()) throw badValue("value", "pain is a whole number of 0 to 10");
+  std::optional<std::int64_t> pain;
+  if (number) pain = value.get<std::int64_t>();
+  db_->change(when == "before" ? "UPDATE visit SET pain_before = ? WHERE id = ?"
+                               : "UPDATE visit SET pain_after = ? WHERE id = ?",
+              pain, visit.id);
+  return visitJson(visit.id, call.session.hidden);
+}
+
+Json Clinic::moveVisit(Call& call) {
+  const VisitRow visit = visitOf(call);
+  if (visit.state == "open") {
+    throw Refused{409,
+                  "visit_open",
+                  "the limits in force are the other person's: finish the visit "
+                  "first",
+                  {}};
+  }
+  const Json to = call.body.value("patient", Json());
+  if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
+  const auto patient = to.get<std::int64_t>();
+  checkPatient(patient);
+  db_->change("UPDATE visit SET patient = ?, state = ? WHERE id = ?", patient,
+              visit.state == "guest" ? std::string("done") : visit.state, visit.id);
+  log(call.session.account, "moved a visit", patient, visit.id,
+      fmt::format("from {}", visit.patient.value_or(0)));
+  return visitJson(visit.id, false);
+}
+
+Json Clinic::deleteVisit(Call& call) {
+  const VisitRow visit = visitOf(call);
+  if (visit.patient) {
+    throw Refused{409,
+                  "changed",
+                  "only a guest's visit is deleted; move this one",
+                  {},
+                  {{"now", visitJson(visit.id, false)}}};
+  }
+  if (visit.state == "open") refuseWhileOpen();
+  db_->change(
+      "UPDATE trial SET visit = NULL, state = 'ignored', why = 'of a deleted guest visit'"
+      " WHERE visit = ?",
+      visit.id);
+  db_->change("DELETE FROM visit WHERE id = ?", visit.id);
+  log(call.session.account, "deleted a guest visit", 0, visit.id);
+  return Json::object();
+}
+
+void Clinic::lookAtStation() {
+  const StationScene scene = station_.scene();
+  std::uint64_t close = 0;
+  {
+    const Lock lock(mutex_);
+    if (!scene.heard || asking_ || !db_) return;
+    try {
+      const auto open =
+          static_cast<std::uint64_t>(db_->number("SELECT id FROM visit WHERE state = 'open'"));
+      if (scene.visit != 0 && scene.visit == open && !scene.recording.empty()) {
+        std::string name = scene.recording.substr(scene.recording.rfind('/') + 1);
+        if (db_->number("SELECT COUNT(*) FROM trial WHERE recording = ?", name) == 0) {
+          Transaction transaction(*db_);
+          db_->change(
+              "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us,"
+              " sha256, measures_version, measures)"
+              " VALUES (?, 0, 0, 'waiting', '', ?, ?, ?, '', 0, '{}')",
+              name, static_cast<std::int64_t>(open), std::int64_t{scene.item}, clock_.now_us());
+          transaction.commit();
+        }
+      }
+      const std::int64_t now_us = clock_.steady_us();
+      if (scene.visit == open) {
+        apart_since_us_ = 0;
+      } else if (apart_since_us_ == 0) {
+        apart_since_us_ = std::max<std::int64_t>(now_us, 1);
+      } else if (now_us - apart_since_us_ >= kApart_us) {
+        apart_since_us_ = 0;
+        if (open != 0) {  // the station began anew, or the last change did not reach the disk
+          Transaction transaction(*db_);
+          db_->change(
+              "UPDATE visit SET state = CASE WHEN patient IS NULL THEN 'guest' ELSE"
+              " 'unfinished' END, ended_us = MAX(began_us, ?) WHERE state = 'open'",
+              clock_.now_us());
+          log(0, "the station has this visit no longer", 0, static_cast<std::int64_t>(open));
+          transaction.commit();
+        }
+        close = scene.visit;
+      }
+    } catch (const DatabaseError&) {  // the next look tries again
+    }
+  }
+  if (close != 0) (void)station_.close(close);  // nobody's limits stay in force
+}
+
+}  // namespace wholehand::clinic

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace wholehand::clinic {
+
+/// What the station says of itself.
+struct StationScene {
+  bool heard = false;  ///< connected, and a scene came
+  std::uint64_t visit = 0;
+  std::uint32_t item = 0;
+  std::string recording;                                ///< being written; empty: none
+  std::map<std::string, std::array<double, 2>> bounds;  ///< of live parameters, in their own unit
+};
+
+/// OpenVisit of protocol/wholehand.fbs.
+struct VisitOrder {
+  std::uint64_t visit = 0;
+  std::uint32_t item = 0;
+  std::string exercise;
+  int level = 1;
+  std::string hand, hand_file;
+  std::string help;  ///< "full", "some", "none"
+  std::map<std::string, double> parameters;
+};
+
+struct StationReply {
+  enum class What { kAccepted, kRefused, kSilent };
+  What what = What::kSilent;
+  std::string why;  ///< for a person, in English
+};
+
+/// The station that renders. Any thread; open() and close() wait for the reply, 5 s at most.
+class Station {
+ public:
+  virtual ~Station() = default;
+  [[nodiscard]] virtual StationScene scene() const = 0;
+  [[nodiscard]] virtual StationReply open(const VisitOrder& order) = 0;
+  [[nodiscard]] virtual StationReply close(std::uint64_t visit) = 0;
+};
+
+}  // namespace wholehand::clinic

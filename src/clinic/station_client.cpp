@@ -1,0 +1,243 @@
+#include "clinic/station_client.hpp"
+
+#include "server/wire.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+#include <wholehand_generated.h>
+
+namespace wholehand::clinic {
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+namespace fb = wholehand::protocol;
+using Tcp = net::ip::tcp;
+using ErrorCode = boost::system::error_code;
+
+constexpr std::chrono::seconds kReplyWithin{5}, kConnectWithin{5}, kConnectAgain{1};
+constexpr std::size_t kLargestMessage_bytes = std::size_t{64} << 20U;  // a scene with its meshes
+
+using Socket = websocket::stream<beast::tcp_stream, false>;
+using OrderPart = std::pair<fb::Order, flatbuffers::Offset<void>>;
+using BuildOrder = std::function<OrderPart(flatbuffers::FlatBufferBuilder&)>;
+
+fb::Help helpOf(const std::string& word) {
+  if (word == "full") return fb::Help::Full;
+  return word == "some" ? fb::Help::Some : fb::Help::None;
+}
+
+std::string textOf(const flatbuffers::String* text) {
+  return text == nullptr ? std::string{} : text->str();
+}
+
+}  // namespace
+
+/// One connection at a time; all of Beast in one thread of its own.
+class StationClient::Link {
+ public:
+  Link(std::uint16_t port, std::string token)
+      : port_(port), token_(std::move(token)), again_(io_), thread_([this] {
+          connect();
+          io_.run();
+        }) {}
+  ~Link() {
+    net::post(io_, [this] {
+      ending_ = true;
+      again_.cancel();
+      if (socket_) beast::get_lowest_layer(*socket_).close();
+    });
+    thread_.join();
+  }
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  [[nodiscard]] StationScene scene() const {
+    const std::lock_guard lock(mutex_);
+    return scene_;
+  }
+
+  [[nodiscard]] StationReply ask(const BuildOrder& build) {
+    std::unique_lock lock(mutex_);
+    if (!scene_.heard) return {StationReply::What::kSilent, "the station is not connected"};
+    const std::uint32_t id = ++last_id_;
+    flatbuffers::FlatBufferBuilder builder;
+    const OrderPart order = build(builder);
+    const auto command = fb::CreateCommand(builder, id, order.first, order.second);
+    fb::FinishMessageBuffer(builder, fb::CreateMessage(builder, wire::kSchemaVersion,
+                                                       fb::Payload::Command, command.Union()));
+    std::vector<std::uint8_t> bytes(builder.GetBufferPointer(),
+                                    builder.GetBufferPointer() + builder.GetSize());
+    const std::uint64_t connection = connection_;
+    replies_[id] = std::nullopt;
+    net::post(io_, [this, bytes = std::move(bytes)]() mutable { send(std::move(bytes)); });
+    heard_.wait_for(lock, kReplyWithin,
+                    [&] { return replies_[id].has_value() || connection != connection_; });
+    StationReply reply{StationReply::What::kSilent,
+                       "the station did not answer within 5 s; see its console"};
+    if (connection != connection_) reply.why = "the connection to the station ended";
+    if (replies_[id]) reply = *replies_[id];
+    replies_.erase(id);
+    return reply;
+  }
+
+ private:
+  void connect() {
+    buffer_.clear();
+    outgoing_.clear();
+    socket_ = std::make_unique<Socket>(io_);
+    auto& stream = beast::get_lowest_layer(*socket_);
+    stream.expires_after(kConnectWithin);
+    stream.async_connect(Tcp::endpoint(net::ip::address_v4::loopback(), port_),
+                         [this](ErrorCode error) { error ? lost() : shakeHands(); });
+  }
+
+  void shakeHands() {
+    beast::get_lowest_layer(*socket_).expires_never();
+    websocket::stream_base::timeout limits{};
+    limits.handshake_timeout = kConnectWithin;
+    limits.idle_timeout = std::chrono::seconds(20);
+    limits.keep_alive_pings = true;
+    socket_->set_option(limits);
+    socket_->set_option(websocket::stream_base::decorator([this](websocket::request_type& request) {
+      request.set(beast::http::field::user_agent, "wholehand-clinic");
+      if (!token_.empty()) request.set(beast::http::field::authorization, "Bearer " + token_);
+    }));
+    socket_->read_message_max(kLargestMessage_bytes);
+    socket_->binary(true);
+    socket_->async_handshake(fmt::format("127.0.0.1:{}", port_), "/ws?role=therapist",
+                             [this](ErrorCode error) { error ? lost() : read(); });
+  }
+
+  void read() {
+    buffer_.clear();
+    socket_->async_read(buffer_, [this](ErrorCode error, std::size_t) {
+      if (error) return lost();
+      const auto bytes = buffer_.cdata();
+      hear(static_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+      read();
+    });
+  }
+
+  void hear(const std::uint8_t* bytes, std::size_t size) {
+    flatbuffers::Verifier verifier(bytes, size);
+    if (size < 8 || !fb::MessageBufferHasIdentifier(bytes) || !fb::VerifyMessageBuffer(verifier)) {
+      return;
+    }
+    const fb::Message* message = fb::GetMessage(bytes);
+    if (const fb::Reply* reply = message->payload_as_Reply()) {
+      const std::lock_guard lock(mutex_);
+      const auto asked = replies_.find(reply->command());
+      if (asked == replies_.end()) return;
+      using What = StationReply::What;
+      asked->second = {reply->accepted() ? What::kAccepted : What::kRefused,
+                       textOf(reply->reason())};
+      heard_.notify_all();
+    } else if (const fb::Scene* scene = message->payload_as_Scene()) {
+      StationScene now;
+      now.heard = true;
+      now.visit = scene->visit();
+      now.item = scene->visit_item();
+      now.recording = textOf(scene->recording());
+      if (scene->parameters() != nullptr) {
+        for (const fb::Parameter* p : *scene->parameters()) {
+          now.bounds[textOf(p->name())] = {static_cast<double>(p->lower()),
+                                           static_cast<double>(p->upper())};
+        }
+      }
+      const std::lock_guard lock(mutex_);
+      scene_ = std::move(now);
+    }
+  }
+
+  void send(std::vector<std::uint8_t> bytes) {
+    outgoing_.push_back(std::move(bytes));
+    if (outgoing_.size() == 1) write();
+  }
+  void write() {
+    if (outgoing_.empty()) return;
+    socket_->async_write(net::buffer(outgoing_.front()), [this](ErrorCode error, std::size_t) {
+      if (error || outgoing_.empty()) return;  // read() hears of it, too
+      outgoing_.pop_front();
+      write();
+    });
+  }
+
+  void lost() {
+    {
+      const std::lock_guard lock(mutex_);
+      scene_ = {};
+      last_id_ = 0;
+      ++connection_;
+      heard_.notify_all();
+    }
+    if (ending_) return;
+    again_.expires_after(kConnectAgain);
+    again_.async_wait([this](ErrorCode error) {
+      if (!error && !ending_) connect();
+    });
+  }
+
+  const std::uint16_t port_;
+  const std::string token_;
+  net::io_context io_{1};
+  net::steady_timer again_;
+  std::unique_ptr<Socket> socket_;
+  beast::flat_buffer buffer_;
+  std::deque<std::vector<std::uint8_t>> outgoing_;
+  bool ending_ = false;
+  mutable std::mutex mutex_;  ///< guards the following
+  std::condition_variable heard_;
+  StationScene scene_;
+  std::uint32_t last_id_ = 0;
+  std::uint64_t connection_ = 0;  ///< counts
+  std::map<std::uint32_t, std::optional<StationReply>> replies_;
+  std::thread thread_;  ///< last: it uses the others
+};
+
+StationClient::StationClient(std::uint16_t port, std::string token)
+    : link_(std::make_unique<Link>(port, std::move(token))) {}
+StationClient::~StationClient() = default;
+
+StationScene StationClient::scene() const {
+  return link_->scene();
+}
+
+StationReply StationClient::open(const VisitOrder& order) {
+  return link_->ask([&](flatbuffers::FlatBufferBuilder& b) -> OrderPart {
+    std::vector<flatbuffers::Offset<fb::VisitParameter>> parameters;
+    for (const auto& [name, value] : order.parameters) {
+      parameters.push_back(fb::CreateVisitParameterDirect(b, name.c_str(), value));
+    }
+    const auto open = fb::CreateOpenVisitDirect(
+        b, order.visit, order.item, order.exercise.c_str(), static_cast<std::uint16_t>(order.level),
+        order.hand.c_str(), order.hand_file.c_str(), helpOf(order.help), &parameters);
+    return {fb::Order::OpenVisit, open.Union()};
+  });
+}
+
+StationReply StationClient::close(std::uint64_t visit) {
+  return link_->ask([&](flatbuffers::FlatBufferBuilder& b) -> OrderPart {
+    return {fb::Order::CloseVisit, fb::CreateCloseVisit(b, visit).Union()};
+  });
+}
+
+}  // namespace wholehand::clinic

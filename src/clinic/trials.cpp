@@ -1,0 +1,249 @@
+#include "clinic/trials.hpp"
+
+#include "clinic/text.hpp"
+#include "core/printable.hpp"
+#include "process/child_process.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <sys/stat.h>
+
+/// Trials: the index of the recordings, made by comparing folder and table.
+namespace wholehand::clinic {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kSettled_us = 2'000'000;  // a file that is written to changes more often
+constexpr std::size_t kLongestReason = 300;
+constexpr std::uint64_t kOutput_bytes = 1 << 20;
+
+struct Found {
+  std::string name;
+  std::int64_t size = 0, modified_ns = 0;
+};
+
+std::vector<Found> recordingsOf(const std::string& folder) {
+  std::vector<Found> out;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() != ".h5") continue;
+    struct stat file {};
+    if (::lstat(it->path().c_str(), &file) != 0 || !S_ISREG(file.st_mode)) continue;
+    out.push_back({it->path().filename().string(), file.st_size,
+                   file.st_mtim.tv_sec * std::int64_t{1'000'000'000} + file.st_mtim.tv_nsec});
+  }
+  return out;
+}
+
+/// What a trial's row gets.
+struct Outcome {
+  std::string state, why;
+  std::optional<std::int64_t> visit;
+  std::int64_t item = 0, began_us = 0, version = 0;
+  std::string sha256, measures = "{}";
+};
+
+std::int64_t integerOf(const Json& json, const char* key) {
+  const Json value = json.value(key, Json());
+  return value.is_number_integer() ? value.get<std::int64_t>() : 0;
+}
+
+Outcome judged(Database& db, const Json& json) {
+  Outcome out;
+  const Json recording = json.value("recording", Json::object());
+  out.sha256 = recording.value("sha256", "");
+  out.began_us = timeOf(recording.value("began_utc", "")).value_or(0);
+  out.version = integerOf(json, "measures");
+  out.item = integerOf(json, "item");
+  out.measures = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::int64_t visit = integerOf(json, "visit");
+  if (visit == 0) {
+    out.state = "ignored";
+    out.why = "was recorded outside of a visit";
+  } else if (db.number("SELECT COUNT(*) FROM visit WHERE id = ?", visit) == 0) {
+    out.state = "ignored";
+    out.why = fmt::format("visit {} is not of this clinic, or was erased", visit);
+  } else {
+    out.visit = visit;
+    const bool ticks = integerOf(recording, "ticks") > 0;
+    out.state = ticks ? "measured" : "failed";
+    if (!ticks) out.why = "the recording has no tick";
+  }
+  return out;
+}
+
+void store(Database& db, const Found& file, const Outcome& out) {
+  db.change(
+      "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us, sha256,"
+      " measures_version, measures) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+      " ON CONFLICT (recording) DO UPDATE SET size = excluded.size, modified_ns ="
+      " excluded.modified_ns, state = excluded.state, why = excluded.why,"
+      " visit = COALESCE(excluded.visit, CASE WHEN excluded.state = 'failed' THEN visit END),"
+      " item = CASE WHEN excluded.state = 'failed' THEN item ELSE excluded.item END,"
+      " began_us = CASE WHEN excluded.began_us = 0 THEN began_us ELSE excluded.began_us END,"
+      " sha256 = excluded.sha256, measures_version = excluded.measures_version,"
+      " measures = excluded.measures",
+      file.name, file.size, file.modified_ns, out.state, out.why, out.visit, out.item, out.began_us,
+      out.sha256, out.version, out.measures);
+}
+
+}  // namespace
+
+void Clinic::storeMeasures(const std::string& name, const SeenFile& file,
+                           const std::optional<Json>& json, const std::string& why) {
+  const Lock lock(mutex_);
+  if (!db_) return;
+  Outcome out;
+  out.state = "failed";
+  out.why = why;
+  if (json) out = judged(*db_, *json);
+  Transaction transaction(*db_);
+  if (out.visit && !out.sha256.empty()) {
+    // The same recording under another name: renamed, or a copy.
+    Statement same = db_->query(
+        "SELECT id, recording FROM trial WHERE sha256 = ? AND visit = ? AND recording <> ?",
+        out.sha256, *out.visit, name);
+    if (same.step()) {
+      std::error_code error;
+      if (fs::exists(fs::path(options_.recordings) / same.text(1), error)) {
+        out.state = "ignored";
+        out.why = "is a copy of " + same.text(1);
+        out.visit.reset();
+      } else {
+        db_->change("DELETE FROM trial WHERE id = ?", same.integer(0));
+      }
+    }
+  }
+  store(*db_, {name, file.size, file.modified_ns}, out);
+  transaction.commit();
+}
+
+/// Recordings that the table has and the folder has not.
+void Clinic::noteMissing(const std::set<std::string>& present) {
+  const std::string being_written = station_.scene().recording;
+  const Lock lock(mutex_);
+  std::vector<std::int64_t> gone;
+  {
+    Statement rows = db_->query(
+        "SELECT id, recording FROM trial WHERE visit IS NOT NULL AND why <> 'the recording is "
+        "gone'");
+    while (rows.step()) {
+      const std::string name = rows.text(1);
+      if (!present.contains(name) && !being_written.ends_with(name))
+        gone.push_back(rows.integer(0));
+    }
+  }
+  if (gone.empty()) return;
+  Transaction transaction(*db_);
+  for (const std::int64_t id : gone) {
+    db_->change(
+        "UPDATE trial SET why = 'the recording is gone', state = CASE WHEN state ="
+        " 'measured' THEN state ELSE 'failed' END WHERE id = ?",
+        id);
+  }
+  transaction.commit();
+}
+
+void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()>& stop) {
+  if (options_.recordings.empty()) return;
+  try {
+    {
+      const Lock lock(mutex_);
+      open();
+    }
+    const std::vector<Found> found = recordingsOf(options_.recordings);
+    std::set<std::string> present;
+    for (const Found& file : found) present.insert(file.name);
+    std::error_code error;
+    if (fs::is_directory(options_.recordings, error)) noteMissing(present);
+    for (const Found& file : found) {
+      SeenFile seen;
+      {
+        const Lock lock(mutex_);
+        const std::int64_t now_us = clock_.steady_us();
+        auto [at, is_new] = files_.try_emplace(file.name);
+        SeenFile& known = at->second;
+        if (is_new || known.size != file.size || known.modified_ns != file.modified_ns) {
+          Statement row = db_->query(
+              "SELECT 1 FROM trial WHERE recording = ? AND size = ? AND modified_ns = ? AND state "
+              "<>"
+              " 'waiting' AND why <> 'the recording is gone'",
+              file.name, file.size, file.modified_ns);
+          known = {file.size, file.modified_ns, now_us, row.step()};
+        }
+        if (known.known || now_us - known.since_us < kSettled_us) continue;
+        seen = known;
+      }
+      std::string why;
+      const std::optional<Json> json =
+          measure((fs::path(options_.recordings) / file.name).string(), why);
+      if (stop && stop()) return;
+      storeMeasures(file.name, seen, json, why);
+      const Lock lock(mutex_);
+      files_[file.name].known = true;
+    }
+  } catch (const DatabaseError&) {  // the next look finds what this one missed
+  } catch (const Json::exception&) {
+  } catch (const Refused&) {
+  }
+}
+
+Measure measureByChild(std::string program, std::function<bool()> stop) {
+  return [program = std::move(program), stop = std::move(stop)](
+             const std::string& path, std::string& why) -> std::optional<Json> {
+    ChildLimits limits;
+    limits.time = std::chrono::seconds(120);
+    limits.output_bytes = kOutput_bytes;
+    limits.idle_disk = true;
+    // Its one line of standard error is the reason.
+    const ChildResult result =
+        runChild("/bin/sh", {"-c", R"(exec nice -n 19 "$0" measures "$1" 2>&1)", program, path},
+                 limits, stop);
+    if (result.ending == ChildEnding::kExited && result.code == 0) {
+      Json json = Json::parse(result.output, nullptr, false);
+      if (json.is_object()) return json;
+      why = "what `wholehand measures` printed is no JSON";
+    } else if (result.ending == ChildEnding::kExited) {
+      why = printable(result.output.substr(0, result.output.find('\n')), kLongestReason);
+      if (why.empty()) why = fmt::format("`wholehand measures` ended with code {}", result.code);
+    } else if (result.ending == ChildEnding::kLate) {
+      why = "`wholehand measures` took longer than 120 s";
+    } else {
+      why = fmt::format("`wholehand measures` was ended by signal {}", result.code);
+    }
+    return {};
+  };
+}
+
+Expected<std::string> rebuildTrials(const std::string& folder, const std::string& recordings,
+                                    const Measure& measure) {
+  try {
+    Database db(folder + "/clinic.db", Database::Mode::kReadWrite);
+    migrate(db);
+    int measured = 0, others = 0;
+    const std::vector<Found> found = recordingsOf(recordings);
+    db.run("DELETE FROM trial");
+    for (const Found& file : found) {
+      std::string why;
+      const auto json = measure((fs::path(recordings) / file.name).string(), why);
+      Outcome out;
+      out.state = "failed";
+      out.why = why;
+      if (json) out = judged(db, *json);
+      ++(out.state == "measured" ? measured : others);
+      Transaction transaction(db);
+      store(db, file, out);
+      transaction.commit();
+    }
+    return fmt::format("{} recordings: {} are trials of this clinic's visits, {} are not",
+                       found.size(), measured, others);
+  } catch (const DatabaseError& error) {
+    return Diagnostic{"", 0, "", "", error.what(), "run wholehand-clinic verify"};
+  } catch (const Json::exception& error) {
+    return Diagnostic{"", 0, "", "", error.what(), "give the matching --program"};
+  }
+}
+
+}  // namespace wholehand::clinic

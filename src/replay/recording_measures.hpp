@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/expected.hpp"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+
+namespace wholehand {
+
+/// Version of the measures; counts every change of what one of them means.
+inline constexpr int kMeasuresVersion = 1;
+
+/// What a recording says of the person, for records over many visits (docs/clinic.md): results of
+/// the exercise's panel, active time, time, speed and path of reaches, how it ended. All of what
+/// the person moved (replay/moved_time.hpp); helped time is a share of that. Values that the
+/// recording does not hold are null. Reads the whole file. Refuses a file without readable ticks.
+[[nodiscard]] Expected<nlohmann::json> recordingMeasures(const std::string& recording_path);
+
+}  // namespace wholehand

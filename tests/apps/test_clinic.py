@@ -1,0 +1,214 @@
+"""`wholehand run --clinic`: a visit from the first start to its result, and what ends a process loses nothing that was
+answered. The page and the records' own tests look at the rest (web/tests/browser/clinic_checks.mjs, tests/clinic)."""
+import json
+import os
+import pathlib
+import re
+import signal
+import time
+import urllib.error
+import urllib.request
+import uuid
+
+import client
+from app import FULL, HANG_S, PacedTest, main
+
+TICK, RUN_STATE = 1, 4   # fields of WorldState
+RENDERING, STOPPED = 1, 3
+PHRASE, PIN = "a phrase of the clinic", "4711"
+CANARY = "Zzyzx Quillfeather"
+KILLS = 100 if FULL else 4
+PLAN = [{"exercise": "cocktail-bar", "level": 1, "minutes": 5, "help": "full", "parameters": {}},
+        {"exercise": "squeeze-to-level", "level": 1, "minutes": 5, "help": "some", "parameters": {}}]
+
+
+class Clinic(PacedTest):
+    def start(self):
+        self.run_ = self.start_app("run", "--clinic", "clinic", "--port", 0, "--no-rehearsal")
+        self.url = self.run_.stdout.readline().strip().rstrip("/")
+        self.token = None
+        self.wait_for_records()
+
+    def wait_for_records(self):
+        self.wait_until(self.run_, lambda: self.port() != 0 and self.state() is not None)
+
+    def port(self):
+        with urllib.request.urlopen(self.url + "/api/clinic", timeout=HANG_S) as answer:
+            return json.load(answer)["port"]
+
+    def state(self):
+        try:
+            state = self.ask("GET", "/state")
+            return state if state["station"]["heard"] else None
+        except (OSError, ConnectionError):
+            return None
+
+    def ask(self, method, path, body=None, key=None):
+        """The answer; of a refusal, too."""
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(f"http://127.0.0.1:{self.port()}/api{path}", method=method, data=data)
+        request.add_header("Origin", self.url)
+        if self.token:
+            request.add_header("Authorization", "Bearer " + self.token)
+        if method != "GET":
+            request.add_header("Idempotency-Key", key or str(uuid.uuid4()))
+        try:
+            with urllib.request.urlopen(request, timeout=HANG_S) as answer:
+                return json.load(answer)
+        except urllib.error.HTTPError as refused:
+            return json.load(refused)
+
+    def done(self, method, path, body=None):
+        answer = self.ask(method, path, body)
+        self.assertNotIn("refused", answer, f"{method} {path}")
+        return answer
+
+    def begin_clinic(self):
+        tile = {"name": "A. Keller", "colour": "#0d6b5a", "pin": PIN}
+        self.token = self.done("POST", "/init", {"pass_phrase": PHRASE, "tile": tile})["token"]
+
+    def sign_in(self):
+        self.token = None
+        self.done("POST", "/unlock", {"pass_phrase": PHRASE})
+        self.token = self.done("POST", "/sign_in", {"account": 1, "pin": PIN})["token"]
+
+    def add_patient(self, code="P-014", length_m=0.163):
+        return self.done("POST", "/patients", {
+            "name": CANARY, "code": code, "born": "1956-03-02", "number": "Quillfeather-77", "side": "right",
+            "hands": {"right": {"length_m": length_m, "breadth_m": 0.071}}, "preset": "gentle", "parameters": {},
+            "warnings": "Quillfeather: shoulder", "plan": PLAN})
+
+    def begin_visit(self, patient):
+        return self.done("POST", f"/patients/{patient['id']}/visits", {"side": "right", "plan": PLAN})
+
+    def play(self, seconds):
+        """Somebody at the console arms, and stops after so many seconds of rendering."""
+        page = client.Page(int(self.url.split(":")[2]), role="therapist")
+        page.hold_controls()
+        self.wait_until(self.run_, lambda: page.state is not None)
+        accepted, reason = page.arm(page.state.number(client.ENDINGS, "I"))
+        self.assertTrue(accepted, reason)
+        self.wait_until(self.run_, lambda: page.state.number(RUN_STATE, "b") == RENDERING
+                        and page.state.number(TICK, "Q") >= 1000 * seconds)
+        return page
+
+    def stop(self, page):
+        self.assertTrue(page.answer(page.say(client.STOP))[0])
+        self.wait_until(self.run_, lambda: page.state.number(RUN_STATE, "b") == STOPPED)
+        page.close()
+
+    def measured(self, patient, count):
+        """Its trials, once all are measured."""
+        def trials():
+            visits = self.done("GET", f"/patients/{patient['id']}")["visits"]
+            return [trial for visit in visits for trial in visit["trials"]]
+        self.wait_until(self.run_, lambda: len(trials()) >= count and all(t["state"] == "measured" for t in trials()))
+        return trials()
+
+    def kill_records(self):
+        """Of the children of the program, the one that is the records."""
+        children = pathlib.Path(f"/proc/{self.run_.pid}/task/{self.run_.pid}/children")
+        found = [int(pid) for task in children.parents[1].glob("*/children") for pid in task.read_text().split()
+                 if "wholehand-clinic" in pathlib.Path(f"/proc/{pid}/cmdline").read_text()]
+        for pid in found:
+            os.kill(pid, signal.SIGKILL)
+        return found
+
+    def test_visit_has_its_limits_its_number_and_its_result_and_no_name_leaves_the_records(self):
+        self.start()
+        self.begin_clinic()
+        patient = self.add_patient()
+        visit = self.begin_visit(patient)
+        page = self.play(1.0)
+        refused = self.ask("POST", f"/visits/{visit['id']}/item", {"item": 1})
+        self.assertEqual(refused["refused"], "station", "the next item while somebody is moved")
+        self.stop(page)
+        self.done("POST", f"/visits/{visit['id']}/pain", {"when": "before", "value": 0})
+        self.done("POST", f"/visits/{visit['id']}/notes", {"kind": "text", "text": CANARY, "at_us": 1})
+        self.done("POST", f"/visits/{visit['id']}/item", {"item": 1})
+        self.stop(self.play(0.5))
+        self.done("POST", f"/visits/{visit['id']}/finish", {"state": "done"})
+        trials = self.measured(patient, 2)
+        self.assertEqual([(t["item"], t["exercise"]) for t in trials], [(0, "cocktail-bar"), (1, "squeeze-to-level")])
+        kept = self.done("GET", f"/patients/{patient['id']}")
+        self.assertEqual(kept["name"], CANARY)
+        self.assertEqual(kept["visits"][0]["pain_before"], 0)  # an answer
+        self.assertIsNone(kept["visits"][0]["pain_after"])     # none
+        import h5py
+        for trial in trials:
+            with h5py.File(self.folder / "out/recordings" / trial["recording"], locking=False) as file:
+                meta = file["meta"].attrs
+                self.assertEqual((int(meta["clinic_visit"]), int(meta["clinic_item"])), (visit["id"], trial["item"]))
+                self.assertEqual(file["ticks/effort_limit"][0, 0], 6.0, "the gentle limit of the arm, from the first tick")
+        with urllib.request.urlopen(self.url + "/metrics", timeout=HANG_S) as metrics:
+            self.assertNotIn(b"Quillfeather", metrics.read())
+        self.assertNotIn(b"Quillfeather", memory_of(self.run_.pid), "the loop's process has heard a name")
+        said = self.expect_ended_by(self.run_, signal.SIGINT)
+        self.assertNotIn("Quillfeather", said)
+        with_name = [path for path in self.folder.rglob("*") if path.is_file() and b"Quillfeather" in path.read_bytes()]
+        self.assertEqual(with_name, [])
+
+    def test_records_that_are_killed_lose_nothing_answered_and_hold_up_no_session(self):
+        self.start()
+        self.begin_clinic()
+        patient = self.add_patient()
+        visit = self.begin_visit(patient)
+        page = self.play(0.2)
+        answered = []
+        for kill in range(KILLS):
+            moment, n = time.monotonic() + self.random.uniform(0.0, 0.3), 0
+            while time.monotonic() < moment:
+                text = f"note {kill} {n}"
+                self.done("POST", f"/visits/{visit['id']}/notes", {"kind": "text", "text": text, "at_us": kill})
+                answered.append(text)
+                n += 1
+            tick = page.state.number(TICK, "Q")
+            self.assertEqual(len(self.kill_records()), 1)
+            self.wait_until(self.run_, lambda: page.state.number(TICK, "Q") > tick + 200)
+            self.wait_for_records()
+            self.sign_in()
+        self.assertEqual(page.state.number(RUN_STATE, "b"), RENDERING)
+        self.stop(page)
+        self.done("POST", f"/visits/{visit['id']}/finish", {"state": "done"})
+        kept = self.done("GET", f"/patients/{patient['id']}")["visits"][0]
+        self.assertEqual([note["text"] for note in kept["notes"]], answered)
+        self.assertEqual(len(self.measured(patient, 1)), 1)
+        self.expect_ended_by(self.run_, signal.SIGINT)
+
+    def test_program_that_is_killed_in_a_visit_has_its_trial_after_the_next_start(self):
+        self.start()
+        self.begin_clinic()
+        patient = self.add_patient()
+        visit = self.begin_visit(patient)
+        page = self.play(1.5)
+        self.run_.kill()
+        self.run_.wait()
+        page.open = False
+        self.start()
+        self.sign_in()
+        trial, = self.measured(patient, 1)
+        self.assertRegex(trial["recording"], rf"visit-{visit['id']}-")
+        # The station began anew with the gentle limits of nobody: the visit is no longer open there.
+        self.wait_until(self.run_, lambda: self.done("GET", "/visits/open")["visit"] is None
+                        or self.state()["visit"] == visit["id"])
+        self.expect_ended_by(self.run_, signal.SIGINT)
+
+
+def memory_of(pid):
+    """What a core dump of the program would hold."""
+    held = bytearray()
+    with open(f"/proc/{pid}/mem", "rb", buffering=0) as memory:
+        for line in pathlib.Path(f"/proc/{pid}/maps").read_text().splitlines():
+            begin, end, may = re.match(r"([0-9a-f]+)-([0-9a-f]+) (\S+)", line).groups()
+            if not may.startswith("rw") or int(end, 16) - int(begin, 16) > 1 << 28:
+                continue
+            try:
+                memory.seek(int(begin, 16))
+                held += memory.read(int(end, 16) - int(begin, 16))
+            except OSError:
+                pass
+    return bytes(held)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,356 @@
+#include "clinic/text.hpp"
+#include "clinic/trials.hpp"
+#include "clinic_bench.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace wholehand::clinic {
+namespace {
+
+/// What `wholehand measures` would say, by file name; a file without is damaged.
+struct FakeMeasures {
+  std::map<std::string, Json> says;
+  Measure measure() {
+    return [this](const std::string& path, std::string& why) -> std::optional<Json> {
+      const auto found = says.find(std::filesystem::path(path).filename().string());
+      if (found != says.end()) return found->second;
+      why = "is truncated";
+      return {};
+    };
+  }
+  static Json of(std::int64_t visit, const std::string& sha256, double score, int ticks = 1000) {
+    return {{"measures", 1},
+            {"recording",
+             {{"sha256", sha256}, {"ticks", ticks}, {"began_utc", "2026-11-28T12:00:05Z"}}},
+            {"visit", visit},
+            {"item", 0},
+            {"exercise", "cocktail-bar"},
+            {"level", 1},
+            {"results", {{{"name", "score"}, {"value", score}, {"unit", ""}}}},
+            {"active_s", 120.0},
+            {"helped_share", 0.25},
+            {"peak_speed_m_s", 0.3},
+            {"path_ratio", 1.4},
+            {"reach_s", nullptr},
+            {"ended_by", "stop"}};
+  }
+};
+
+void record(const Bench& b, const std::string& name, const std::string& bytes = "h5") {
+  std::ofstream(b.options.recordings + "/" + name) << bytes;
+}
+
+/// Twice, as a file that changes is still being written.
+void look(Bench& b, FakeMeasures& measures) {
+  for (int i = 0; i < 2; ++i) {
+    b.clinic->lookAtRecordings(measures.measure(), {});
+    b.clock.pass(3 * kSecond_us);
+  }
+}
+
+TEST(Visits, Begin_LimitsAreThePersons_HandAndItemToo) {
+  Bench b;
+  Json body = patientOf("P-001");
+  body["parameters"] = {{"effort_limit_arm_n", 5.0}, {"level_ratio", 0.5}};
+  body["hands"]["right"] = {{"length_m", 0.171}, {"breadth_m", 0.080}};
+  const std::int64_t id = b.post("/api/patients", body)["id"];
+  Json plan = planOf(2);
+  plan[0]["parameters"]["effort_limit_hand_tip_n"] = 2.0;
+  plan[0]["help"] = "full";
+  plan[1]["exercise"] = "squeeze-to-level";
+  const Json visit =
+      b.post(fmt::format("/api/patients/{}/visits", id), {{"side", "right"}, {"plan", plan}});
+  ASSERT_EQ(b.status, 200);
+  const VisitOrder& order = b.station.orders.at(0);
+  EXPECT_EQ(order.visit, visit["id"].get<std::uint64_t>());
+  EXPECT_EQ(order.help, "full");
+  // Preset gentle (3 N, 6 N), then the person's own, then the item's; level_ratio is of another
+  // exercise.
+  EXPECT_EQ(order.parameters,
+            (Parameters{{"effort_limit_arm_n", 5.0}, {"effort_limit_hand_tip_n", 2.0}}));
+  EXPECT_EQ(order.hand, "");
+  const std::string hand = textOf(b.options.folder + "/hands/" + order.hand_file);
+  EXPECT_NE(hand.find("length_m = 0.171\nbreadth_m = 0.08\n"), std::string::npos)
+      << hand.substr(0, 300);
+  b.post(fmt::format("/api/visits/{}/item", order.visit), {{"item", 1}});
+  EXPECT_EQ(b.station.orders.at(1).parameters.at("level_ratio"), 0.5);
+  EXPECT_EQ(b.station.orders.at(1).parameters.at("effort_limit_hand_tip_n"), 3.0);
+}
+
+TEST(Visits, ShippedHandWithinHalfAMillimetre_IsUsed) {
+  const auto hands = loadShippedHands(std::string(WHOLEHAND_SOURCE_DIR) + "/config/hands");
+  ASSERT_TRUE(hands.ok());
+  EXPECT_EQ(shippedHand(*hands, "left", 0.1524, 0.0696), "woman-p05-left");
+  EXPECT_EQ(shippedHand(*hands, "left", 0.1526, 0.0696), "");
+}
+
+TEST(Visits, EverySizeOffered_IsAHandFile) {
+  const TemporaryFolder folder;
+  const std::string hands = std::string(WHOLEHAND_SOURCE_DIR) + "/config/hands";
+  for (const double length_m : {0.150, 0.1825, 0.215}) {
+    for (const double breadth_m : {0.05, 0.085, 0.12}) {
+      const auto written =
+          writeHandFile(hands, folder.path + "/v.toml", "v", "left", length_m, breadth_m);
+      EXPECT_TRUE(written.ok()) << format(written.ok() ? Diagnostics{} : written.errors());
+    }
+  }
+}
+
+TEST(Visits, PresetsFitTheShippedExercises) {
+  const std::string config = std::string(WHOLEHAND_SOURCE_DIR) + "/config";
+  const auto presets = loadPresets(config + "/clinic/presets.toml");
+  ASSERT_TRUE(presets.ok()) << format(presets.errors());
+  EXPECT_EQ(presets->force.front().id, "gentle");
+  for (const ExerciseFacts& exercise : presets->exercises) {
+    const std::string file = textOf(config + "/exercises/" + exercise.id + ".toml");
+    int levels = 0;
+    for (std::size_t at = 0; (at = file.find("\n[[levels]]", at)) != file.npos; ++at) ++levels;
+    EXPECT_EQ(exercise.levels, std::max(levels, 1)) << exercise.id;
+  }
+}
+
+TEST(Visits, RefusedBegin_LeavesNothingBehind) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001");
+  const std::string path = fmt::format("/api/patients/{}/visits", id);
+  const Json body = {{"side", "right"}, {"plan", planOf()}};
+  b.station.reply = {StationReply::What::kRefused, "is armed; stop first"};
+  EXPECT_EQ(b.post(path, body)["why"], "is armed; stop first");
+  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  EXPECT_EQ(b.refused(path, body), "station_silent");
+  EXPECT_EQ(b.refused(path, {{"side", "left"}, {"plan", planOf()}}),
+            "bad_value");  // the wrong side
+  EXPECT_TRUE(b.get(fmt::format("/api/patients/{}", id))["visits"].empty());
+  EXPECT_EQ(b.get("/api/state")["visit"], 0);
+  b.station.reply = {StationReply::What::kAccepted, ""};
+  EXPECT_NE(b.beginVisit(id), 0);
+}
+
+TEST(Visits, TwoConsoles_SecondBeginAndSecondFinishAreRefused) {
+  Bench b;
+  const std::int64_t a = b.addPatient("P-001"), other = b.addPatient("P-002");
+  b.station.meanwhile = [&] {  // a second console, while the first one's order is on its way
+    b.station.meanwhile = nullptr;
+    EXPECT_EQ(b.refused(fmt::format("/api/patients/{}/visits", other),
+                        {{"side", "right"}, {"plan", planOf()}}),
+              "busy");
+    EXPECT_EQ(b.get("/api/state")["clinic"], "open");  // no other request waits
+  };
+  const std::int64_t visit = b.beginVisit(a);
+  const Json second =
+      b.post(fmt::format("/api/patients/{}/visits", a), {{"side", "right"}, {"plan", planOf()}});
+  EXPECT_EQ(b.status, 409);
+  EXPECT_EQ(second["now"]["id"], visit);
+  b.post("/api/accounts", {{"name", "B. Huber"}, {"colour", "#aa0000"}, {"pin", "5678"}});
+  const std::string first = b.token;
+  b.token = b.post("/api/sign_in", {{"account", 2}, {"pin", "5678"}})["token"];
+  b.finish(visit);
+  EXPECT_EQ(b.status, 200);
+  b.token = first;
+  const Json late = b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 0}});
+  EXPECT_EQ(late["refused"], "changed");
+  EXPECT_EQ(late["now"]["state"], "done");
+  EXPECT_EQ(b.station.orders.size(), 1U);
+}
+
+TEST(Visits, PainOfNought_IsAnAnswer) {
+  Bench b;
+  const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
+  const std::string path = fmt::format("/api/visits/{}/pain", visit);
+  EXPECT_TRUE(b.get("/api/visits/open")["visit"]["pain_before"].is_null());
+  EXPECT_EQ(b.post(path, {{"when", "before"}, {"value", 0}})["pain_before"], 0);
+  for (const Json& value : {Json(11), Json(-1), Json(2.5), Json("3")}) {
+    EXPECT_EQ(b.refused(path, {{"when", "after"}, {"value", value}}), "bad_value");
+  }
+}
+
+TEST(Visits, ClockSetBackADay_VisitDoesNotEndBeforeItBegan) {
+  Bench b;
+  const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
+  b.clock.now -= kDay_us;
+  b.clock.offset = 120;  // and daylight saving begins
+  const Json done = b.post(fmt::format("/api/visits/{}/finish", visit), {{"state", "done"}});
+  EXPECT_GE(done["ended_us"], done["began_us"]);
+  EXPECT_EQ(done["offset_min"], 60);
+  EXPECT_EQ(isoTime(kNoon_us, -210), "2026-11-28T08:30:00-03:30");
+}
+
+TEST(Visits, Mistakes_MovedMergedDeletedNoted) {
+  Bench b;
+  const std::int64_t right = b.addPatient("P-001"), wrong = b.addPatient("P-002");
+  const std::int64_t visit = b.beginVisit(wrong);
+  b.post(fmt::format("/api/visits/{}/notes", visit), {{"kind", "tired"}, {"text", ""}});
+  const std::string move = fmt::format("/api/visits/{}/move", visit);
+  EXPECT_EQ(b.refused(move, {{"patient", right}}),
+            "visit_open");  // the wrong person's limits are in force
+  b.finish(visit);
+  b.post(move, {{"patient", right}});
+  const Json moved = b.get(fmt::format("/api/patients/{}", right))["visits"];
+  ASSERT_EQ(moved.size(), 1U);
+  EXPECT_EQ(moved[0]["notes"][0]["kind"], "tired");
+
+  const std::int64_t guest = b.post("/api/guest_visits", {{"side", "left"}})["id"];
+  EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_hand_tip_n"), 3.0);
+  EXPECT_EQ(b.station.orders.back().hand, "adult-median-left");
+  b.finish(guest);
+  EXPECT_EQ(b.get("/api/patients")["guests"][0]["id"], guest);
+  EXPECT_EQ(b.post(fmt::format("/api/visits/{}/move", guest), {{"patient", wrong}})["state"],
+            "done");
+  const std::int64_t second = b.post("/api/guest_visits", {{"side", "left"}})["id"];
+  b.finish(second);
+  b.ask("DELETE", fmt::format("/api/visits/{}", second));
+  EXPECT_EQ(b.status, 200);
+  EXPECT_EQ(b.ask("DELETE", fmt::format("/api/visits/{}", visit))["refused"], "changed");
+
+  EXPECT_EQ(b.ask("DELETE", fmt::format("/api/patients/{}", wrong))["refused"],
+            "changed");  // has a visit
+  const Json merged = b.post(fmt::format("/api/patients/{}/merge", right), {{"from", wrong}});
+  EXPECT_EQ(merged["visits"].size(), 2U);
+  EXPECT_EQ(b.get(fmt::format("/api/patients/{}", wrong))["refused"], "not_found");
+  const std::int64_t mistyped = b.addPatient("P-0003");
+  b.ask("DELETE", fmt::format("/api/patients/{}", mistyped));
+  EXPECT_EQ(b.status, 200);
+  EXPECT_EQ(b.post(fmt::format("/api/patients/{}/no_show", right))["state"], "no_show");
+  EXPECT_EQ(b.get("/api/patients")["patients"][0]["visits"], 2);  // of them a no-show is none
+}
+
+TEST(Visits, StationBeganAnew_VisitIsOfferedAsUnfinished_GoesOn) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id, 2);
+  b.station.now.visit = 0;
+  b.restart();
+  for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
+  const Json row = b.get("/api/patients")["open"][0];
+  EXPECT_EQ(row["state"], "unfinished");
+  EXPECT_EQ(row["visit"], visit);
+  EXPECT_EQ(b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}})["state"], "open");
+}
+
+TEST(Visits, StationHoldsAVisitThatIsOver_ItIsClosedThere) {
+  Bench b;
+  b.station.now.visit = 77;  // of another clinic, or finished while the station was away
+  for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
+  EXPECT_EQ(b.station.closed, std::vector<std::uint64_t>{77});
+}
+
+TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
+  b.station.now.recording = b.options.recordings + "/a.h5";
+  b.clinic->lookAtStation();
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"][0]["state"], "waiting");
+  b.station.now.recording = "";
+  record(b, "a.h5");
+  measures.says["a.h5"] = FakeMeasures::of(visit, "aa", 97.0);
+  look(b, measures);
+  b.finish(visit);
+  const Json trial = b.get(fmt::format("/api/patients/{}", id))["visits"][0]["trials"][0];
+  EXPECT_EQ(trial["state"], "measured");
+  EXPECT_EQ(trial["results"][0]["value"], 97.0);
+  EXPECT_EQ(trial["began_us"], kNoon_us + 5 * kSecond_us);
+  EXPECT_TRUE(trial["reach_s"].is_null());
+  measures.says.clear();  // measured again, it would fail
+  b.restart();
+  look(b, measures);
+  const Json patient = b.get(fmt::format("/api/patients/{}", id));
+  EXPECT_EQ(patient["visits"][0]["trials"][0]["state"], "measured");
+  ASSERT_EQ(patient["curves"].size(), 2U);
+  EXPECT_EQ(patient["curves"][0], (Json{{"name", "active_min"},
+                                        {"exercise", ""},
+                                        {"unit", "min"},
+                                        {"points", {{kNoon_us, 2.0}}}}));
+  const std::string csv = b.raw("GET", "/api/export/all.csv", "").body;
+  EXPECT_NE(csv.find("a.h5,score,97.0,\r\n"), std::string::npos) << csv;
+  EXPECT_EQ(csv.find("Keller"), std::string::npos);
+}
+
+TEST(Trials, MissedWhileTheProcessWasDown_AreFound) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
+  b.clinic.reset();
+  for (int i = 0; i < 5; ++i) {
+    const std::string name = fmt::format("{}.h5", i);
+    record(b, name);
+    measures.says[name] = FakeMeasures::of(visit, name, 50.0 + i);
+  }
+  b.restart();
+  look(b, measures);
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"].size(), 5U);
+}
+
+TEST(Trials, ForeignTruncatedEmptyCopiedRenamedDeleted_AreSaid) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
+  for (const char* name : {"ours.h5", "copy.h5", "foreign.h5", "none.h5", "broken.h5", "empty.h5"})
+    record(b, name);
+  measures.says = {{"ours.h5", FakeMeasures::of(visit, "aa", 1)},
+                   {"copy.h5", FakeMeasures::of(visit, "aa", 1)},
+                   {"foreign.h5", FakeMeasures::of(12345, "bb", 1)},
+                   {"none.h5", FakeMeasures::of(0, "cc", 1)},
+                   {"empty.h5", FakeMeasures::of(visit, "dd", 1, 0)}};
+  look(b, measures);
+  const auto trials = [&] { return b.get("/api/visits/open")["visit"]["trials"]; };
+  ASSERT_EQ(trials().size(), 2U);  // the copy counts once
+  const auto why = [&](const char* name) {
+    Database db(b.database(), Database::Mode::kReadWrite);
+    Statement row = db.query("SELECT state || ': ' || why FROM trial WHERE recording = ?", name);
+    return row.step() ? row.text(0) : "";
+  };
+  EXPECT_EQ(why("foreign.h5"), "ignored: visit 12345 is not of this clinic, or was erased");
+  EXPECT_EQ(why("none.h5"), "ignored: was recorded outside of a visit");
+  EXPECT_EQ(why("broken.h5"), "failed: is truncated");
+  EXPECT_EQ(why("empty.h5"), "failed: the recording has no tick");
+  const std::string kept = why("ours.h5") == "measured: " ? "ours.h5" : "copy.h5";
+  std::filesystem::remove(b.options.recordings + "/ours.h5");
+  std::filesystem::remove(b.options.recordings + "/copy.h5");
+  look(b, measures);
+  EXPECT_EQ(why(kept.c_str()), "measured: the recording is gone");
+  record(b, "renamed.h5");
+  measures.says["renamed.h5"] = FakeMeasures::of(visit, "aa", 1);
+  look(b, measures);
+  EXPECT_EQ(why("renamed.h5"), "measured: ");
+  EXPECT_EQ(trials().size(), 2U);
+  std::ofstream(b.options.recordings + "/broken.h5", std::ios::app)
+      << "the rest";  // it was being written
+  measures.says["broken.h5"] = FakeMeasures::of(visit, "ee", 1);
+  look(b, measures);
+  EXPECT_EQ(trials().size(), 3U);
+}
+
+TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
+  record(b, "a.h5");
+  measures.says["a.h5"] = FakeMeasures::of(visit, "aa", 12.0);
+  look(b, measures);
+  b.clinic.reset();
+  {
+    Database(b.database(), Database::Mode::kReadWrite)
+        .run("UPDATE trial SET measures = '{}', state = 'failed'");
+  }
+  const auto rebuilt = rebuildTrials(b.options.folder, b.options.recordings, measures.measure());
+  ASSERT_TRUE(rebuilt.ok());
+  b.restart();
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"][0]["results"][0]["value"], 12.0);
+}
+
+TEST(Trials, Child_ItsReasonIsKept_ItsTimeIsLimited) {
+  const TemporaryFolder folder;
+  const std::string program = folder.path + "/measures";
+  std::ofstream(program) << "#!/bin/sh\ncase $2 in *good*) echo '{\"measures\":1}';; *) echo \"$2: "
+                            "no tick\" >&2; exit 2;; esac\n";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const Measure measure = measureByChild(program, {});
+  std::string why;
+  EXPECT_TRUE(measure("good.h5", why).has_value());
+  EXPECT_FALSE(measure("bad.h5", why).has_value());
+  EXPECT_EQ(why, "bad.h5: no tick");
+}
+
+}  // namespace
+}  // namespace wholehand::clinic

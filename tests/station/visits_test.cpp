@@ -1,0 +1,248 @@
+// Visits of the clinic's records: whose limits hold, and what no order may change while one is
+// open.
+#include "station_bench.hpp"
+#include "support/seed.hpp"
+#include "telemetry/recording.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <map>
+
+namespace wholehand::test {
+namespace {
+
+class Visits : public Bar {
+ protected:
+  void begin() {
+    StationConfig config = barConfig();
+    config.rehearse = false;
+    config.visit_hands_folder = folder_ + "/hands";
+    load(config);
+    run(false);
+  }
+  OrderReply open(const orders::OpenVisit& visit) {
+    Order order = of(visit);
+    order.may_raise_limits = true;  // the records' process is a therapist
+    return ask(order);
+  }
+  OrderReply set(const std::string& name, double value) {
+    return ask(orders::SetParameter{name, value});
+  }
+  std::map<std::string, double> values() {
+    const auto scene = station_->scene();
+    const auto status = station_->status();
+    std::map<std::string, double> out;
+    for (std::size_t i = 0; i < scene->parameters.size(); ++i) {
+      out[scene->parameters[i].name] = status.parameters[i];
+    }
+    return out;
+  }
+  /// What the program began with.
+  std::map<std::string, double> ofFile() {
+    std::map<std::string, double> out;
+    for (const PublishedParameter& p : station_->scene()->parameters) out[p.name] = p.initial;
+    return out;
+  }
+};
+
+orders::OpenVisit ofVisit(std::uint64_t visit) {
+  return {.visit = visit, .exercise = "cocktail-bar", .hand = "man-p50-right"};
+}
+
+// Three patients in a row is where a therapist fears giving B the limits of A. The expected values
+// are what B's visit names, and the file's elsewhere.
+TEST_F(Visits, NextPatient_HasNoValueOfTheLast) {
+  begin();
+  const std::string first_hand = station_->scene()->hand.name;
+  auto random = seededRandom(4001);
+  const std::vector<std::string> exercises = {"cocktail-bar", "squeeze-to-level", "free-grasping"};
+  const std::vector<std::string> hands = {"man-p95-right", "woman-p05-left", "woman-p50-right"};
+  for (int i = 1; i <= cases(1000) / 10; ++i) {
+    orders::OpenVisit visit = ofVisit(static_cast<std::uint64_t>(i));
+    visit.exercise = exercises[random() % exercises.size()];
+    visit.hand = hands[random() % hands.size()];
+    visit.help = static_cast<Help>(random() % kHelps);
+    // Which parameters there are is known when it is open: the same is opened again with values.
+    ASSERT_TRUE(open(visit).accepted);
+    ASSERT_TRUE(ask(orders::CloseVisit{visit.visit}).accepted);
+    const bool named = station_->scene()->exercise_name == visit.exercise;
+    for (const PublishedParameter& p : station_->scene()->parameters) {
+      if (named && random() % 2 == 0) visit.parameters[p.name] = uniform(random, p.lower, p.upper);
+    }
+    const OrderReply opened = open(visit);
+    ASSERT_TRUE(opened.accepted) << opened.reason;
+    std::map<std::string, double> expected = ofFile();
+    for (const auto& [name, value] : visit.parameters) expected[name] = value;
+    EXPECT_EQ(values(), expected);
+    EXPECT_EQ(station_->status().help, visit.help);
+    EXPECT_EQ(station_->scene()->hand.name, visit.hand);
+    EXPECT_EQ(station_->scene()->visit.number, visit.visit);
+    // Whatever the therapist sets in it is gone with it.
+    for (const PublishedParameter& p : station_->scene()->parameters) {
+      if (random() % 2 == 0) ASSERT_TRUE(set(p.name, uniform(random, p.lower, p.upper)).accepted);
+    }
+    ASSERT_TRUE(ask(orders::SetHelp{Help::kSome}).accepted);
+    ASSERT_TRUE(ask(orders::CloseVisit{visit.visit}).accepted);
+    EXPECT_EQ(values(), ofFile());
+    EXPECT_EQ(station_->status().help, Help::kUnsaid);
+    EXPECT_EQ(station_->scene()->visit.number, 0U);
+    EXPECT_EQ(station_->scene()->hand.name, first_hand);
+  }
+}
+
+TEST_F(Visits, NextItem_RaisesNoLimitThatWasLowered) {
+  begin();
+  orders::OpenVisit visit = ofVisit(7);
+  visit.parameters = {{"effort_limit_arm_n", 9.0}, {"effort_limit_hand_tip_n", 4.0}};
+  ASSERT_TRUE(open(visit).accepted);
+  ASSERT_TRUE(set("effort_limit_arm_n", 5.0).accepted);
+  visit.item = 1;
+  visit.level = 2;
+  ASSERT_TRUE(open(visit).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 5.0) << "lowered by a press in this visit";
+  EXPECT_EQ(values()["effort_limit_hand_tip_n"], 4.0);
+  EXPECT_EQ(station_->scene()->visit.item, 1U);
+  EXPECT_EQ(station_->scene()->level, 2);
+  ASSERT_TRUE(ask(orders::CloseVisit{7}).accepted);
+  visit.visit = 8;
+  ASSERT_TRUE(open(visit).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 9.0) << "another visit begins as it says";
+}
+
+TEST_F(Visits, WhileOneIsOpen_NothingMakesItAnothers) {
+  begin();
+  ASSERT_TRUE(open(ofVisit(3)).accepted);
+  const auto before = values();
+  EXPECT_EQ(open(ofVisit(4)).refusal, Refusal::kVisitOpen);
+  EXPECT_EQ(ask(orders::CloseVisit{4}).refusal, Refusal::kVisitOpen);
+  EXPECT_EQ(ask(orders::SaveProfile{"p-1"}).refusal, Refusal::kVisitOpen);
+  EXPECT_EQ(ask(orders::LoadProfile{"p-1"}).refusal, Refusal::kVisitOpen);
+  EXPECT_EQ(ask(orders::LoadExercise{.hand = "woman-p05-left"}).refusal, Refusal::kVisitOpen);
+  EXPECT_EQ(values(), before);
+  EXPECT_TRUE(ask(orders::LoadExercise{.level = 2}).accepted) << "the therapist changes the level";
+  EXPECT_EQ(station_->scene()->visit.number, 3U);
+  EXPECT_EQ(station_->scene()->hand.name, "man-p50-right");
+}
+
+TEST_F(Visits, WhatIsRefused_ChangesNothing) {
+  begin();
+  const auto before = values();
+  const auto refuses = [&](const std::function<void(orders::OpenVisit&)>& spoil) {
+    orders::OpenVisit visit = ofVisit(5);
+    spoil(visit);
+    const OrderReply reply = open(visit);
+    EXPECT_FALSE(reply.accepted);
+    EXPECT_FALSE(reply.reason.empty());
+    EXPECT_EQ(values(), before);
+    EXPECT_EQ(station_->scene()->visit.number, 0U);
+    return reply.refusal;
+  };
+  using Visit = orders::OpenVisit;
+  EXPECT_EQ(refuses([](Visit& v) { v.parameters["effort_limit_arm_n"] = 0.0; }),
+            Refusal::kOutOfRange);
+  EXPECT_EQ(refuses([](Visit& v) { v.parameters["effort_limit_arm_n"] = 1e3; }),
+            Refusal::kOutOfRange);
+  EXPECT_EQ(refuses([](Visit& v) { v.parameters["effort_limit_arm_n"] = std::nan(""); }),
+            Refusal::kOutOfRange);
+  EXPECT_EQ(refuses([](Visit& v) { v.parameters["no_such"] = 1.0; }), Refusal::kUnknownParameter);
+  EXPECT_EQ(refuses([](Visit& v) { v.exercise = "none"; }), Refusal::kUnknownExercise);
+  EXPECT_EQ(refuses([](Visit& v) { v.hand = "none"; }), Refusal::kUnknownHand);
+  EXPECT_EQ(refuses([](Visit& v) { v.exercise = ""; }), Refusal::kOther);
+  EXPECT_EQ(refuses([](Visit& v) { v.visit = 0; }), Refusal::kOther);
+  EXPECT_EQ(refuses([](Visit& v) { v.level = 99; }), Refusal::kCannotLoad);
+  for (const char* file : {"", "../hands/a.toml", "/etc/passwd", "a/b.toml", "a.txt", "..toml/"}) {
+    EXPECT_EQ(refuses([&](Visit& v) {
+                v.hand = "";
+                v.hand_file = file;
+              }),
+              Refusal::kUnknownHand)
+        << file;
+  }
+  EXPECT_EQ(refuses([](Visit& v) {
+              v.hand = "";
+              v.hand_file = "not-there.toml";
+            }),
+            Refusal::kCannotLoad);
+}
+
+// Hands of 150 to 215 mm, as the records' process writes them.
+TEST_F(Visits, HandOfTheirOwn_IsLoadedFromTheRecordsFolder) {
+  begin();
+  std::filesystem::create_directories(folder_ + "/hands");
+  std::ifstream shipped(kRoot + "/config/hands/man-p50-right.toml");
+  const std::string text{std::istreambuf_iterator<char>(shipped), {}};
+  const std::size_t at = text.find("length_m = ");
+  for (const double length_m : {0.150, 0.168, 0.215}) {
+    std::string own = text;
+    own.replace(at, text.find_first_of(" \n", at + 11) - at,
+                fmt::format("length_m = {:.3f}", length_m));
+    std::ofstream(folder_ + "/hands/visit-9-right.toml") << own;
+    orders::OpenVisit visit = ofVisit(9);
+    visit.hand = "";
+    visit.hand_file = "visit-9-right.toml";
+    const OrderReply reply = open(visit);
+    ASSERT_TRUE(reply.accepted) << reply.reason;
+    EXPECT_TRUE(ask(orders::LoadExercise{.level = 2}).accepted) << "another level, the same hand";
+  }
+}
+
+TEST_F(Visits, WhileArmed_AreRefusedAndTheRecordingCarriesTheNumbersAlone) {
+  begin();
+  orders::OpenVisit visit = ofVisit(1'234'567'890'123);
+  visit.item = 2;
+  visit.parameters = {{"effort_limit_arm_n", 3.0}};
+  ASSERT_TRUE(open(visit).accepted);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
+  ASSERT_TRUE(rendersOn());
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  EXPECT_EQ(record.effort_limit[0], 3.0) << "from the first tick: x is an axis of the arm";
+  EXPECT_EQ(open(visit).refusal, Refusal::kArmedAlready);
+  EXPECT_EQ(ask(orders::CloseVisit{visit.visit}).refusal, Refusal::kArmedAlready);
+  const std::string path = station_->recordingPath(station_->scene()->recording);
+  EXPECT_NE(path.find("visit-1234567890123"), std::string::npos) << path;
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  ASSERT_TRUE(ask(orders::CloseVisit{visit.visit}).accepted);
+  const auto reader = RecordingReader::open(path);
+  ASSERT_TRUE(reader) << format(reader.errors());
+  EXPECT_EQ((*reader)->meta().clinic_visit, visit.visit);
+  EXPECT_EQ((*reader)->meta().clinic_item, 2U);
+  EXPECT_EQ((*reader)->meta().profile, "");
+}
+
+// The records' process is gone, or nobody has opened a visit: what is armed then is gentle.
+TEST_F(Visits, WithoutAnOpenVisit_TheClinicsGentleLimitsHold) {
+  StationConfig config = barConfig();
+  config.rehearse = false;
+  config.visit_hands_folder = folder_ + "/hands";
+  config.first_parameters = {{"effort_limit_arm_n", 6.0}, {"no_such_parameter", 1.0}};
+  load(config);
+  run(false);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 6.0);
+  orders::OpenVisit visit = ofVisit(2);
+  visit.parameters = {{"effort_limit_arm_n", 12.0}};
+  ASSERT_TRUE(open(visit).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 12.0);
+  ASSERT_TRUE(ask(orders::CloseVisit{2}).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 6.0);
+  Order other_hand = of(orders::LoadExercise{.hand = "woman-p05-left"});
+  other_hand.may_raise_limits = true;
+  ASSERT_TRUE(ask(other_hand).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 6.0);
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
+  ASSERT_TRUE(rendersOn());
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  EXPECT_EQ(record.effort_limit[0], 6.0);
+}
+
+TEST_F(Visits, WithoutAClinic_AreNotHere) {
+  run(false);
+  EXPECT_EQ(open(ofVisit(1)).refusal, Refusal::kNotHere);
+}
+
+}  // namespace
+}  // namespace wholehand::test
