@@ -263,7 +263,7 @@ Json Clinic::patientRows(std::string_view find, std::int64_t only) {
 Json Clinic::patients(Call& call) {
   Json all = patientRows(call.request.find, 0), open = Json::array(), guests = Json::array();
   for (const Json& row : all) {
-    if (row["state"] != "") open.push_back(row);
+    if (!row["state"].get_ref<const std::string&>().empty()) open.push_back(row);
   }
   Statement query = db_->query(
       "SELECT id FROM visit WHERE state = 'guest' AND patient IS NULL ORDER BY began_us");
