@@ -65,6 +65,13 @@ def write_man_pages(program, folder, version, date):
     write([], "whole-hand haptic rendering for hand rehabilitation")
 
 
+def write_clinic_page(program, folder, version, date):
+    environment = {**os.environ, "SOURCE_DATE_EPOCH": str(int(date.timestamp())), "LC_ALL": "C.UTF-8"}
+    page = printed_by("help2man", "--no-info", "--section=1", "--name=keeps a clinic's patients, visits and results",
+                      f"--version-string={version}", str(program), env=environment)
+    write_gzip(folder / "wholehand-clinic.1.gz", page)
+
+
 def names_in(section):
     """Package names of a section of scripts/packages.txt."""
     part = (ROOT / "scripts/packages.txt").read_text().partition(f"[{section}]")[2].partition("\n[")[0]
@@ -122,6 +129,7 @@ def main():
     version = printed_by(program, "--version").split()[1]
     date = date_of_sources()
     write_man_pages(program, papers / "man", version, date)
+    write_clinic_page(build / "wholehand-clinic", papers / "man-clinic", version, date)
     write_gzip(papers / "changelog.gz", f"wholehand ({version}) unstable; urgency=medium\n\n"
                "  * Built from the sources; what changed is in their CHANGELOG.md.\n\n"
                f" -- {MAINTAINER}  {format_datetime(date)}\n")

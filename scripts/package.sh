@@ -21,7 +21,7 @@ if [[ ! -f build/release/build.ninja ]]; then
 else
   configure release -DWHOLEHAND_LAB=OFF # finds what was installed since
 fi
-build release wholehand wholehand_python
+build release wholehand wholehand_clinic_program wholehand_python
 make_packages
 for package in build/packages/*.deb; do
   say "$package $(($(stat -c %s "$package") / 1000)) kB"

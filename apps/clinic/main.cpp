@@ -124,7 +124,7 @@ int serve(ServeOptions o) {
   {
     using std::chrono::seconds;
     const Repeated look_at_station(seconds(1), [&] { clinic.lookAtStation(); });
-    const Repeated look_at_recordings(seconds(2), [&] { clinic.lookAtRecordings(measure, stop); });
+    const Repeated look_at_recordings(seconds(4), [&] { clinic.lookAtRecordings(measure, stop); });
     const Repeated back_up(seconds(60), [&] { clinic.backUpIfDue(); });
     std::array<char, 256> ignored{};
     while (::read(STDIN_FILENO, ignored.data(), ignored.size()) > 0) {

@@ -31,7 +31,7 @@ std::string textOf(const Json& body, const char* key, const std::string& field) 
 }
 
 std::string pinOf(const Json& body, const std::string& field) {
-  const std::string pin = textOf(body, "pin", field);
+  std::string pin = textOf(body, "pin", field);
   const bool digits =
       std::all_of(pin.begin(), pin.end(), [](char c) { return c >= '0' && c <= '9'; });
   if (!digits || pin.size() < kLeastPin || pin.size() > kMostPin) {
@@ -144,12 +144,22 @@ Answer Clinic::answer(const Request& request) {
     refuse(refused);
   } catch (const DatabaseError& error) {
     refuse({503, "database", error.what(), {}});
+    closeLost();
   } catch (const Json::exception&) {
     refuse({503, "database", "a row of the database is damaged; run wholehand-clinic verify", {}});
   } catch (const std::bad_alloc&) {
     refuse({503, "busy", "there is not enough memory; try again", {}});
   }
   return std::move(call.answer);
+}
+
+// Lets go of a database whose file is gone: it may come back.
+void Clinic::closeLost() {
+  try {
+    if (db_) db_->checkFile();
+  } catch (const DatabaseError&) {
+    db_.reset();
+  }
 }
 
 // Opens what is not open yet: what hindered it may be gone by the next request.
@@ -164,23 +174,27 @@ void Clinic::open() {
     hands_ = std::move(*hands);
   }
   std::error_code error;
+  const std::string path = options_.folder + "/clinic.db", keys_path = options_.folder + "/keys";
+  if (!fs::exists(path, error) && (was_open_ || fs::exists(keys_path, error))) {
+    throw DatabaseError(path + ": is gone: put it back, or restore a backup");
+  }
   fs::create_directories(options_.folder + "/hands", error);
   if (error) throw DatabaseError(options_.folder + ": cannot be made: " + error.message());
   fs::permissions(options_.folder, fs::perms::owner_all, error);
-  Database db(options_.folder + "/clinic.db", Database::Mode::kCreate);
+  Database db(path, Database::Mode::kCreate);
   migrate(db);
   Statement clinic = db.query("SELECT id FROM clinic");
   if (clinic.step()) {
-    const auto keys = readKeyFile(options_.folder + "/keys");
+    const auto keys = readKeyFile(keys_path);
     if (!keys) throw DatabaseError(format(keys.errors()));
     if (keys->clinic != clinic.text(0)) {
-      throw DatabaseError(options_.folder +
-                          "/keys: belongs to another clinic than clinic.db; "
+      throw DatabaseError(keys_path +
+                          ": belongs to another clinic than clinic.db; "
                           "copy the file from beside a backup of this one");
     }
-  } else if (fs::exists(options_.folder + "/keys", error)) {
-    throw DatabaseError(options_.folder +
-                        "/keys: is here, but clinic.db is empty: restore a backup; "
+  } else if (fs::exists(keys_path, error)) {
+    throw DatabaseError(keys_path +
+                        ": is here, but clinic.db is empty: restore a backup; "
                         "to begin anew, move the file keys away");
   }
   Statement accounts = db.query("SELECT id, failed FROM account");
@@ -189,6 +203,7 @@ void Clinic::open() {
   }
   last_backup_us_ = newestBackup_us(options_.backups);
   db_ = std::move(db);
+  was_open_ = true;
 }
 
 void Clinic::route(Call& call) {
@@ -291,6 +306,17 @@ void Clinic::log(std::int64_t account, const std::string& what, std::int64_t pat
       clock_.now_us(), account, what, patient, visit, detail);
 }
 
+bool Clinic::tryToLog(std::int64_t account, const std::string& what, std::int64_t patient) {
+  try {
+    Transaction transaction(*db_);
+    log(account, what, patient);
+    transaction.commit();
+    return true;
+  } catch (const DatabaseError&) {
+    return false;
+  }
+}
+
 Json Clinic::state(Call&) {
   const bool is_new = db_->number("SELECT COUNT(*) FROM clinic") == 0;
   Json tiles = Json::array();
@@ -388,7 +414,7 @@ std::string Clinic::newSession(std::int64_t account) {
         [](const auto& a, const auto& b) { return a.second.last_us < b.second.last_us; });
     sessions_.erase(oldest);
   }
-  const std::string token = randomHex(32);
+  std::string token = randomHex(32);
   sessions_[sha256(token)] = {account, clock_.steady_us(), false, 0};
   return token;
 }
@@ -427,9 +453,12 @@ void Clinic::checkPin(std::int64_t account, const Json& body) {
   } else {
     countFailure(tries);  // counts also where the database cannot be written
   }
-  db_->change("UPDATE account SET failed = ? WHERE id = ?", tries.failed, account);
+  try {
+    db_->change("UPDATE account SET failed = ? WHERE id = ?", tries.failed, account);
+  } catch (const DatabaseError&) {  // a full disk keeps nobody out
+  }
   if (right) return;
-  log(account, "wrong PIN");
+  tryToLog(account, "wrong PIN");
   throw Refused{401,
                 "wrong_pin",
                 "this is not the tile's PIN",
@@ -445,7 +474,7 @@ Json Clinic::signIn(Call& call) {
   }
   const auto id = account->get<std::int64_t>();
   checkPin(id, call.body);
-  log(id, "signed in");
+  tryToLog(id, "signed in");
   return {{"token", newSession(id)}, {"account", id}};
 }
 

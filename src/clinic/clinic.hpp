@@ -106,6 +106,7 @@ class Clinic {
 
   // clinic.cpp: requests, sessions, keys
   void open();
+  void closeLost();
   void route(Call& call);
   void admit(Call& call, Access access);
   void perform(Call& call, const Route& route);
@@ -128,6 +129,8 @@ class Clinic {
   [[nodiscard]] std::string unseal(std::string_view kind, std::string_view sealed) const;
   void log(std::int64_t account, const std::string& what, std::int64_t patient = 0,
            std::int64_t visit = 0, const std::string& detail = {});
+  /// Writes the log where it can: a full disk keeps nobody from reading.
+  bool tryToLog(std::int64_t account, const std::string& what, std::int64_t patient = 0);
   void begin(Call& call) { call.transaction.emplace(*db_); }
 
   // clinic_patients.cpp
@@ -183,13 +186,14 @@ class Clinic {
   // trials.cpp
   void storeMeasures(const std::string& name, const SeenFile& file, const std::optional<Json>& json,
                      const std::string& why);
-  void noteMissing(const std::set<std::string>& present);
+  void noteMissing(std::set<std::string> present);
 
   const ClinicOptions options_;
   const Clock& clock_;
   Station& station_;
   std::mutex mutex_;  ///< guards all below
   std::optional<Database> db_;
+  bool was_open_ = false;   ///< the database was there once: none is made in its place
   std::optional<Key> key_;  ///< while the clinic is open
   std::optional<Presets> presets_;
   std::vector<ShippedHand> hands_;
@@ -198,6 +202,7 @@ class Clinic {
   bool asking_ = false;                      ///< an order to the station waits for its reply
   std::int64_t apart_since_us_ = 0;  ///< steady clock: station and database differ; 0: they agree
   std::map<std::string, SeenFile> files_;
+  std::set<std::string> present_;  ///< recordings of the last look, and the one being written
   std::int64_t last_backup_us_ = 0;
   std::string backup_problem_;
 };

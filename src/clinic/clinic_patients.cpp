@@ -145,6 +145,13 @@ Plan Clinic::readPlan(const Json& items, const std::string& field, const Paramet
     item.help = help;
     item.parameters = readParameters(row.value("parameters", Json()), at + ".parameters");
     for (const auto& [name, value] : item.parameters) {
+      const auto has = [&name = name](const std::vector<std::string>& names) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+      };
+      if (!has(presets_->device) && !has(facts->parameters)) {
+        throw badValue(fmt::format("{}.parameters.{}", at, name),
+                       fmt::format("{} has no parameter {}", item.exercise, name));
+      }
       const auto limit = limits.find(name);
       if (!name.starts_with("effort_limit_") || limit == limits.end()) continue;
       if (value > limit->second) {
@@ -256,7 +263,7 @@ Json Clinic::patientRows(std::string_view find, std::int64_t only) {
 Json Clinic::patients(Call& call) {
   Json all = patientRows(call.request.find, 0), open = Json::array(), guests = Json::array();
   for (const Json& row : all) {
-    if (row["state"] != "") open.push_back(row);
+    if (!row["state"].get_ref<const std::string&>().empty()) open.push_back(row);
   }
   Statement query = db_->query(
       "SELECT id FROM visit WHERE state = 'guest' AND patient IS NULL ORDER BY began_us");
@@ -338,14 +345,8 @@ Json Clinic::patient(Call& call) {
   const std::int64_t id = call.ids.at(0);
   Json out = patientJson(id);
   Session& session = sessions_[call.session_id];
-  if (session.opened_patient != id) {
-    try {
-      Transaction transaction(*db_);
-      log(call.session.account, "opened", id);
-      transaction.commit();
-      session.opened_patient = id;
-    } catch (const DatabaseError&) {  // the disk is full: reading goes on
-    }
+  if (session.opened_patient != id && tryToLog(call.session.account, "opened", id)) {
+    session.opened_patient = id;
   }
   return out;
 }
@@ -508,10 +509,10 @@ Json Clinic::noShow(Call& call) {
   checkPatient(id);
   const std::int64_t now_us = clock_.now_us();
   const Json at = call.body.value("at_us", Json(now_us));
-  if (!at.is_number_integer() || at.get<std::int64_t>() > now_us + kDay_us || at < 0) {
+  const std::int64_t at_us = at.is_number_integer() ? at.get<std::int64_t>() : -1;
+  if (at_us < 0 || at_us > now_us + kDay_us) {
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
-  const auto at_us = at.get<std::int64_t>();
   const std::int64_t visit = db_->number("SELECT next_visit FROM clinic");
   db_->run("UPDATE clinic SET next_visit = next_visit + 1");
   db_->change(
@@ -534,12 +535,13 @@ void Clinic::insertNote(Call& call, std::optional<std::int64_t> patient,
   if (kind == "text" && text.empty()) throw badValue("text", "the note is empty");
   const std::int64_t now_us = clock_.now_us();
   const Json at = call.body.value("at_us", Json(now_us));
-  if (!at.is_number_integer() || at < 0 || at.get<std::int64_t>() > now_us + 2 * kDay_us) {
+  const std::int64_t at_us = at.is_number_integer() ? at.get<std::int64_t>() : -1;
+  if (at_us < 0 || at_us > now_us + 2 * kDay_us) {  // the clock may have been set back meanwhile
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
   db_->change(
       "INSERT INTO note (patient, visit, account, at_us, kind, text) VALUES (?, ?, ?, ?, ?, ?)",
-      patient, visit, call.session.account, at.get<std::int64_t>(), kind, Blob{seal("note", text)});
+      patient, visit, call.session.account, at_us, kind, Blob{seal("note", text)});
 }
 
 Json Clinic::notePatient(Call& call) {

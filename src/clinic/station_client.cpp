@@ -45,6 +45,11 @@ fb::Help helpOf(const std::string& word) {
   return word == "some" ? fb::Help::Some : fb::Help::None;
 }
 
+/// The number that a file states: 0.02 crosses the wire in single precision.
+double asWritten(float value) {
+  return std::stod(fmt::format("{}", value));
+}
+
 std::string textOf(const flatbuffers::String* text) {
   return text == nullptr ? std::string{} : text->str();
 }
@@ -60,11 +65,7 @@ class StationClient::Link {
           io_.run();
         }) {}
   ~Link() {
-    net::post(io_, [this] {
-      ending_ = true;
-      again_.cancel();
-      if (socket_) beast::get_lowest_layer(*socket_).close();
-    });
+    io_.stop();  // Beast's timers would go on for seconds
     thread_.join();
   }
   Link(const Link&) = delete;
@@ -159,8 +160,7 @@ class StationClient::Link {
       now.recording = textOf(scene->recording());
       if (scene->parameters() != nullptr) {
         for (const fb::Parameter* p : *scene->parameters()) {
-          now.bounds[textOf(p->name())] = {static_cast<double>(p->lower()),
-                                           static_cast<double>(p->upper())};
+          now.bounds[textOf(p->name())] = {asWritten(p->lower()), asWritten(p->upper())};
         }
       }
       const std::lock_guard lock(mutex_);
@@ -189,10 +189,9 @@ class StationClient::Link {
       ++connection_;
       heard_.notify_all();
     }
-    if (ending_) return;
     again_.expires_after(kConnectAgain);
     again_.async_wait([this](ErrorCode error) {
-      if (!error && !ending_) connect();
+      if (!error) connect();
     });
   }
 
@@ -203,7 +202,6 @@ class StationClient::Link {
   std::unique_ptr<Socket> socket_;
   beast::flat_buffer buffer_;
   std::deque<std::vector<std::uint8_t>> outgoing_;
-  bool ending_ = false;
   mutable std::mutex mutex_;  ///< guards the following
   std::condition_variable heard_;
   StationScene scene_;

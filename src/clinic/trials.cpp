@@ -121,9 +121,12 @@ void Clinic::storeMeasures(const std::string& name, const SeenFile& file,
 }
 
 /// Recordings that the table has and the folder has not.
-void Clinic::noteMissing(const std::set<std::string>& present) {
-  const std::string being_written = station_.scene().recording;
+void Clinic::noteMissing(std::set<std::string> present) {
+  const std::string path = station_.scene().recording;
+  if (!path.empty()) present.insert(fs::path(path).filename().string());
   const Lock lock(mutex_);
+  if (present == present_) return;
+  Transaction transaction(*db_);
   std::vector<std::int64_t> gone;
   {
     Statement rows = db_->query(
@@ -131,12 +134,11 @@ void Clinic::noteMissing(const std::set<std::string>& present) {
         "gone'");
     while (rows.step()) {
       const std::string name = rows.text(1);
-      if (!present.contains(name) && !being_written.ends_with(name))
-        gone.push_back(rows.integer(0));
+      if (present.contains(name)) continue;
+      gone.push_back(rows.integer(0));
+      files_.erase(name);
     }
   }
-  if (gone.empty()) return;
-  Transaction transaction(*db_);
   for (const std::int64_t id : gone) {
     db_->change(
         "UPDATE trial SET why = 'the recording is gone', state = CASE WHEN state ="
@@ -144,6 +146,7 @@ void Clinic::noteMissing(const std::set<std::string>& present) {
         id);
   }
   transaction.commit();
+  present_ = std::move(present);
 }
 
 void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()>& stop) {
@@ -168,8 +171,7 @@ void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()
         if (is_new || known.size != file.size || known.modified_ns != file.modified_ns) {
           Statement row = db_->query(
               "SELECT 1 FROM trial WHERE recording = ? AND size = ? AND modified_ns = ? AND state "
-              "<>"
-              " 'waiting' AND why <> 'the recording is gone'",
+              "IN ('measured', 'ignored') AND why <> 'the recording is gone'",
               file.name, file.size, file.modified_ns);
           known = {file.size, file.modified_ns, now_us, row.step()};
         }
@@ -224,7 +226,6 @@ Expected<std::string> rebuildTrials(const std::string& folder, const std::string
     migrate(db);
     int measured = 0, others = 0;
     const std::vector<Found> found = recordingsOf(recordings);
-    db.run("DELETE FROM trial");
     for (const Found& file : found) {
       std::string why;
       const auto json = measure((fs::path(recordings) / file.name).string(), why);

@@ -11,7 +11,8 @@ namespace wholehand::clinic {
 /// @param stop ends the child early; any thread
 [[nodiscard]] Measure measureByChild(std::string program, std::function<bool()> stop);
 
-/// Forgets every trial and measures the folder's recordings again; visits stay as they are.
+/// Measures the folder's recordings again. Visits stay as they are, and so do the results of
+/// recordings that are gone.
 /// @return what was found, one sentence
 [[nodiscard]] Expected<std::string> rebuildTrials(const std::string& folder,
                                                   const std::string& recordings,

@@ -31,9 +31,9 @@ class Packages(AppTest):
             said("dpkg-deb", "-x", package, cls.root)
         cls.program = cls.root / "usr/bin/wholehand"
 
-    def test_there_are_three_and_lintian_finds_nothing(self):
+    def test_there_are_four_and_lintian_finds_nothing(self):
         self.assertEqual([p.name.partition("_")[0] for p in self.packages],
-                         ["libwholehand-dev", "python3-wholehand", "wholehand"])
+                         ["libwholehand-dev", "python3-wholehand", "wholehand", "wholehand-clinic"])
         found = said("lintian", "--no-cfg", "--fail-on", "error,warning", *self.packages)
         self.assertNotRegex(found, "(?m)^[EW]:")
 

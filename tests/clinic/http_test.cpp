@@ -113,8 +113,8 @@ void playStation(net::ip::tcp::acceptor& acceptor, int orders, std::string& head
   flatbuffers::FlatBufferBuilder scene;
   const auto name = scene.CreateString("effort_limit_arm_n");
   const auto unit = scene.CreateString("N");
-  const auto parameter =
-      fb::CreateParameter(scene, name, fb::ParameterGroup::Patient, unit, 2.0F, 20.0F, 20.0F, 1.0F);
+  const auto parameter = fb::CreateParameter(scene, name, fb::ParameterGroup::Patient, unit, 0.05F,
+                                             20.0F, 20.0F, 1.0F);
   const auto parameters = scene.CreateVector(&parameter, 1);
   fb::SceneBuilder out(scene);
   out.add_parameters(parameters);
@@ -152,7 +152,7 @@ TEST(StationLink, OrdersAndReplies_CrossTheWire_LostConnectionIsSilence) {
   StationClient client(acceptor.local_endpoint().port(), "secret");
   while (!client.scene().heard) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   EXPECT_EQ(client.scene().visit, 5U);
-  EXPECT_EQ(client.scene().bounds.at("effort_limit_arm_n")[1], 20.0);
+  EXPECT_EQ(client.scene().bounds.at("effort_limit_arm_n")[0], 0.05);  // as the file states it
   const VisitOrder order{
       9007199254740993ULL,          2, "cocktail-bar", 3, "", "visit-9-left.toml", "full",
       {{"effort_limit_arm_n", 4.5}}};
