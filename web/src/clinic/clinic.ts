@@ -81,7 +81,7 @@ export class Clinic {
   async lookAtVisit(): Promise<void> {
     const { visit, patient } = await this.api.get<{ visit: Visit | null; patient: PatientRow | null }>('/api/visits/open');
     this.visit = visit;
-    if (visit && visit.patient > 0 && !patient) this.hidden = true;
+    if (visit?.patient && !patient) this.hidden = true;
     this.visitPatient = this.hidden ? null : patient;
     this.onChange();
   }
