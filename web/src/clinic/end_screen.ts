@@ -56,6 +56,10 @@ export class EndScreen implements Screen {
     const { clinic } = this.room;
     this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.said.element));
     try {
+      if (clinic.finished?.visit.id === this.id) {
+        this.finished = clinic.finished.visit;
+        return this.card(this.finished, clinic.finished.next);
+      }
       if (!this.visit) await clinic.lookAtVisit();
       if (this.closed) return;
       if (!this.visit) return this.over();
@@ -119,8 +123,9 @@ export class EndScreen implements Screen {
         clinic.drafts.drop(`${kind}-${id}`, visit.patient ?? 0);
       }
       this.finished = await clinic.api.send<Visit>('POST', `/api/visits/${id}/finish`, { state });
+      clinic.finished = { visit: this.finished, next: notes[0][1].input.value.trim() };
       if (clinic.visit?.id === id) clinic.take(null);
-      this.card(this.finished, notes[0][1].input.value.trim());
+      this.card(this.finished, clinic.finished.next);
     } catch (problem) {
       this.said.problem(problem);
     }
