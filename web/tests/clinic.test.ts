@@ -79,7 +79,7 @@ describe('who may see names', () => {
     expect(JSON.stringify([clinic.state?.visit, clinic.visit, clinic.visitPatient])).not.toContain('Maria');
     // The next item is set up, too.
     const next = await clinic.api.send<Visit>('POST', `/api/visits/${clinic.visit!.id}/item`, { item: 1 });
-    expect(next.next_item).toBe(1);
+    expect(next.item).toBe(1);
     await expect(clinic.api.get(`/api/patients/${maria.id}`)).rejects.toMatchObject({ code: 'hidden' });
     await clinic.show('1234');
     expect([clinic.stage, clinic.visitPatient?.name]).toEqual(['in', 'Maria Huber']);
@@ -299,7 +299,7 @@ describe('a visit', () => {
 
   it('counts active minutes, and stays at its last item', () => {
     expect(activeMin(visit())).toBeCloseTo(280 / 60, 9);
-    expect([0, 1, 2, 7].map((next_item) => itemNow({ ...visit(), next_item }))).toEqual([0, 1, 1, 1]);
+    expect([0, 1, 2, 7].map((item) => itemNow({ ...visit(), item }))).toEqual([0, 1, 1, 1]);
   });
 
   it('without a patient is open until it has ended', () => {

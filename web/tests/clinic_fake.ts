@@ -76,8 +76,8 @@ export class FakeClinic {
     return row;
   }
 
-  open(patient: number, side: Visit['side'], plan: readonly Item[], state: Visit['state'] = 'open', began_us = this.now_us()): Writable<Visit> {
-    const visit: Writable<Visit> = { id: this.last += 1, patient, side, began_us, ended_us: 0, offset_min: 60, state, account: this.account, plan, next_item: 0, trials: [], pain_before: null, pain_after: null };
+  open(patient: number | null, side: Visit['side'], plan: readonly Item[], state: Visit['state'] = 'open', began_us = this.now_us()): Writable<Visit> {
+    const visit: Writable<Visit> = { id: this.last += 1, patient, side, began_us, ended_us: 0, offset_min: 60, state, account: this.account, plan, item: 0, trials: [], pain_before: null, pain_after: null };
     this.visits.push(visit);
     return visit;
   }
@@ -127,8 +127,8 @@ export class FakeClinic {
       case 'POST /api/patients/N/merge': for (const each of this.visits) if (each.patient === body.from) each.patient = id; this.patients = this.patients.filter((other) => other.id !== body.from); return ok({});
       case 'POST /api/patients/N/no_show': this.open(id, 'right', [], 'no_show'); return ok({});
       case 'POST /api/patients/N/visits': return this.openVisit ? refuse(409, 'visit_open', 'open') : ok(this.open(id, body.side as Visit['side'], body.plan as Item[]));
-      case 'POST /api/guest_visits': return this.openVisit ? refuse(409, 'visit_open', 'open') : ok(this.open(0, body.side as Visit['side'], PLAN));
-      case 'GET /api/visits/open': return ok({ visit: this.openVisit ?? null, patient: this.openVisit && !this.hidden ? this.rowOf(this.openVisit.patient) ?? null : null });
+      case 'POST /api/guest_visits': return this.openVisit ? refuse(409, 'visit_open', 'open') : ok(this.open(null, body.side as Visit['side'], PLAN));
+      case 'GET /api/visits/open': return ok({ visit: this.openVisit ?? null, patient: this.openVisit && !this.hidden ? this.rowOf(this.openVisit.patient ?? 0) ?? null : null });
       case 'POST /api/patients/N/notes': case 'POST /api/visits/N/notes': return this.note(body, visit, id);
       case 'PUT /api/notes/N': this.notes = this.notes.map((note) => (note.id === id ? { ...note, text: String(body.text) } : note)); return ok(this.notes.find((note) => note.id === id));
       case 'GET /api/export/patient/N.csv': case 'GET /api/export/all.csv': return { status: 200, body: 'code,day,active_min\r\nP-001,2026-11-02,14\r\n' };
@@ -138,8 +138,8 @@ export class FakeClinic {
 
   private ofVisit(route: string, visit: Writable<Visit>, body: Body): Answer {
     switch (route) {
-      case 'POST /api/visits/N/item': visit.next_item = Number(body.item); visit.state = 'open'; return ok(visit);
-      case 'POST /api/visits/N/finish': visit.state = visit.patient === 0 ? 'guest' : body.state as Visit['state']; visit.ended_us = this.now_us(); return ok(visit);
+      case 'POST /api/visits/N/item': visit.item = Number(body.item); visit.state = 'open'; return ok(visit);
+      case 'POST /api/visits/N/finish': visit.state = visit.patient === null ? 'guest' : body.state as Visit['state']; visit.ended_us = this.now_us(); return ok(visit);
       case 'POST /api/visits/N/pain':
         if (body.value !== null && !(Number.isInteger(body.value) && Number(body.value) >= 0 && Number(body.value) <= 10)) return refuse(400, 'bad_value', 'pain', { field: 'value' });
         visit[body.when === 'before' ? 'pain_before' : 'pain_after'] = body.value as number | null;
@@ -173,7 +173,7 @@ export class FakeClinic {
 
   private list(find: string): Answer {
     const rows = this.patients.map(({ id }) => this.rowOf(id)!).filter(({ name, code }) => `${name} ${code}`.toLowerCase().includes(find.toLowerCase())).sort((a, b) => a.name.localeCompare(b.name));
-    return ok({ open: rows.filter(({ state }) => state !== ''), patients: rows, unassigned: this.visits.filter(({ state }) => state === 'guest') });
+    return ok({ open: rows.filter(({ state }) => state !== ''), patients: rows, guests: this.visits.filter(({ state }) => state === 'guest') });
   }
 
   private rowOf(id: number): PatientRow | undefined {
@@ -187,7 +187,7 @@ export class FakeClinic {
     const visits = this.visits.filter(({ patient }) => patient === row.id), notes = this.notes.filter(({ patient }) => patient === row.id);
     const done = visits.filter(({ trials }) => trials.length > 0);
     const points = (of: (trial: Trial) => number) => done.map(({ began_us, trials }) => [began_us, of(trials.at(-1)!)] as const);
-    return { ...row, visits, notes, today: done.at(-1)?.plan ?? row.plan, curves: [{ name: 'active_min', points: done.map((visit) => [visit.began_us, visit.trials.reduce((sum, { active_s }) => sum + active_s / 60, 0)] as const) },
+    return { ...row, visits, notes, today: done.at(-1)?.plan ?? row.plan, curves: [{ name: 'active_min', points: done.map((visit) => [visit.began_us, visit.trials.reduce((sum, { active_s }) => sum + (active_s ?? 0) / 60, 0)] as const) },
       { name: 'score', points: points(({ results }) => results[0].value) }, { name: 'reach_s', points: points(({ results }) => results[1].value) }, { name: 'helped_share', points: [] }] };
   }
 
@@ -206,7 +206,7 @@ export class FakeClinic {
   }
 
   private note({ kind = 'text', text = '', at_us = this.now_us() }: Body, visit: Visit | undefined, id: number): Answer {
-    const note = { id: this.last += 1, visit: visit?.id ?? 0, patient: visit ? visit.patient : id, at_us: Number(at_us), account: this.account, kind: String(kind), text: String(text) };
+    const note = { id: this.last += 1, visit: visit?.id ?? 0, patient: visit ? visit.patient ?? 0 : id, at_us: Number(at_us), account: this.account, kind: String(kind), text: String(text) };
     this.notes.push(note);
     return ok(note);
   }

@@ -23,6 +23,8 @@ export class Clinic {
   /** The open visit, and to whom it belongs; the person is null while names are hidden. */
   visit: Visit | null = null;
   visitPatient: PatientRow | null = null;
+  /** The visit that was finished last, and what comes next: its card stays until another place is chosen. */
+  finished: { readonly visit: Visit; readonly next: string } | undefined;
   hidden = false;
   /** What was read last of patients, by its path: shown again at once, and while the records do not answer. */
   readonly seen = new Map<string, { readonly at: Date; readonly value: unknown }>();
@@ -81,7 +83,7 @@ export class Clinic {
   async lookAtVisit(): Promise<void> {
     const { visit, patient } = await this.api.get<{ visit: Visit | null; patient: PatientRow | null }>('/api/visits/open');
     this.visit = visit;
-    if (visit && visit.patient > 0 && !patient) this.hidden = true;
+    if (visit?.patient && !patient) this.hidden = true;
     this.visitPatient = this.hidden ? null : patient;
     this.onChange();
   }
@@ -193,6 +195,7 @@ export class Clinic {
 
   private forgetNames(): void {
     this.seen.clear();
+    this.finished = undefined;
     this.visitPatient = null;
     if (this.visit) this.visit = { ...this.visit, notes: [] };
   }

@@ -2,7 +2,7 @@ import { h, svg } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Curve } from './records';
-import { number, resultName, shortDay } from './words';
+import { itemWords, number, resultName, shortDay } from './words';
 
 /** A visit needs another one before there is anything to join. */
 const LEAST = 2;
@@ -30,9 +30,10 @@ export function drawnCurve({ points }: Curve): Drawn | undefined {
 
 /** One value over the visits, with the last one in figures. */
 export function curveFigure(curve: Curve): HTMLElement {
-  const t = texts().curves, name = resultName(curve.name), drawn = drawnCurve(curve);
+  const t = texts().curves, drawn = drawnCurve(curve);
+  const name = [resultName(curve.name), curve.exercise ? itemWords({ exercise: curve.exercise, level: 0 }) : ''].filter(Boolean).join(', ');
   const last = curve.points.at(-1);
-  const head = h('figcaption', {}, h('b', {}, name), h('span', { class: 'num last' }, last ? number(last[1]) : ''));
+  const head = h('figcaption', {}, h('b', {}, name), h('span', { class: 'num last' }, last ? number(last[1]) : '', curve.unit ? h('small', {}, ` ${curve.unit}`) : null));
   if (!drawn) return h('figure', { class: 'curve' }, head, h('p', { class: 'none' }, last ? t.one : t.none));
   return h('figure', { class: 'curve' }, head, picture(curve, drawn, fill(t.image, { name, n: drawn.dots.length, first: number(curve.points[0][1]), last: number(last![1]) })));
 }

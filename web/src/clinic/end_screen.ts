@@ -56,10 +56,14 @@ export class EndScreen implements Screen {
     const { clinic } = this.room;
     this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.said.element));
     try {
+      if (clinic.finished?.visit.id === this.id) {
+        this.finished = clinic.finished.visit;
+        return this.card(this.finished, clinic.finished.next);
+      }
       if (!this.visit) await clinic.lookAtVisit();
       if (this.closed) return;
       if (!this.visit) return this.over();
-      if (this.visit.patient > 0) this.patient = await clinic.api.get<Patient>(`/api/patients/${this.visit.patient}`).catch(() => undefined);
+      if (this.visit.patient) this.patient = await clinic.api.get<Patient>(`/api/patients/${this.visit.patient}`).catch(() => undefined);
       if (!this.closed) this.build(this.visit);
     } catch (problem) {
       if (!this.closed) this.said.problem(problem);
@@ -73,11 +77,11 @@ export class EndScreen implements Screen {
 
   private build(visit: Visit): void {
     const { t, room } = this;
-    this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient, () => {});
+    this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient ?? 0, () => {});
     const drafts = room.clinic.drafts;
     const kept = (what: string): Field => {
-      const field = new Field(what === 'next' ? t.next : t.reason, textInput(`end-${what}`, drafts.get<string>(`${what}-${this.id}`, visit.patient) ?? '', { maxlength: 500 }));
-      field.input.addEventListener('input', () => drafts.set(`${what}-${this.id}`, visit.patient, field.input.value));
+      const field = new Field(what === 'next' ? t.next : t.reason, textInput(`end-${what}`, drafts.get<string>(`${what}-${this.id}`, visit.patient ?? 0) ?? '', { maxlength: 500 }));
+      field.input.addEventListener('input', () => drafts.set(`${what}-${this.id}`, visit.patient ?? 0, field.input.value));
       return field;
     };
     const next = kept('next'), reason = kept('reason');
@@ -116,11 +120,12 @@ export class EndScreen implements Screen {
       for (const [kind, { input }] of notes) {
         if (input.value.trim() === '') continue;
         await clinic.outbox.add(`/api/visits/${id}/notes`, { kind, text: input.value.trim(), at_us: Date.now() * 1000 });
-        clinic.drafts.drop(`${kind}-${id}`, visit.patient);
+        clinic.drafts.drop(`${kind}-${id}`, visit.patient ?? 0);
       }
       this.finished = await clinic.api.send<Visit>('POST', `/api/visits/${id}/finish`, { state });
+      clinic.finished = { visit: this.finished, next: notes[0][1].input.value.trim() };
       if (clinic.visit?.id === id) clinic.take(null);
-      this.card(this.finished, notes[0][1].input.value.trim());
+      this.card(this.finished, clinic.finished.next);
     } catch (problem) {
       this.said.problem(problem);
     }
@@ -138,7 +143,7 @@ export class EndScreen implements Screen {
     this.element.replaceChildren(h('section', { class: 'panel patient-card', 'data-testid': 'patient-card', 'aria-label': t.title }, h('h2', {}, t.title), h('p', { class: 'most' }, fill(t.trained, { min: minutes(activeMin(visit)) })),
       h('ul', {}, ...rows), next === '' ? null : h('p', {}, h('b', {}, t.next), ` ${next}`)),
     h('div', { class: 'pair no-print' }, h('a', { class: 'b go large', href: hashOf({ at: 'patients' }), 'data-testid': 'next-patient' }, t.nextPatient),
-      visit.patient > 0 ? h('a', { class: 'b', href: hashOf({ at: 'patient', patient: visit.patient }), 'data-testid': 'to-patient' }, t.toPatient) : null, button(t.print, 'print-card', () => print())));
+      visit.patient ? h('a', { class: 'b', href: hashOf({ at: 'patient', patient: visit.patient }), 'data-testid': 'to-patient' }, t.toPatient) : null, button(t.print, 'print-card', () => print())));
     this.element.classList.add('carded');
   }
 }
@@ -153,5 +158,5 @@ export function resultTable(trial: Trial, last: Visit | undefined): HTMLElement 
   const words = (result: Result | undefined): string => (result ? `${number(result.value)}${result.unit === '' ? '' : ` ${result.unit}`}` : '–');
   return h('table', { class: 'table results' }, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.result), h('th', { scope: 'col' }, t.now), h('th', { scope: 'col' }, last ? fill(t.last, { day: visitDay(last) }) : t.lastNone))),
     h('tbody', {}, ...rows.map(({ result, before }) => h('tr', {}, h('th', { scope: 'row' }, resultName(result.name)), h('td', { class: 'num' }, words(result)), h('td', { class: 'num' }, words(before)))),
-      h('tr', {}, h('th', { scope: 'row' }, t.helped), h('td', { class: 'num' }, `${Math.round(100 * trial.helped_share)} %`), h('td', { class: 'num' }, '')) ));
+      h('tr', {}, h('th', { scope: 'row' }, t.helped), h('td', { class: 'num' }, trial.helped_share === null ? '–' : `${Math.round(100 * trial.helped_share)} %`), h('td', { class: 'num' }, '')) ));
 }

@@ -2,6 +2,14 @@ import { newKey, Refused, type ClinicApi } from './api';
 import type { Drafts } from './drafts';
 import type { Note } from './records';
 
+/** Where the number of a new note is found: the note itself, or in what it belongs to. */
+type Added = Partial<Note> & { readonly notes?: readonly Note[] };
+
+function numberOf(added: Added, text: string, at_us: number): number {
+  const same = (note: Partial<Note>): boolean => note.text === text && note.at_us === at_us;
+  return (same(added) ? added.id : added.notes?.find(same)?.id) ?? 0;
+}
+
 /** A note is saved so long after the last key [ms]. */
 export const SAVED_AFTER_MS = 1000;
 
@@ -66,8 +74,7 @@ export class NoteKeeper {
   private async send(writing: Writing): Promise<void> {
     const { text, at_us, key, note, saved } = writing;
     try {
-      const answer = note > 0 ? await this.longer(note, text, saved) : await this.api.send<Partial<Note>>('POST', this.path, { kind: 'text', text, at_us }, key);
-      const id = note > 0 ? note : Number(answer.id) || 0;
+      const id = note > 0 ? await this.longer(note, text, saved) : numberOf(await this.api.send<Added>('POST', this.path, { kind: 'text', text, at_us }, key), text, at_us);
       // Meanwhile more may have been typed.
       if (this.writing) this.keep({ ...this.writing, note: id, saved: text });
       this.become(this.writing?.text === text ? 'saved' : 'typing');
@@ -79,13 +86,15 @@ export class NoteKeeper {
   }
 
   /** Changes the note; where the records cannot, what came after is a note of its own. */
-  private async longer(note: number, text: string, saved: string): Promise<Partial<Note>> {
+  private async longer(note: number, text: string, saved: string): Promise<number> {
     try {
-      return await this.api.send<Partial<Note>>('PUT', `/api/notes/${note}`, { text });
+      await this.api.send('PUT', `/api/notes/${note}`, { text });
+      return note;
     } catch (problem) {
       if (!(problem instanceof Refused) || !['not_found', 'bad_value', 'other'].includes(problem.code)) throw problem;
       const more = text.startsWith(saved) ? text.slice(saved.length).trim() : text;
-      return more === '' ? {} : this.api.send<Partial<Note>>('POST', this.path, { kind: 'text', text: more, at_us: Math.round(this.now_ms() * 1000) });
+      if (more !== '') await this.api.send('POST', this.path, { kind: 'text', text: more, at_us: Math.round(this.now_ms() * 1000) });
+      return note;
     }
   }
 

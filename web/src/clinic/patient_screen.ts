@@ -126,7 +126,7 @@ export class PatientScreen implements Screen {
     if (visit.state === 'no_show') return h('li', { 'data-visit': visit.id }, when, h('span', { class: 'tag' }, t.noShow));
     const pain = visit.pain_before === null && visit.pain_after === null ? '' : fill(t.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) });
     const tag = visit.state === 'unfinished' ? t.unfinished : visit.state === 'open' ? t.open : '';
-    const links = h('span', { class: 'links' }, h('a', { href: hashOf({ at: 'summary', patient: visit.patient, visit: visit.id }) }, t.look), visit.state === 'open' ? null : button(t.move, `move-${visit.id}`, () => this.move(visit)));
+    const links = h('span', { class: 'links' }, h('a', { href: hashOf({ at: 'summary', patient: this.id, visit: visit.id }) }, t.look), visit.state === 'open' ? null : button(t.move, `move-${visit.id}`, () => this.move(visit)));
     return h('li', { 'data-visit': visit.id }, when, h('div', { class: 'did' },
       h('div', { class: 'first' }, h('span', {}, h('b', {}, minutes(activeMin(visit))), ` ${[t.active, sideWords(visit.side), pain].filter(Boolean).join(' · ')} `, tag ? h('span', { class: 'tag warn' }, tag) : null), links),
       ...(visit.trials.length === 0 ? [h('small', {}, t.nothingDone)] : visit.trials.map((trial) => this.trialRow(trial, earlier)))));
@@ -137,7 +137,7 @@ export class PatientScreen implements Screen {
     const { t } = this, token = tokenOf(location), name = itemWords(trial);
     const link = (href: string, words: string, spoken: string): HTMLElement => h('a', { href, target: '_blank', rel: 'noopener', 'aria-label': `${words}: ${spoken}` }, words);
     const before = earlier.flatMap(({ trials }) => trials).find((other) => other.exercise === trial.exercise && other.recording !== '');
-    const words = trial.state === 'measured' ? [...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share > 0 ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : [])].join(' · ')
+    const words = trial.state === 'measured' ? [...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : [])].join(' · ')
       : trial.state === 'waiting' ? t.waiting : fill(t.failedTrial, { why: trial.why ?? '' });
     return h('div', { class: 'trial' }, h('span', {}, name, h('small', {}, words)), trial.recording === '' ? h('span', { class: 'aside' }, t.noRecording) : h('span', { class: 'links' },
       link(replayUrl([trial.recording], token), t.replay, name), link(reportUrl(trial.recording, token), t.report, name), before ? link(replayUrl([trial.recording, before.recording], token), t.compare, name) : null));

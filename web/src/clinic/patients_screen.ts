@@ -84,7 +84,7 @@ export class PatientsScreen implements Screen {
     const shown = JSON.stringify(list);
     if (shown === this.shown) return;
     this.shown = shown;
-    this.cards.replaceChildren(...list.open.map((row) => this.card(row)), ...(list.unassigned ?? []).map((visit) => this.unassigned(visit)));
+    this.cards.replaceChildren(...list.open.map((row) => this.card(row)), ...(list.guests ?? []).map((visit) => this.unassigned(visit)));
     const searched = this.find.value.trim() !== '';
     const empty = list.patients.length === 0 && !searched;
     this.element.classList.toggle('none-yet', empty);

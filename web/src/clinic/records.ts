@@ -11,7 +11,7 @@ export interface RecordsState {
   readonly station: { readonly heard: boolean };
   /** Number of the open visit; 0: none. */
   readonly visit: number;
-  readonly backup: { readonly last_us: number; readonly folder: string };
+  readonly backup: { readonly last_us: number; readonly folder: string; readonly problem?: string };
 }
 
 export interface Item {
@@ -43,7 +43,7 @@ export interface PatientList {
   readonly open: readonly PatientRow[];
   readonly patients: readonly PatientRow[];
   /** Ended visits without a patient, to be assigned or deleted. */
-  readonly unassigned?: readonly Visit[];
+  readonly guests?: readonly Visit[];
 }
 
 export interface Size { readonly length_m: number; readonly breadth_m: number }
@@ -79,8 +79,9 @@ export interface Trial {
   readonly level: number;
   readonly recording: string;
   readonly began_us: number;
-  readonly active_s: number;
-  readonly helped_share: number;
+  /** null where nothing was measured. */
+  readonly active_s: number | null;
+  readonly helped_share: number | null;
   readonly results: readonly Result[];
   readonly state: 'measured' | 'waiting' | 'failed';
   readonly why?: string;
@@ -88,7 +89,8 @@ export interface Trial {
 
 export interface Visit {
   readonly id: number;
-  readonly patient: number;
+  /** null: nobody yet. */
+  readonly patient: number | null;
   readonly side: OneSide;
   readonly began_us: number;
   readonly ended_us: number;
@@ -96,7 +98,8 @@ export interface Visit {
   readonly state: 'open' | 'unfinished' | 'done' | 'no_show' | 'guest';
   readonly account: string | number;
   readonly plan: readonly Item[];
-  readonly next_item: number;
+  /** What is set up. */
+  readonly item: number;
   readonly trials: readonly Trial[];
   readonly notes?: readonly Note[];
   /** 0 is an answer; null: not asked. */
@@ -104,7 +107,7 @@ export interface Visit {
   readonly pain_after: number | null;
 }
 
-export interface Curve { readonly name: string; readonly points: readonly (readonly [t_us: number, value: number])[] }
+export interface Curve { readonly name: string; readonly exercise?: string; readonly unit?: string; readonly points: readonly (readonly [t_us: number, value: number])[] }
 
 export interface Patient extends PatientText {
   readonly id: number;
@@ -116,14 +119,14 @@ export interface Patient extends PatientText {
 }
 
 /** Active minutes of a visit. */
-export const activeMin = ({ trials }: Pick<Visit, 'trials'>): number => trials.reduce((sum, { active_s }) => sum + (active_s || 0), 0) / 60;
+export const activeMin = ({ trials }: Pick<Visit, 'trials'>): number => trials.reduce((sum, { active_s }) => sum + (active_s ?? 0), 0) / 60;
 
 /** Active seconds of an item of the plan. */
 export const activeOf_s = ({ trials }: Pick<Visit, 'trials'>, item: number): number =>
-  trials.filter((trial) => trial.item === item).reduce((sum, { active_s }) => sum + (active_s || 0), 0);
+  trials.filter((trial) => trial.item === item).reduce((sum, { active_s }) => sum + (active_s ?? 0), 0);
 
-/** The item that is set up; the last one where all are done. */
-export const itemNow = ({ plan, next_item }: Pick<Visit, 'plan' | 'next_item'>): number => Math.max(0, Math.min(next_item, plan.length - 1));
+/** The item that is set up, within the plan. */
+export const itemNow = ({ plan, item }: Pick<Visit, 'plan' | 'item'>): number => Math.max(0, Math.min(item, plan.length - 1));
 
 /** It goes on: it may be trained in, and nothing else begins. */
 export const isOpen = ({ state, ended_us }: Visit): boolean => state === 'open' || (state === 'guest' && ended_us === 0);

@@ -9,7 +9,7 @@ export type Route =
 export function routeOf(hash: string): Route {
   const parts = hash.replace(/^#\/?/, '').split('/');
   const [place, first, more, second] = parts;
-  const number = (text: string | undefined): number => (/^\d{1,15}$/.test(text ?? '') ? Number(text) : 0);
+  const number = (text: string | undefined): number => (/^\d{1,16}$/.test(text ?? '') ? Number(text) : 0);
   const id = number(first);
   if (place === 'new') return { at: 'new' };
   if (place === 'settings') return { at: 'settings' };

@@ -25,10 +25,11 @@ export class SettingsScreen implements Screen {
 
   refresh(): void {
     const { t } = this, backup = this.room.clinic.state?.backup;
-    const old = !backup || backup.last_us === 0 || Date.now() - backup.last_us / 1000 > OLD_MS;
+    const old = !backup || backup.problem !== undefined || backup.last_us === 0 || Date.now() - backup.last_us / 1000 > OLD_MS;
     const words = !backup || backup.folder === '' ? t.noFolder : backup.last_us === 0 ? fill(t.noBackup, { folder: backup.folder }) : fill(t.lastBackup, { day: dayOf(backup.last_us), at: clockOf(backup.last_us), folder: backup.folder });
     this.backup.className = old ? 'warning' : '';
-    if (this.backup.textContent !== words) this.backup.textContent = words;
+    const said = backup?.problem ? `${words} ${fill(t.backupProblem, { why: backup.problem })}` : words;
+    if (this.backup.textContent !== said) this.backup.textContent = said;
   }
 
   private people(): HTMLElement {

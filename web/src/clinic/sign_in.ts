@@ -1,4 +1,5 @@
 import { h, say } from '../console/dom';
+import { Refused } from './api';
 import { texts } from './i18n';
 import type { Room } from './page';
 import type { Tile } from './records';
@@ -41,7 +42,8 @@ export class UnlockScreen implements Screen {
           await this.room.clinic.api.send('POST', '/api/unlock', byCode ? { recovery_code: field.input.value.trim() } : { pass_phrase: field.input.value });
           await this.room.clinic.look((url, init) => fetch(url, init));
         } catch (problem) {
-          said.problem(problem);
+          if (problem instanceof Refused && problem.field === 'recovery_code') said.say(t.mistyped);
+          else said.problem(problem);
           field.input.select();
         }
       });

@@ -77,7 +77,7 @@ export class VisitScreen implements Screen {
   who(): readonly [string, string] {
     const { visitPatient, visit } = this.room.clinic, { t } = this;
     const side = visit ? sideWords(visit.side) : '';
-    if (visit?.patient === 0 || visit?.state === 'guest') return [t.noPatient, `${side} · ${t.gentle}`];
+    if (visit && !visit.patient) return [t.noPatient, `${side} · ${t.gentle}`];
     if (!this.named || !visitPatient) return [t.hiddenName, side];
     return [visitPatient.name, `${visitPatient.code} · ${side}`];
   }
@@ -156,7 +156,7 @@ export class VisitScreen implements Screen {
     const plan = besideTitle(panel(t.plan, 'planned', h('p', { class: 'session' }, this.clock, ' ', this.active), this.planned, this.said.element, h('div', { class: 'pair acts' }, this.next, this.stop, this.end)));
     const marks = panel(t.marks, 'marks', h('div', { class: 'mark-keys' }, ...MARKS.map((kind) => button(texts().notes.kinds[kind], `mark-${kind}`, () => this.mark(kind)))), this.marked);
     if (this.named) {
-      this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient, () => void room.clinic.lookAtVisit().catch(() => {}));
+      this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient ?? 0, () => void room.clinic.lookAtVisit().catch(() => {}));
       marks.append(this.note.element);
     }
     this.element.replaceChildren(h('div', { class: 'col seen' }, this.side, this.picture, h('div', { class: 'under' }, marks, panel(t.pain, 'pains', this.painPlace))), h('div', { class: 'col' }, plan, this.controls));
@@ -178,7 +178,7 @@ export class VisitScreen implements Screen {
     const from_us = (tally.from?.getTime() ?? 0) * 1000;
     const measured = visit.trials.some(({ began_us, state }) => state === 'measured' && began_us > from_us - 5e6);
     const live_s = from_us > visit.began_us - 5e6 && !measured ? tally.active_s : 0;
-    const all_s = live_s + visit.trials.reduce((sum, { active_s }) => sum + (active_s || 0), 0);
+    const all_s = live_s + visit.trials.reduce((sum, { active_s }) => sum + (active_s ?? 0), 0);
     return fill(t.active, { item: duration(activeOf_s(visit, now) + live_s), of: visit.plan[now]?.minutes ?? 0, all: duration(all_s) });
   }
 

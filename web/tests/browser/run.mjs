@@ -12,6 +12,7 @@ import { bodiesAreReplayed } from './body_checks.mjs';
 import * as cameras from './camera_checks.mjs';
 import { chartsAreOneFile } from './chart_checks.mjs';
 import * as checks from './checks.mjs';
+import * as clinic from './clinic_checks.mjs';
 import { commissionedThroughThePage } from './commission_checks.mjs';
 import { besideAConsole, costOf } from './cost_checks.mjs';
 import { drinksByEveryWay } from './drink_checks.mjs';
@@ -76,6 +77,9 @@ const TESTS = [
   ['any exercise shows its panel', panels.anyExerciseShowsItsPanel],
   ['profiles are kept', panels.profilesAreKept],
   ['a device is commissioned through its page', commissionedThroughThePage, PACED],
+  ['a therapist keeps a patient', clinic.therapistKeepsAPatient, PACED],
+  ['names disappear, and nothing typed', clinic.namesDisappear, PACED],
+  ['records are killed in a session', clinic.recordsAreKilled, PACED],
   ['replay of a recording', replays.recordingIsReplayed],
   ['replay of two beside each other', replays.twoAreReplayed],
   ['replay says what it cannot show', replays.badRecordingsAreSaid],

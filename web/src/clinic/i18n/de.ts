@@ -22,7 +22,7 @@ export const de: ClinicTexts = {
   },
   sides: { right: 'rechte Hand', left: 'linke Hand', both: 'beide Hände' },
   helps: { full: 'Viel', some: 'Etwas', none: 'Keine' }, helpOf: 'Hilfe: {help}', min: '{n} min',
-  presets: { gentle: 'Sanft', medium: 'Mittel', normal: 'Normal', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
+  presets: { usual: 'Üblich', gentle: 'Sanft', medium: 'Mittel', normal: 'Normal', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
   results: {
     active_min: 'Aktive Minuten', score: 'Punkte', stars: 'Sterne', done: 'Geschafft', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg zu Luftlinie', helped_share: 'Geholfen',
     steady: 'Ruhig gehalten', level: 'Stufe', time_s: 'Zeit', hits: 'Treffer',
@@ -35,7 +35,7 @@ export const de: ClinicTexts = {
     code: { title: 'Notschlüssel', words: 'Er öffnet die Akten, wenn das Kennwort vergessen ist. Er wird nur dieses Mal gezeigt.', paper: 'Drucken Sie ihn und schliessen Sie ihn weg, nicht bei diesem Computer.', print: 'Drucken', kept: 'Ich habe ihn auf Papier', on: 'Weiter' },
   },
   tile: { colour: 'Farbe', colours: ['Grün', 'Blau', 'Purpur', 'Braun', 'Violett', 'Rot'] },
-  unlock: { title: 'Akten öffnen', words: 'Einmal am Tag, und nach einem Neustart.', phrase: 'Kennwort', code: 'Notschlüssel', open: 'Öffnen', byCode: 'Notschlüssel nehmen', byPhrase: 'Kennwort nehmen' },
+  unlock: { mistyped: 'Der Schlüssel ist falsch abgeschrieben. Vergleichen Sie ihn mit dem gedruckten, Gruppe für Gruppe.', title: 'Akten öffnen', words: 'Einmal am Tag, und nach einem Neustart.', phrase: 'Kennwort', code: 'Notschlüssel', open: 'Öffnen', byCode: 'Notschlüssel nehmen', byPhrase: 'Kennwort nehmen' },
   who: { title: 'Wer arbeitet?', again: 'Namen sind ausgeblendet', kept: 'Was Sie geschrieben haben, ist noch da.', pin: 'PIN', ok: 'OK', back: 'Letzte Ziffer löschen', other: 'Jemand anderes' },
   picker: { find: 'Name oder Code', cancel: 'Abbrechen', nobody: 'Niemand heisst so.' },
   patients: {
@@ -83,7 +83,7 @@ export const de: ClinicTexts = {
   },
   sheet: { back: 'Zurück zu {name}', print: 'Drucken', nothing: 'Noch nichts zu drucken.', progress: 'Verlauf', visit: 'Sitzung vom', day: 'Tag', hand: 'Hand', done: 'Gemacht', active: 'Aktiv', pain: 'Schmerz vorher → nachher' },
   settings: {
-    title: 'Einstellungen', people: 'Wer hier arbeitet', newPerson: 'Jemand Neues', name: 'Name', add: 'Hinzufügen', backup: 'Sicherung', noFolder: 'Kein Ordner für Sicherungen. Starten Sie das Programm mit einem.', noBackup: 'Noch keine Sicherung in {folder}.', lastBackup: 'Letzte Sicherung: {day}, {at}, in {folder}.',
+    title: 'Einstellungen', people: 'Wer hier arbeitet', newPerson: 'Jemand Neues', name: 'Name', add: 'Hinzufügen', backupProblem: 'Sie misslang: {why}', backup: 'Sicherung', noFolder: 'Kein Ordner für Sicherungen. Starten Sie das Programm mit einem.', noBackup: 'Noch keine Sicherung in {folder}.', lastBackup: 'Letzte Sicherung: {day}, {at}, in {folder}.',
     export: 'Export', exportWords: 'Alle Personen nach Code, ohne Namen.', csvAll: 'Als CSV speichern', leaving: 'Ende des Tages', lockWords: 'Verschlossen brauchen die Akten wieder das Kennwort.', signOut: 'Abmelden', lock: 'Akten verschliessen',
   },
 };

@@ -20,7 +20,7 @@ export const en = {
   } as Record<string, string>,
   sides: { right: 'right hand', left: 'left hand', both: 'both hands' },
   helps: { full: 'Full', some: 'Some', none: 'None' }, helpOf: 'Help: {help}', min: '{n} min',
-  presets: { gentle: 'Gentle', medium: 'Medium', normal: 'Normal', strong: 'Strong', first: 'First visit', short: 'Short', long: 'Long' } as Record<string, string>,
+  presets: { usual: 'Usual', gentle: 'Gentle', medium: 'Medium', normal: 'Normal', strong: 'Strong', first: 'First visit', short: 'Short', long: 'Long' } as Record<string, string>,
   results: {
     active_min: 'Active minutes', score: 'Score', stars: 'Stars', done: 'Done', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Path over straight line', helped_share: 'Helped',
     steady: 'Grip held steady', level: 'Level', time_s: 'Time', hits: 'Hits',
@@ -33,7 +33,7 @@ export const en = {
     code: { title: 'Recovery code', words: 'It opens the records if the pass phrase is forgotten. It is shown this once.', paper: 'Print it and lock it away, not beside this computer.', print: 'Print', kept: 'I have it on paper', on: 'Go on' },
   },
   tile: { colour: 'Colour', colours: ['Green', 'Blue', 'Purple', 'Brown', 'Violet', 'Red'] },
-  unlock: { title: 'Open the records', words: 'Once a day, and after a restart.', phrase: 'Pass phrase', code: 'Recovery code', open: 'Open', byCode: 'Use the recovery code', byPhrase: 'Use the pass phrase' },
+  unlock: { mistyped: 'The code was mistyped. Compare it with the printed one, group by group.', title: 'Open the records', words: 'Once a day, and after a restart.', phrase: 'Pass phrase', code: 'Recovery code', open: 'Open', byCode: 'Use the recovery code', byPhrase: 'Use the pass phrase' },
   who: { title: 'Who works?', again: 'Names are hidden', kept: 'What you typed is kept.', pin: 'PIN', ok: 'OK', back: 'Delete the last digit', other: 'Somebody else' },
   picker: { find: 'Name or code', cancel: 'Cancel', nobody: 'Nobody of that name or code.' },
   patients: {
@@ -81,7 +81,7 @@ export const en = {
   },
   sheet: { back: 'Back to {name}', print: 'Print', nothing: 'There is nothing to print yet.', progress: 'Progress', visit: 'Visit of', day: 'Day', hand: 'Hand', done: 'Done', active: 'Active', pain: 'Pain before → after' },
   settings: {
-    title: 'Settings', people: 'Who works here', newPerson: 'Somebody new', name: 'Name', add: 'Add', backup: 'Backup', noFolder: 'No folder for backups is set. Start the program with one.', noBackup: 'No backup yet in {folder}.', lastBackup: 'Last backup: {day}, {at}, in {folder}.',
+    title: 'Settings', people: 'Who works here', newPerson: 'Somebody new', name: 'Name', add: 'Add', backupProblem: 'It failed: {why}', backup: 'Backup', noFolder: 'No folder for backups is set. Start the program with one.', noBackup: 'No backup yet in {folder}.', lastBackup: 'Last backup: {day}, {at}, in {folder}.',
     export: 'Export', exportWords: 'All patients by code, without names.', csvAll: 'Save as CSV', leaving: 'End of the day', lockWords: 'Locked, the records need the pass phrase again.', signOut: 'Sign out', lock: 'Lock the records',
   },
 };

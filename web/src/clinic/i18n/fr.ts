@@ -22,7 +22,7 @@ export const fr: ClinicTexts = {
   },
   sides: { right: 'main droite', left: 'main gauche', both: 'deux mains' },
   helps: { full: 'Beaucoup', some: 'Un peu', none: 'Aucune' }, helpOf: 'Aide : {help}', min: '{n} min',
-  presets: { gentle: 'Doux', medium: 'Moyen', normal: 'Normal', strong: 'Fort', first: 'Première séance', short: 'Court', long: 'Long' },
+  presets: { usual: 'Habituel', gentle: 'Doux', medium: 'Moyen', normal: 'Normal', strong: 'Fort', first: 'Première séance', short: 'Court', long: 'Long' },
   results: {
     active_min: 'Minutes actives', score: 'Points', stars: 'Étoiles', done: 'Fait', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet sur ligne droite', helped_share: 'Aidé',
     steady: 'Prise tenue', level: 'Niveau', time_s: 'Temps', hits: 'Réussites',
@@ -35,7 +35,7 @@ export const fr: ClinicTexts = {
     code: { title: 'Code de secours', words: 'Il ouvre les dossiers si la phrase secrète est oubliée. Il n’est montré que cette fois.', paper: 'Imprimez-le et gardez-le sous clé, pas près de cet ordinateur.', print: 'Imprimer', kept: 'Je l’ai sur papier', on: 'Continuer' },
   },
   tile: { colour: 'Couleur', colours: ['Vert', 'Bleu', 'Pourpre', 'Brun', 'Violet', 'Rouge'] },
-  unlock: { title: 'Ouvrir les dossiers', words: 'Une fois par jour, et après un redémarrage.', phrase: 'Phrase secrète', code: 'Code de secours', open: 'Ouvrir', byCode: 'Prendre le code de secours', byPhrase: 'Prendre la phrase secrète' },
+  unlock: { mistyped: 'Le code est mal tapé. Comparez-le avec celui qui est imprimé, groupe par groupe.', title: 'Ouvrir les dossiers', words: 'Une fois par jour, et après un redémarrage.', phrase: 'Phrase secrète', code: 'Code de secours', open: 'Ouvrir', byCode: 'Prendre le code de secours', byPhrase: 'Prendre la phrase secrète' },
   who: { title: 'Qui travaille ?', again: 'Les noms sont masqués', kept: 'Ce que vous avez écrit est gardé.', pin: 'Code PIN', ok: 'OK', back: 'Effacer le dernier chiffre', other: 'Quelqu’un d’autre' },
   picker: { find: 'Nom ou code', cancel: 'Annuler', nobody: 'Personne n’a ce nom ni ce code.' },
   patients: {
@@ -83,7 +83,7 @@ export const fr: ClinicTexts = {
   },
   sheet: { back: 'Retour à {name}', print: 'Imprimer', nothing: 'Il n’y a encore rien à imprimer.', progress: 'Évolution', visit: 'Séance du', day: 'Jour', hand: 'Main', done: 'Fait', active: 'Actif', pain: 'Douleur avant → après' },
   settings: {
-    title: 'Réglages', people: 'Qui travaille ici', newPerson: 'Une nouvelle personne', name: 'Nom', add: 'Ajouter', backup: 'Copie de sécurité', noFolder: 'Aucun répertoire pour les copies. Lancez le programme avec un.', noBackup: 'Pas encore de copie dans {folder}.', lastBackup: 'Dernière copie : {day}, {at}, dans {folder}.',
+    title: 'Réglages', people: 'Qui travaille ici', newPerson: 'Une nouvelle personne', name: 'Nom', add: 'Ajouter', backupProblem: 'Échec : {why}', backup: 'Copie de sécurité', noFolder: 'Aucun répertoire pour les copies. Lancez le programme avec un.', noBackup: 'Pas encore de copie dans {folder}.', lastBackup: 'Dernière copie : {day}, {at}, dans {folder}.',
     export: 'Export', exportWords: 'Tous les patients par code, sans noms.', csvAll: 'Enregistrer en CSV', leaving: 'Fin de la journée', lockWords: 'Verrouillés, les dossiers redemandent la phrase secrète.', signOut: 'Quitter', lock: 'Verrouiller les dossiers',
   },
 };
