@@ -14,7 +14,7 @@
 namespace wholehand {
 
 /// Keeps `wholehand-clinic serve` running beside the loop, and starts it again when it ends: the
-/// loop and its stops do not depend on it (docs/adr/0076). The child ends with
+/// loop and its stops do not depend on it (docs/adr/0076-a-clinics-process.md). The child ends with
 /// this process. Its port stays the same.
 class ClinicProcess {
  public:
