@@ -376,6 +376,9 @@ Json Clinic::init(Call& call) {
 
 Json Clinic::unlock(Call& call) {
   if (key_) return Json::object();
+  if (db_->number("SELECT COUNT(*) FROM clinic") == 0) {
+    throw Refused{423, "locked", "this clinic has not begun; give it a pass phrase", {}};
+  }
   Tries& tries = tries_[0];
   refuseWhileWaiting(tries);
   const auto keys = readKeyFile(options_.folder + "/keys");
