@@ -7,6 +7,7 @@ import { ScenePanel } from '../console/scene_panel';
 import type { EventT } from '../protocol';
 import type { HandLook, PacedView } from '../scene/paced_view';
 import { duration } from '../shared/format';
+import { FreshButtons } from '../shared/fresh_buttons';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { NoteBox } from './notes';
@@ -52,7 +53,9 @@ export class VisitScreen implements Screen {
   private note: NoteBox | undefined;
   private painAsked: When | undefined;
   private painShown = '';
+  private painWhen: When | undefined;
   private readonly painPlace = h('div', { class: 'pain-place' });
+  private readonly painFresh = new FreshButtons(this.painPlace);
   private marks: readonly string[] = [];
   private closed = false;
   private busy = false;
@@ -289,14 +292,17 @@ export class VisitScreen implements Screen {
     void this.room.clinic.outbox.add(`/api/visits/${this.id}/notes`, { kind, text: '', at_us });
   }
 
-  /** Before the first trial it is asked for before, later for after; the other one is a touch away. */
+  /** Until the first item has ended it is asked for before, later for after; the other one is a touch away. */
   private showPain(visit: Visit): void {
-    const { tally } = this.room.model;
+    const { tally, status } = this.room.model;
     const trained = visit.trials.length > 0 || (tally.active_s > 0 && (tally.from?.getTime() ?? 0) * 1000 > visit.began_us - 5e6);
-    const when: When = this.painAsked ?? (trained ? 'after' : 'before');
+    const ended = trained && !['rendering', 'paused'].includes(status.name);
+    const when: When = this.painAsked ?? (ended || this.painWhen === 'after' ? 'after' : 'before');
     const shown = JSON.stringify([when, visit.pain_before, visit.pain_after]);
     if (this.painShown === shown) return;
     this.painShown = shown;
+    if (this.painWhen !== when && this.painWhen !== undefined && this.painAsked === undefined) this.painFresh.changed();
+    this.painWhen = when;
     const t = texts().pain;
     const whens = choice(this.t.pain, [{ key: 'before', name: t.before }, { key: 'after', name: t.after }], when, (key) => { this.painAsked = key as When; this.showPain(this.visit ?? visit); });
     const focused = document.activeElement?.getAttribute('data-testid');
