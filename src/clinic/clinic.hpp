@@ -3,7 +3,7 @@
 #include "clinic/clock.hpp"
 #include "clinic/database.hpp"
 #include "clinic/keys.hpp"
-#include "clinic/presets.hpp"
+#include "clinic/presets/presets.hpp"
 #include "clinic/refused.hpp"
 #include "clinic/station.hpp"
 

@@ -10,13 +10,13 @@
 #include "assembly/models.hpp"
 #include "assembly/program_version.hpp"
 #include "assembly/run.hpp"
+#include "clinic/presets/presets.hpp"
 #include "commissioning/daily_check.hpp"
 #include "device/host/hosted_driver.hpp"
 #include "device/plugin/device_driver.hpp"
 #include "device/plugin/observed_driver.hpp"
 #include "device/plugin/plugin_device.hpp"
 #include "files/text_file.hpp"
-#include "model/toml/toml_file.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "replay/replay_children.hpp"
 #include "runtime/interrupt_scope.hpp"
@@ -32,7 +32,6 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -198,22 +197,6 @@ Expected<Done> checkDevice(const MakeDevice& make_device, const DeviceModel& mod
   auto fits = make_device(model);
   if (!fits) return fits.errors();
   return Done{};
-}
-
-/// The gentlest limits that a clinic offers: what holds while no visit is open.
-Expected<std::map<std::string, double>> gentleLimits() {
-  const std::string path = shippedFile("config/clinic/presets.toml");
-  TomlFile file(path, "clinic-presets");
-  if (!file.readable()) return file.finish();
-  std::map<std::string, double> limits;
-  for (TomlTable& preset : file.root().tables("force", 1)) {
-    auto parameters = preset.optionalTable("parameters");
-    if (!parameters || !limits.empty()) continue;
-    for (const std::string& name : parameters->keys()) {
-      limits[name] = parameters->number(name, NumberRule{});
-    }
-  }
-  return limits;
 }
 
 /// The process of the clinic's records; null: none is asked for. Its token is in no process list.
@@ -409,9 +392,9 @@ int playCommand(RunOptions options) {
   auto clinic = clinicOf(options, terminal);
   if (!clinic) return refuse(clinic.errors());
   if (*clinic) {
-    auto limits = gentleLimits();
-    if (!limits) return refuse(limits.errors());
-    config.first_parameters = std::move(*limits);
+    auto presets = clinic::loadPresets(shippedFile("config/clinic/presets.toml"));
+    if (!presets) return refuse(presets.errors());
+    config.first_parameters = presets->force.front().parameters;  // while no visit is open
   }
   auto driver = useDriver(options, config, terminal);
   if (!driver) return refuse(driver.errors());

@@ -5,6 +5,7 @@
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "apps/wholehand/sweep/sweep_command.hpp"
 #include "assembly/rig.hpp"
+#include "clinic/presets/presets.hpp"
 #include "commissioning/daily_check.hpp"
 #include "core/printable.hpp"
 #include "model/hand/hand_assembly.hpp"
@@ -50,6 +51,7 @@ class Validation {
       if (kind == "exercise") remark = checkExercise(file);
       if (kind == "passport") remark = checkPassportFile(file);
       if (kind == "device-check") add(readDailyCheck(file));
+      if (kind == "clinic-presets") add(clinic::loadPresets(file));
       if (kind == "sweep") remark = checkSweep(file);
       if (kind == "motion") add(loadMotionFile(file));
       if (kind != "motion" && !kind.empty()) checkKind(file, kind);
@@ -128,7 +130,7 @@ class Validation {
     TomlFile toml(file, kind);
     if (!toml.readable()) return;
     toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
-                                "passport", "device-check", "sweep"});
+                                "passport", "device-check", "sweep", "clinic-presets"});
     if (toml.root().isGood("kind")) return;
     toml.root().ignoreUnknownKeys();
     add(toml.finish());

@@ -1,4 +1,4 @@
-#include "clinic/presets.hpp"
+#include "clinic/presets/presets.hpp"
 
 #include "files/text_file.hpp"
 #include "model/hand/hand_file.hpp"
