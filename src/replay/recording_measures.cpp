@@ -69,9 +69,6 @@ Expected<Json> recordingMeasures(const std::string& path) {
     last = record->tick;
     ++ticks;
   }
-  if (ticks == 0) {
-    return Diagnostic{path, 0, "", "", "holds no ticks", "record a session that lasts a while"};
-  }
   const auto digest = digestOf(path);
   if (!digest) return digest.errors();
   const Json told = facts.json();
@@ -93,7 +90,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
        {{"name", std::filesystem::path(path).filename().string()},
         {"sha256", *digest},
         {"ticks", ticks},
-        {"duration_s", static_cast<double>(last + 1) * meta.period_s},
+        {"duration_s", ticks == 0 ? 0.0 : static_cast<double>(last + 1) * meta.period_s},
         {"began_utc", meta.created_utc},
         {"complete", ticks == reader.size() && !viewed->unreadable_from_tick &&
                          reader.outline().missing == 0}}},

@@ -355,6 +355,23 @@ TEST(RecordingMeasures, ReachAroundACorner_HasItsTimePathAndSpeed) {
   EXPECT_EQ((*measures)["recording"]["sha256"], sha256(bytes));
 }
 
+// Killed in its first second: whose it was is known all the same.
+TEST(RecordingMeasures, WithoutATick_SaysWhoseItIs) {
+  const test::Folder folder;
+  const std::string path = folder.path() + "/short.h5";
+  RecordingMeta meta = barMeta();
+  meta.clinic_visit = 7;
+  const auto writer = RecordingWriter::create(path, meta);
+  ASSERT_TRUE(writer) << format(writer.errors());
+  (*writer)->close();
+  const auto measures = recordingMeasures(path);
+  ASSERT_TRUE(measures) << format(measures.errors());
+  EXPECT_EQ((*measures)["visit"], 7U);
+  EXPECT_EQ((*measures)["recording"]["ticks"], 0);
+  EXPECT_EQ((*measures)["recording"]["duration_s"], 0.0);
+  EXPECT_TRUE((*measures)["peak_speed_m_s"].is_null());
+}
+
 TEST(RecordingMeasures, OfAFileThatIsNone_NamesIt) {
   const test::Folder folder;
   const std::string path = folder.path() + "/cut.h5";
