@@ -2,6 +2,7 @@ import { h, say, setAttribute } from '../console/dom';
 import { Header } from '../console/header';
 import { ConsoleModel } from '../console/model';
 import { NoticesPanel } from '../console/notices';
+import { listenForKeys } from '../console/keys';
 import type { Connection } from '../net/connection';
 import { PacedView } from '../scene/paced_view';
 import { fill } from '../shared/i18n';
@@ -43,8 +44,6 @@ export interface Room {
   build(): void;
 }
 
-/** Whether the element with the focus uses the space bar itself. */
-const spaceIsTaken = (target: EventTarget | null): boolean => target instanceof Element && target.closest('input, select, textarea, button, a, summary') !== null;
 
 /** The page where patients, visits and progress are kept. One screen at a time stands below the same header. */
 export class ClinicPage implements Room {
@@ -70,7 +69,7 @@ export class ClinicPage implements Room {
     this.model.onScene = () => { if (this.screen instanceof VisitScreen) this.screen.sceneChanged(); };
     this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
     connection.on('events', (events) => { if (this.screen instanceof VisitScreen) this.screen.take(events); });
-    addEventListener('keydown', (event) => this.onKey(event), true);
+    listenForKeys(this.model, () => this.header);
     for (const input of ['pointerdown', 'keydown', 'input']) addEventListener(input, () => this.clinic.touch(), { capture: true, passive: true });
     addEventListener('hashchange', () => { this.door = false; this.update(); });
     answerPresses(document);
@@ -234,17 +233,6 @@ export class ClinicPage implements Room {
   private refuseKept(body: Readonly<Record<string, unknown>>, problem: unknown): void {
     const words = typeof body.text === 'string' && body.text !== '' ? ` “${body.text.slice(0, 200)}”` : '';
     this.tell(`${problemWords(problem)}${words}`, true);
-  }
-
-  private onKey(event: KeyboardEvent): void {
-    if (event.key === 'Escape' && !event.repeat) {
-      event.preventDefault();
-      void this.model.emergencyStop();
-    }
-    if (event.code === 'Space' && !event.repeat && !event.ctrlKey && !event.altKey && !event.metaKey && !spaceIsTaken(event.target)) {
-      event.preventDefault();
-      this.header?.pauseNow();
-    }
   }
 }
 

@@ -9,6 +9,7 @@ import { h, setAttribute } from './dom';
 import { ExercisePanelView } from './panel_view';
 import { Header } from './header';
 import { texts } from './i18n';
+import { listenForKeys } from './keys';
 import { ConsoleModel, type Panel } from './model';
 import { NoticesPanel } from './notices';
 import { ParametersPanel } from './parameters';
@@ -27,11 +28,6 @@ const STORED_VIEW = 'wholehand.view';
 
 /** A frame this much early is on time [ms]. */
 const EARLY_MS = 2;
-
-/** Whether the element with the focus uses the space bar itself. */
-function spaceIsTaken(target: EventTarget | null): boolean {
-  return target instanceof Element && target.closest('input, select, textarea, button, a, summary, [role=tab]') !== null;
-}
 
 /** The therapist's page: panels around one model, built anew for a language, a theme or a scene. */
 export class ConsolePage {
@@ -67,7 +63,7 @@ export class ConsolePage {
     connection.on('events', (events) => this.exercise?.take(events));
     connection.on('bodies', (bodies) => this.view?.setBodies(bodies));
     this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
-    addEventListener('keydown', (event) => this.onKey(event), true);
+    listenForKeys(this.model, () => this.header);
     answerPresses(document);
     this.narrow.addEventListener('change', () => this.build());
     this.build();
@@ -160,16 +156,5 @@ export class ConsolePage {
       this.build();
     };
     return h('button', { type: 'button', class: 'b', 'data-testid': 'view', onclick: toggle }, this.engineer ? texts().therapy : texts().engineer);
-  }
-
-  private onKey(event: KeyboardEvent): void {
-    if (event.key === 'Escape' && !event.repeat) {
-      event.preventDefault();
-      void this.model.emergencyStop();
-    }
-    if (event.code === 'Space' && !event.repeat && !event.ctrlKey && !event.altKey && !event.metaKey && !spaceIsTaken(event.target)) {
-      event.preventDefault();
-      this.header?.pauseNow();
-    }
   }
 }
