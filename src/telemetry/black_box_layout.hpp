@@ -12,7 +12,7 @@
 namespace wholehand::black_box {
 
 inline constexpr std::array<char, 8> kMagic = {'W', 'H', 'B', 'L', 'K', 'B', 'O', 'X'};
-inline constexpr std::uint32_t kFormat = 2;
+inline constexpr std::uint32_t kFormat = 3;
 
 struct Header {
   std::array<char, 8> magic = kMagic;

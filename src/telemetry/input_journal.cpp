@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'W', 'H', 'I', 'N', 'P', 'U', 'T', '1'};
+constexpr std::array<char, 8> kMagic = {'W', 'H', 'I', 'N', 'P', 'U', 'T', '2'};
 constexpr auto kSyncAfter = std::chrono::seconds(1);
 
 /// Before the description and before each block of inputs.

@@ -324,6 +324,8 @@ class Unpacker {
 std::vector<std::byte> packMeta(const RecordingMeta& meta) {
   Packer packer;
   recording::visitMeta([&packer](const char*, const auto& value) { return packer(value); }, meta);
+  packer(meta.clinic_visit);
+  packer(meta.clinic_item);
   packer(meta.files);
   return std::move(packer.bytes);
 }
@@ -332,7 +334,8 @@ bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta) {
   Unpacker unpacker(in, bytes);
   return recording::visitMeta([&unpacker](const char*, auto& value) { return unpacker(value); },
                               meta) &&
-         unpacker(meta.files) && unpacker.atEnd();
+         unpacker(meta.clinic_visit) && unpacker(meta.clinic_item) && unpacker(meta.files) &&
+         unpacker.atEnd();
 }
 
 }  // namespace wholehand::black_box

@@ -9,12 +9,15 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
+#include <fcntl.h>
 #include <fstream>
 #include <optional>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -56,21 +59,46 @@ Expected<bool> leftOpen(const std::string& path) {
   return head[8] >= 3 && (head[11] & kWriteBits) != 0;
 }
 
-/// Whether a child process can read the description: HDF5 1.10 crashes on damaged texts of variable
-/// length, which only other programs write.
-bool survivesReading(hid_t file, hid_t meta_group) {
+/// The description as a child process reads it, or none where that process fails: HDF5 1.10 reads
+/// beyond its memory in damaged texts of variable length, which only other programs write.
+std::optional<RecordingMeta> readMetaApart(hid_t file, hid_t meta_group) {
   constexpr unsigned kPatience_s = 10;
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return std::nullopt;
   const pid_t child = ::fork();
   if (child == 0) {
     ::alarm(kPatience_s);
     RecordingMeta meta;
-    (void)recording::readMeta(file, meta_group, meta);
-    ::_exit(0);
+    std::string kind;
+    const bool read = readAttribute(meta_group, "format", kind) && kind == recording::kFormat &&
+                      recording::readMeta(file, meta_group, meta).empty();
+    const std::vector<std::byte> packed = black_box::packMeta(meta);
+    std::size_t sent = 0;
+    while (read && sent < packed.size()) {
+      const ssize_t more = ::write(ends[1], packed.data() + sent, packed.size() - sent);
+      if (more <= 0) break;
+      sent += static_cast<std::size_t>(more);
+    }
+    ::_exit(read && sent == packed.size() ? 0 : 1);
   }
+  ::close(ends[1]);
+  std::vector<std::byte> packed;
+  std::array<std::byte, 4096> piece{};
+  for (ssize_t more = 1; child > 0 && more != 0;) {
+    more = ::read(ends[0], piece.data(), piece.size());
+    if (more < 0 && errno != EINTR) break;
+    if (more > 0) packed.insert(packed.end(), piece.begin(), piece.begin() + more);
+  }
+  ::close(ends[0]);
   int status = -1;
   while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  return child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  RecordingMeta meta;
+  if (child <= 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0 ||
+      !black_box::unpackMeta(packed.data(), packed.size(), meta)) {
+    return std::nullopt;
+  }
+  return meta;
 }
 
 class Hdf5Reader final : public RecordingReader {
@@ -124,20 +152,18 @@ Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
 
 Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
   const Handle group(H5Gopen2(file_.get(), "meta", H5P_DEFAULT), H5Gclose);
+  const bool apart = group.ok() && recording::hasVariableText(file_.get());
   std::string kind;
   std::uint64_t version = 0;
-  if (group.ok() && recording::hasVariableText(file_.get()) &&
-      !survivesReading(file_.get(), group.get())) {
-    return refusal(path, "is damaged: its texts cannot be read", kBrokenCopy);
-  }
-  if (!group.ok() || !readAttribute(group.get(), "format", kind) || kind != recording::kFormat ||
-      !readAttribute(group.get(), "schema_version", version)) {
+  if (!group.ok() || !readAttribute(group.get(), "schema_version", version) ||
+      (!apart && !(readAttribute(group.get(), "format", kind) && kind == recording::kFormat))) {
     return refusal(path, "is an HDF5 file, but no Wholehand recording", kGiveRecording);
   }
   if (version != kRecordingSchema) {
     const bool newer = version > kRecordingSchema;
     std::string by;
-    const bool said = readAttribute(group.get(), "git_version", by) && isPrintable(by, 500);
+    const bool said =
+        !apart && readAttribute(group.get(), "git_version", by) && isPrintable(by, 500);
     auto d = refusal(path, newer ? "was written by a newer Wholehand" : "is of an earlier version",
                      "this program reads schema version " + std::to_string(kRecordingSchema) +
                          (newer ? "; update it"
@@ -147,8 +173,12 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
     d.value = std::to_string(version);
     return d;
   }
-  const std::string unread = recording::readMeta(file_.get(), group.get(), meta_);
-  if (!unread.empty()) {
+  if (apart) {
+    auto meta = readMetaApart(file_.get(), group.get());
+    if (!meta) return refusal(path, "is damaged: its texts cannot be read", kBrokenCopy);
+    meta_ = std::move(*meta);
+  } else if (const std::string unread = recording::readMeta(file_.get(), group.get(), meta_);
+             !unread.empty()) {
     return refusal(path, "is truncated or damaged: " + unread + " cannot be read", kBrokenCopy);
   }
   if (const std::string reason = recording::unusable(meta_); !reason.empty()) {

@@ -64,6 +64,8 @@ TEST(InputJournal, RecordingThatIsNotClosed_LeavesEveryInput) {
   EXPECT_EQ(readsOf(folder.file("a.inputs"), ticks), ticks.size());
   EXPECT_EQ((*InputJournalReader::open(folder.file("a.inputs")))->meta().files,
             synthetic::meta().files);
+  EXPECT_EQ((*InputJournalReader::open(folder.file("a.inputs")))->meta().clinic_visit,
+            synthetic::meta().clinic_visit);
 }
 
 TEST(InputJournal, CutOrDamagedAnywhere_GivesTrueInputsUpToThere) {

@@ -42,6 +42,8 @@ inline RecordingMeta meta() {
   m.parameter_values = {20.0, 1.0};
   m.value_names = {"stage", "flow_l_s", "spilt_l"};
   m.event_names = {"touched", "spilt"};
+  m.clinic_visit = 1'234'567'890'123;
+  m.clinic_item = 4;
   m.files = {{"config/devices/lambda-pride.toml", "kind = \"device\"\nname = \"lambda-pride\"\n"},
              {"mesh.stl", std::string("bin\0ary\xff\0", 9)},
              {"empty.txt", ""}};
