@@ -25,6 +25,7 @@ Engine bulletNewtonEngine() {
           },
           "",
           "a wall that slides into the hand overlaps it more than it may",
+          true,
           true};
 }
 

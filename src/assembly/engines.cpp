@@ -17,6 +17,7 @@ Engine bulletEngine() {
           },
           "",
           "",
+          true,
           true};
 }
 
@@ -85,6 +86,15 @@ Expected<std::unique_ptr<PhysicsWorld>> buildWorld(const std::string& engine, co
                       "--engine",
                       engine,
                       "has no slots for the bodies of a game",
+                      "use --engine " + defaultEngine()};
+  }
+  for (const SceneBody& body : scene.bodies) {
+    if (!body.joint || found->takes_joints) continue;
+    return Diagnostic{scene.path,
+                      0,
+                      "--engine",
+                      engine,
+                      "has no joints for bodies, as \"" + body.name + "\" needs",
                       "use --engine " + defaultEngine()};
   }
   return found->build(hand, scene);

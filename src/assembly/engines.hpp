@@ -22,6 +22,7 @@ struct Engine {
   std::string remedy;                   ///< how to build the program with it
   std::string persons_refused_because;  ///< why no person may be attached; empty: allowed
   bool takes_game_bodies = false;       ///< its world is a BodyPool
+  bool takes_joints = false;            ///< bodies may move on joints
 };
 
 /// How to build the program with what is in lab/.

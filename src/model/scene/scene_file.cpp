@@ -112,6 +112,7 @@ class BodyReader {
     readShapes(body);
     readSoft(body);
     readMass(body);
+    readJoint(body);
     return body;
   }
 
@@ -247,6 +248,65 @@ class BodyReader {
     }
   }
 
+  void readJoint(SceneBody& body) {
+    if (!t_.has("joint")) return;
+    TomlTable t = t_.table("joint");
+    SceneJoint joint;
+    const bool hinge = t.choice("type", {"hinge", "slide"}) == "hinge";
+    joint.type = hinge ? SceneJoint::Type::kHinge : SceneJoint::Type::kSlide;
+    const Vector3d axis = vectorFrom(t.numbers("axis", 3, between(-1.0, 1.0)));
+    if (axis.norm() >= 1e-3) {
+      joint.axis = axis.normalized();
+    } else if (t.isGood("axis")) {
+      t.fail("axis", "has no direction", "give a direction of the body's frame, e.g. [0, 0, 1]");
+    }
+    if (hinge) {
+      joint.point_m =
+          vectorFrom(t.numbers("point_m", 3, between(-10.0, 10.0, "m"), {0.0, 0.0, 0.0}));
+    }
+    const char* range = hinge ? "range_rad" : "range_m";
+    if (!hinge || t.has(range)) {
+      const auto [least, most] = t.interval(
+          range, hinge ? between(-2.0 * pi, 2.0 * pi, "rad") : between(-2.0, 2.0, "m"));
+      joint.least = least, joint.most = most;
+      if (t.isGood(range) && (least > 0.0 || most < 0.0)) {
+        t.fail(range, "does not contain 0",
+               "0 is where the body stands in the file: move the body into its range");
+      }
+    }
+    const auto number = [&](const char* of_hinge, const char* of_slide, double most,
+                            const char* unit) {
+      return t.number(hinge ? of_hinge : of_slide, between(0.0, most, unit), 0.0);
+    };
+    joint.dry_friction = number("friction_nm", "friction_n", 100.0, hinge ? "N·m" : "N");
+    joint.viscous_friction =
+        number("viscous_nms_rad", "viscous_ns_m", 1000.0, hinge ? "N·m·s/rad" : "N·s/m");
+    joint.spring_stiffness =
+        number("spring_nm_rad", "spring_n_m", hinge ? 1000.0 : 1e4, hinge ? "N·m/rad" : "N/m");
+    if (joint.spring_stiffness > 0.0) {
+      joint.spring_rest = hinge ? t.number("spring_rest_rad", between(-2.0 * pi, 2.0 * pi, "rad"), 0.0)
+                                : t.number("spring_rest_m", between(-2.0, 2.0, "m"), 0.0);
+    }
+    readLatch(t, joint);
+    if (body.fixed) {
+      t_.fail("joint", "is of a fixed body", "set fixed = false, or take the joint out");
+    } else {
+      body.joint = joint;
+    }
+  }
+
+  void readLatch(TomlTable& t, SceneJoint& joint) {
+    if (!t.has("latch_energy_j")) return;
+    joint.latch_energy_j = t.number("latch_energy_j", above(0.0, 10.0, "J"));
+    if (joint.isHinge()) {
+      joint.latch_wave = static_cast<double>(t.integer("latch_detents_per_turn", 1, 360));
+      joint.latch_at = t.number("latch_at_rad", between(-2.0 * pi, 2.0 * pi, "rad"), 0.0);
+    } else {
+      joint.latch_wave = 2.0 * pi / t.number("latch_pitch_m", between(1e-3, 1.0, "m"));
+      joint.latch_at = t.number("latch_at_m", between(-2.0, 2.0, "m"), 0.0);
+    }
+  }
+
   /// Mass and inertia: from the URDF's inertials, scaled to `mass_kg` if given, or from the shapes
   /// at uniform density.
   void readMass(SceneBody& body) {
@@ -322,6 +382,7 @@ void reportOverlaps(const SceneModel& scene, std::vector<BodyReader>& readers) {
   for (std::size_t j = 0; j < readers.size(); ++j) {
     for (std::size_t i = 0; i < j; ++i) {
       if (!readers[i].placed() || !readers[j].placed()) continue;
+      if (scene.bodies[i].passes(scene.bodies[j])) continue;
       const SceneBody &a = scene.bodies[i], &b = scene.bodies[j];
       const double depth_m = -separation(a, b);  // -inf when a body has no valid shape
       if (!(depth_m > kTouch_m)) continue;
@@ -350,7 +411,7 @@ void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) 
 void noteHeavyOnLight(SceneModel& scene) {
   const SceneBody *light = nullptr, *heavy = nullptr;
   for (const SceneBody& body : scene.bodies) {
-    if (body.fixed) continue;
+    if (body.fixed || body.joint) continue;
     if (light == nullptr || body.mass_kg < light->mass_kg) light = &body;
     if (heavy == nullptr || body.mass_kg > heavy->mass_kg) heavy = &body;
   }
@@ -384,7 +445,7 @@ void reportFalls(const SceneModel& scene, std::vector<BodyReader>& readers) {
   const double most_m = kMostBodySpeed_m_s * kMostBodySpeed_m_s / (2.0 * g_m_s2);
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const SceneBody& body = scene.bodies[i];
-    if (body.fixed || !readers[i].placed()) continue;
+    if (body.fixed || body.joint || !readers[i].placed()) continue;
     const double fall_m = ground_m - down.dot(body.pose.translation_m);
     if (!(fall_m > most_m)) continue;
     readers[i].table().fail(

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,26 @@ struct Shape {
   Pose in_body;
 };
 
+/// A joint of a body to the world. Its coordinate q is 0 in the body's initial pose and counts along
+/// or about the axis, right-handed. Units of a hinge, of a slide.
+struct SceneJoint {
+  enum class Type { kHinge, kSlide };
+  Type type = Type::kHinge;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< unit, body frame
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();   ///< of a hinge's axis, body frame
+  double least = -std::numeric_limits<double>::infinity();  ///< ends [rad; m]; least <= 0 <= most
+  double most = std::numeric_limits<double>::infinity();
+  double dry_friction = 0.0;      ///< [N·m; N]
+  double viscous_friction = 0.0;  ///< [N·m·s/rad; N·s/m]
+  double spring_stiffness = 0.0;  ///< [N·m/rad; N/m]
+  double spring_rest = 0.0;       ///< q without spring force [rad; m]
+  double latch_energy_j = 0.0;    ///< U₀, between the bottom of a detent and the top beside it
+  double latch_wave = 0.0;        ///< n, waves of the latch's potential in 2π of q [1/rad; 1/m]
+  double latch_at = 0.0;          ///< q of a detent [rad; m]
+
+  [[nodiscard]] bool isHinge() const { return type == Type::kHinge; }
+};
+
 /// A body of the scene.
 struct SceneBody {
   std::string name;
@@ -47,6 +69,14 @@ struct SceneBody {
   /// [m].
   double soft_m = 0.0;
   std::string color = "#3B6FD1";  ///< for pictures and pages, #RRGGBB
+  /// Of a body that moves on one joint to the world. It does not meet fixed bodies: its range says
+  /// where it ends.
+  std::optional<SceneJoint> joint;
+
+  /// True where the two never meet: a body on a joint and one that is fixed.
+  [[nodiscard]] bool passes(const SceneBody& other) const {
+    return (joint && other.fixed) || (fixed && other.joint);
+  }
 };
 
 /// Room for the bodies that a game puts into the running world (core/body_order.hpp).

@@ -2,6 +2,7 @@
 
 #include "core/vector_clones.hpp"
 #include "physics/bullet/friction_disc.hpp"
+#include "physics/bullet/joint_rows.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -10,8 +11,16 @@
 namespace wholehand::bullet {
 namespace {
 
+// What moves less than this by an impulse moves nothing: what pushes a hinge's axis [1/kg].
+constexpr double kLeastMobility = 1e-12;
+
 bool moves(const btSolverBody& body) {
   return body.m_originalBody != nullptr;
+}
+
+/// The joint of a body; null: it is free, or fixed.
+const BodyJoint* onJoint(const btSolverBody& body) {
+  return moves(body) ? jointOf(*body.m_originalBody) : nullptr;
 }
 
 void copyVector(const btVector3& from, std::array<double, 4>& to) {
@@ -224,8 +233,49 @@ void BodyRows::leaveEmpty(Group& group, int place) noexcept {
   group.point[place] = nullptr;
 }
 
+// Bullet made the rows for two free bodies.
+void BodyRows::turnToJoints(Group& group, int place, btSolverBody& a, btSolverBody& b) noexcept {
+  Row* const rows[] = {&group.normal, &group.tangent1, &group.tangent2};
+  const auto vector = [place](const EachVector& each) {
+    return btVector3(each[0][place], each[1][place], each[2][place]);
+  };
+  const auto one_side = [&](btSolverBody& body, EachVector Row::* about, EachVector Row::* response,
+                            Each& inverse_mass, double sign) {
+    const BodyJoint* joint = onJoint(body);
+    if (joint == nullptr) return;
+    inverse_mass[place] = 0.0;
+    for (Row* row : rows) {
+      btVector3 along = sign * vector(row->along), turns = vector(row->*about);
+      projectOnJoint(*joint, along, turns);
+      for (int k = 0; k < 3; ++k) {
+        (row->*about)[k][place] = turns[k];
+        (row->*response)[k][place] = joint->yield() * turns[k];
+      }
+      body.m_deltaAngularVelocity[0] += joint->yield() * turns.x() * row->impulse[place];
+    }
+  };
+  one_side(a, &Row::about_a, &Row::response_a, group.inverse_mass_a, 1.0);
+  one_side(b, &Row::about_b, &Row::response_b, group.inverse_mass_b, -1.0);
+  const auto yield = [&](const Row& row, const Row& to) {
+    return (group.inverse_mass_a[place] + group.inverse_mass_b[place]) *
+               vector(row.along).dot(vector(to.along)) +
+           vector(row.about_a).dot(vector(to.response_a)) +
+           vector(row.about_b).dot(vector(to.response_b));
+  };
+  for (Row* row : rows) {
+    const double mobility = yield(*row, *row);
+    const double effective_mass = mobility > kLeastMobility ? 1.0 / mobility : 0.0;
+    row->target[place] *= effective_mass / row->effective_mass[place];
+    row->effective_mass[place] = effective_mass;
+  }
+  constexpr double kDefinite = 1.0 + 1e-9;  // where one joint alone moves both
+  group.yield_11[place] = kDefinite * std::max(yield(*rows[1], *rows[1]), kLeastMobility);
+  group.yield_22[place] = kDefinite * std::max(yield(*rows[2], *rows[2]), kLeastMobility);
+  group.yield_12[place] = yield(*rows[1], *rows[2]);
+}
+
 void BodyRows::add(const btConstraintArray& normals, const btConstraintArray& frictions,
-                   const Bodies& bodies, const std::vector<bool>& touched) noexcept {
+                   Bodies& bodies, const std::vector<bool>& touched) noexcept {
   for (int i = 0; i < normals.size(); ++i) {
     const btSolverConstraint& normal = normals[i];
     const btSolverConstraint& tangent = frictions[normal.m_frictionIndex];
@@ -249,6 +299,9 @@ void BodyRows::add(const btConstraintArray& normals, const btConstraintArray& fr
     group.yield_22[place] = 1.0 / other.m_jacDiagABInv;
     group.yield_12[place] = tangent.m_relpos1CrossNormal.dot(other.m_angularComponentA) +
                             tangent.m_relpos2CrossNormal.dot(other.m_angularComponentB);
+    if (onJoint(bodies[a]) != nullptr || onJoint(bodies[b]) != nullptr) {
+      turnToJoints(group, place, bodies[a], bodies[b]);
+    }
     const double det = group.yield_11[place] * group.yield_22[place] -
                        group.yield_12[place] * group.yield_12[place];
     group.mass_11[place] = group.yield_22[place] / det;

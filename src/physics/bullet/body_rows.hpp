@@ -30,9 +30,9 @@ class BodyRows {
   [[nodiscard]] int room() const noexcept { return static_cast<int>(groups_.size()) - contacts_; }
   /// Adds contacts after those that are there. @pre two rows of friction per contact, no compliance
   /// @param touched per body: the hand changes its velocity between sweeps, and its contacts are
-  /// near
-  void add(const btConstraintArray& normals, const btConstraintArray& frictions,
-           const Bodies& bodies, const std::vector<bool>& touched) noexcept;
+  /// near. The starting impulses of these rows act on bodies on joints here; on others they acted.
+  void add(const btConstraintArray& normals, const btConstraintArray& frictions, Bodies& bodies,
+           const std::vector<bool>& touched) noexcept;
   /// Takes the velocities of the bodies. Call after the last contact and before the first sweep.
   void begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept;
   [[nodiscard]] bool any() const noexcept { return contacts_ > 0; }
@@ -92,6 +92,7 @@ class BodyRows {
     int place = 0;
   };
 
+  static void turnToJoints(Group& group, int place, btSolverBody& a, btSolverBody& b) noexcept;
   [[nodiscard]] static bool isUneven(const Group& group, int place) noexcept;
   [[nodiscard]] int islandOf(int body) noexcept;
   void findIslands(const Bodies& bodies) noexcept;

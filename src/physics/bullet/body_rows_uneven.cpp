@@ -40,7 +40,7 @@ void BodyRows::findIslands(const Bodies& bodies) noexcept {
     for (int k = 0; k < group->used; ++k) {
       const int a = static_cast<int>(group->a[k] - motions_.data());
       const int b = static_cast<int>(group->b[k] - motions_.data());
-      if (group->inverse_mass_a[k] > 0.0 && group->inverse_mass_b[k] > 0.0) {
+      if (bodies[a].m_originalBody != nullptr && bodies[b].m_originalBody != nullptr) {
         island_[islandOf(a)] = islandOf(b);
       }
     }

@@ -30,6 +30,7 @@ BulletBody::BulletBody(const SceneBody& body, int index, double reach_m)
   rigid_ = std::make_unique<btRigidBody>(
       btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, no_shape_.get(), moments));
   rigid_->setDamping(body.linear_damping_per_s, 0.0);
+  if (body.joint && !body.fixed) joint_.emplace(body);
   rigid_->setFlags(0);  // no gyroscopic torque of Bullet's: turnBody() keeps the momentum
   for (const Shape& shape : body.shapes) {
     if (body.soft_m > 0.0) {
@@ -138,12 +139,24 @@ void BulletBody::placeColliders(double ahead_s) noexcept {
 
 bool BulletBody::place(const BodyPlacement& placement) noexcept {
   if (!isPose(placement)) return false;
-  const btTransform at = placedAt(placement, from_body_);
+  btTransform at = placedAt(placement, from_body_);
+  if (joint_) {
+    joint_->put(joint_->nearest(toPose(at) * from_body_.inverse()), 0.0);
+    at = toBt(joint_->pose() * from_body_);
+  }
   const btTransform& before = rigid_->getWorldTransform();
   const bool elsewhere =
       (at.getOrigin() - before.getOrigin()).length() > kFarthestSlide_m ||
       std::abs(at.getRotation().dot(before.getRotation())) < std::cos(kFarthestTurn_rad / 2.0);
   put(at, toBt(placement.velocity_m_s.eigen()));
+  if (joint_) {
+    const Eigen::Vector3d along = joint_->twist().linear;
+    const double share = along.squaredNorm();
+    if (share > 0.0) {
+      joint_->put(joint_->position(), along.dot(placement.velocity_m_s.eigen()) / share);
+    }
+    moveWithJoint();
+  }
   placed_ = true;
   return elsewhere;
 }
@@ -153,8 +166,23 @@ void BulletBody::beginStep() noexcept {
   placed_ = false;
 }
 
+void BulletBody::moveWithJoint() noexcept {
+  const BodyJoint::Twist twist = joint_->twist();
+  rigid_->setLinearVelocity(joint_->rate() * toBt(twist.linear));
+  rigid_->setAngularVelocity(joint_->rate() * toBt(twist.angular));
+}
+
+// The solver left the change of q̇ in the x of the spin.
+void BulletBody::finishJoint(double step_s) noexcept {
+  const double before = joint_->rate() * joint_->twist().angular.x();
+  joint_->move(joint_->rate() + (rigid_->getAngularVelocity().x() - before), step_s);
+  rigid_->proceedToTransform(toBt(joint_->pose() * from_body_));
+  moveWithJoint();
+}
+
 void BulletBody::stand() noexcept {
   const btVector3 none(0, 0, 0);
+  if (joint_) joint_->put(joint_->position(), 0.0);
   rigid_->setLinearVelocity(none);
   rigid_->setAngularVelocity(none);
   rigid_->setInterpolationLinearVelocity(none);
@@ -162,6 +190,7 @@ void BulletBody::stand() noexcept {
 }
 
 void BulletBody::putAtStart() noexcept {
+  if (joint_) joint_->put(0.0, 0.0);
   put(start_, btVector3(0, 0, 0));
 }
 

@@ -3,6 +3,7 @@
 #include "core/body_order.hpp"
 #include "core/tick_record.hpp"
 #include "model/scene/scene_model.hpp"
+#include "physics/body_joint.hpp"
 #include "physics/bullet/collider_tag.hpp"
 #include "physics/bullet/slot_shape.hpp"
 #include "physics/bullet/world_box.hpp"
@@ -10,6 +11,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace wholehand::bullet {
@@ -27,6 +29,12 @@ class BulletBody {
   BulletBody(int index, int pieces, double reach_m);
 
   [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
+  /// The joint that it moves on; null: it is free, or fixed.
+  [[nodiscard]] BodyJoint* joint() { return joint_ ? &*joint_ : nullptr; }
+  /// Velocities of a body on a joint, from its q̇. Real-time safe.
+  void moveWithJoint() noexcept;
+  /// Ends a step of a body on a joint. Real-time safe.
+  void finishJoint(double step_s) noexcept;
   /// False for a fixed body, which is only placed.
   [[nodiscard]] bool moves() const { return !rigid_->isStaticObject(); }
   /// What a collider collides with. In a soft body, the digits collide with the core and all else
@@ -82,6 +90,7 @@ class BulletBody {
   btTransform start_;  ///< pose of Bullet's frame
   std::unique_ptr<btCollisionShape> no_shape_;
   std::unique_ptr<btRigidBody> rigid_;
+  std::optional<BodyJoint> joint_;
   int index_;
   double reach_m_;
   bool placed_ = false;

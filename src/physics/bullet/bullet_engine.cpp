@@ -50,6 +50,9 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
       theta_dot(hand_in.joint_count) {
   configure(settings);
   for (const SceneBody& body : scene.bodies) body_names.push_back(body.name);
+  for (BulletBody& body : bodies) {
+    if (body.joint() != nullptr) solver.addJoint(body.rigid(), *body.joint());
+  }
   for (int i = 0; i < game.count(); ++i) body_names.push_back("slot " + std::to_string(i));
   for (int i = 0; i < game.firstBody(); ++i) {
     if (!bodies[i].moves()) fixed_.push_back(i);
@@ -145,7 +148,7 @@ void BulletEngine::listMoving() noexcept {
   moving_objects_.clear();
   for (const int body : resting.awakeBodies()) {
     if (game.isGhost(body)) continue;
-    moving_.push_back(&bodies[body].rigid());
+    moving_.push_back(&bodies[body]);
     moving_objects_.push_back(&bodies[body].rigid());
   }
   manifolds_.clear();
@@ -198,18 +201,28 @@ void BulletEngine::advance(double step_s) noexcept {
 
 void BulletEngine::moveBodies(double step_s) noexcept {
   listMoving();
-  for (btRigidBody* body : moving_) {
-    body->applyGravity();
-    body->applyDamping(step_s);
+  for (BulletBody* body : moving_) {
+    btRigidBody& rigid = body->rigid();
+    if (BodyJoint* joint = body->joint()) {
+      joint->predict(toEigen(rigid.getGravity()), step_s);
+      body->moveWithJoint();
+      continue;
+    }
+    rigid.applyGravity();
+    rigid.applyDamping(step_s);
   }
   solver_info_.m_timeStep = step_s;
   // One call for the whole world: the hand's reduced velocities are one set of unknowns.
   solver.solveGroup(moving_objects_.data(), static_cast<int>(moving_objects_.size()),
                     manifolds_.data(), static_cast<int>(manifolds_.size()), nullptr, 0,
                     solver_info_, nullptr, &dispatcher);
-  for (btRigidBody* body : moving_) {
-    moveFree(*body, step_s);
-    body->clearForces();
+  for (BulletBody* body : moving_) {
+    if (body->joint() != nullptr) {
+      body->finishJoint(step_s);
+      continue;
+    }
+    moveFree(body->rigid(), step_s);
+    body->rigid().clearForces();
   }
   for (const int body : resting.awakeBodies()) bodies[body].placeColliders(step_s);
 }

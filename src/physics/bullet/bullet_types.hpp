@@ -38,6 +38,11 @@ static_assert(sizeof(btScalar) == 8, "Bullet must be used in double precision");
   const Eigen::Quaterniond q(m);
   return {q.x(), q.y(), q.z(), q.w()};
 }
+[[nodiscard]] inline Pose toPose(const btTransform& at) {
+  Pose pose{Eigen::Matrix3d(), toEigen(at.getOrigin())};
+  for (int r = 0; r < 3; ++r) pose.rotation.row(r) = toEigen(at.getBasis()[r]);
+  return pose;
+}
 [[nodiscard]] inline btTransform toBt(const Pose& pose) {
   return btTransform(toBt(pose.rotation), toBt(pose.translation_m));
 }

@@ -1,6 +1,7 @@
 #include "physics/bullet/collider_pairs.hpp"
 
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/joint_rows.hpp"
 #include "physics/segment_distance.hpp"
 
 #include <algorithm>
@@ -22,6 +23,12 @@ constexpr std::size_t kMostPieces = 64;
 
 bool meetsHand(BulletBody::Meets meets, bool palm) {
   return meets == BulletBody::Meets::kAll || (meets == BulletBody::Meets::kDigits) == !palm;
+}
+
+/// As SceneBody::passes().
+bool passes(const btRigidBody& a, const btRigidBody& b) {
+  return (jointOf(a) != nullptr && b.getInvMass() == 0.0) ||
+         (jointOf(b) != nullptr && a.getInvMass() == 0.0);
 }
 
 bool meetsBodies(BulletBody::Meets meets) {
@@ -377,6 +384,7 @@ double ColliderPairs::reach(const Collider& a, const Collider* b) const noexcept
 }
 
 void ColliderPairs::meet(Collider& a, Collider& b, Pair& pair) noexcept {
+  if (passes(*a.tag.rigid, *b.tag.rigid)) return drop(pair);
   const double reach_m = reach(a, &b);
   const bool closed_form = a.tag.shape != nullptr && b.tag.shape != nullptr;
   if (closed_form && (isBall(a) || isBall(b))) {

@@ -32,6 +32,7 @@ ConeNewton::Row* ConeNewton::add(int rows, double friction, double spin_m) noexc
   cone.rows = rows;
   cone.friction = friction;
   cone.spin_m = spin_m;
+  cone.box = 0.0;
   cone.grip = Grip::kOpen;
   cone.spins = cone.next_spins = false;
   Row* added = &rows_[row_count_];
@@ -40,13 +41,22 @@ ConeNewton::Row* ConeNewton::add(int rows, double friction, double spin_m) noexc
   return added;
 }
 
-// The directions that pressed ends hinder, orthonormal.
+ConeNewton::Row* ConeNewton::addBox(double limit) noexcept {
+  Row* added = add(1, 0.0, 0.0);
+  if (added != nullptr) cones_[cone_count_ - 1].box = limit;
+  return added;
+}
+
+// The directions that pressed ends, and friction that holds a joint, hinder; orthonormal.
 template <int V>
 WHOLEHAND_INLINE void ConeNewton::listEnds() noexcept {
   end_count_ = 0;
   for (int c = 0; c < cone_count_ && end_count_ < kMostEnds; ++c) {
-    const Row& row = rows_[cones_[c].first];
-    if (cones_[c].rows != 1 || !(row.start > 0.0)) continue;
+    const Cone& cone = cones_[c];
+    const Row& row = rows_[cone.first];
+    const bool hinders = cone.box > 0.0 ? row.start != 0.0 && std::abs(row.start) < cone.box
+                                        : row.start > 0.0;
+    if (cone.rows != 1 || !hinders) continue;
     double* end = ends_[end_count_].data();
     ends_[end_count_] = row.along;
     for (int k = 0; k < end_count_; ++k) {
@@ -126,6 +136,12 @@ WHOLEHAND_INLINE void ConeNewton::sweep() noexcept {
   for (int c = 0; c < cone_count_; ++c) {
     Cone& cone = cones_[c];
     Row* rows = &rows_[cone.first];
+    if (cone.box > 0.0) {
+      const double most = cone.box, whole = wanted<V>(rows[0]);
+      set<V>(rows[0], std::clamp(whole, -most, most));
+      cone.next_grip = std::abs(whole) > most ? Grip::kSlides : Grip::kSticks;
+      continue;
+    }
     set<V>(rows[0], std::max(0.0, wanted<V>(rows[0])));
     const double normal = rows[0].impulse;
     cone.next_grip = normal > 0.0 ? Grip::kSticks : Grip::kOpen;
@@ -182,6 +198,13 @@ double ConeNewton::projectFriction(Cone& cone) noexcept {
   return std::max(worst, std::abs(spin.impulse - linear));
 }
 
+double ConeNewton::projectBox(Cone& cone) noexcept {
+  Row& row = rows_[cone.first];
+  row.impulse = std::clamp(row.free, -cone.box, cone.box);
+  cone.next_grip = row.impulse == row.free ? Grip::kSticks : Grip::kSlides;
+  return std::abs(row.impulse - (cone.grip == Grip::kSlides ? cone.offset1 : row.free));
+}
+
 template <int V>
 WHOLEHAND_INLINE void ConeNewton::project() noexcept {
   misfit_ = pressed_ = 0.0;
@@ -190,6 +213,11 @@ WHOLEHAND_INLINE void ConeNewton::project() noexcept {
     Cone& cone = cones_[c];
     Row* rows = &rows_[cone.first];
     rows[0].free = free<V>(rows[0]);
+    if (cone.box > 0.0) {
+      misfit_ = std::max(misfit_, projectBox(cone));
+      moved_on_ |= cone.next_grip != cone.grip;
+      continue;
+    }
     const bool open = !(rows[0].free > 0.0);
     if (open && cone.grip == Grip::kOpen) continue;
     cone.next_grip = open ? Grip::kOpen : Grip::kSticks;

@@ -16,7 +16,7 @@ struct NewtonSettings {
 };
 
 /// Finds the impulses of contacts that act on a few unknowns, by Newton's method. A cone is a
-/// contact of one row (normal, impulse ≥ 0), three (and two tangents, within the disc of friction ·
+/// contact of one row (normal, impulse ≥ 0; or a box, impulse within ± limit), three (and two tangents, within the disc of friction ·
 /// normal) or four (and spin, within ± spin_m · normal). The unknowns are velocities in which the
 /// inertia is 1: w = Σ j x. The impulses x, in their cones, are those of
 ///   x = P(y),  y = x₀ + (goal − j·w) / R,  R = softness |j|²
@@ -51,6 +51,8 @@ class ConeNewton {
   void begin(int unknowns) noexcept { begin(unknowns, settings_.softness, settings_.most_steps); }
   /// Adds a cone of 1, 3 or 4 rows, `along` of them zero. @return its first row; null: no room
   [[nodiscard]] Row* add(int rows, double friction, double spin_m) noexcept;
+  /// Adds a row of its own whose impulse is within ± limit: a joint's dry friction. @return as add()
+  [[nodiscard]] Row* addBox(double limit) noexcept;
   /// Finds the impulses from the goals and starts of the rows. @return false: none were found
   [[nodiscard]] bool solve() noexcept;
   /// The same with another softness, from the pieces of P that the last solution fell upon.
@@ -69,6 +71,7 @@ class ConeNewton {
   struct Cone {
     int first = 0, rows = 1;
     double friction = 0.0, spin_m = 0.0;
+    double box = 0.0;  ///< limit of a box; 0 of others
     Grip grip = Grip::kOpen, next_grip = Grip::kOpen;
     bool spins = false, next_spins = false;
     double along1 = 0.0, along2 = 0.0;    ///< direction of friction that slides
@@ -123,6 +126,7 @@ class ConeNewton {
   template <int V>
   void project() noexcept;
   double projectFriction(Cone& cone) noexcept;
+  double projectBox(Cone& cone) noexcept;
   template <int V>
   void sumChange() noexcept;
 

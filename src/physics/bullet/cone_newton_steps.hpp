@@ -42,6 +42,10 @@ WHOLEHAND_INLINE void ConeNewton::adopt(bool fresh) noexcept {
     Cone& cone = cones_[c];
     cone.grip = cone.next_grip;
     cone.spins = cone.next_spins;
+    if (cone.box > 0.0) {
+      cone.offset1 = rows_[cone.first].impulse;
+      continue;
+    }
     if (cone.grip == Grip::kSlides) adoptFriction<V>(cone, fresh);
     if (cone.rows == 4) cone.spin_offset = rows_[cone.first + 3].impulse;
   }
@@ -88,6 +92,10 @@ WHOLEHAND_INLINE void ConeNewton::listTerms() noexcept {
     Cone& cone = cones_[c];
     if (cone.grip == Grip::kOpen) continue;
     const Row* rows = &rows_[cone.first];
+    if (cone.box > 0.0 && cone.grip == Grip::kSlides) {
+      addScaled<4 * V>(right_.data(), cone.offset1, rows[0].along.data());
+      continue;
+    }
     stick(rows[0]);
     if (cone.rows < 3) continue;
     if (cone.grip == Grip::kSlides) {

@@ -111,6 +111,7 @@ void ReducedContactSolver::findTouched() {
     const int body = contacts_[i].solver_body;
     touched_[body] = m_tmpSolverBodyPool[body].m_originalBody != nullptr;
   }
+  joints_.begin(touched_);
 }
 
 // The base class moves what a manifold names: for this call that is the bodies, not their
@@ -124,7 +125,19 @@ void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
   const btCollisionObject* a = manifold.getBody0();
   const btCollisionObject* b = manifold.getBody1();
   manifold.setBodies(tagOf(a)->rigid, tagOf(b)->rigid);
+  const auto change_of = [this](const btCollisionObject* collider) -> btVector3* {
+    const btRigidBody& rigid = *tagOf(collider)->rigid;
+    if (jointOf(rigid) == nullptr || rigid.getCompanionId() < 0) return nullptr;
+    return &m_tmpSolverBodyPool[rigid.getCompanionId()].m_deltaAngularVelocity;
+  };
+  const btVector3* on_a = change_of(a);
+  const btVector3* on_b = change_of(b);
+  const btVector3 before_a = on_a != nullptr ? *on_a : btVector3(0, 0, 0);
+  const btVector3 before_b = on_b != nullptr ? *on_b : btVector3(0, 0, 0);
   convertContact(&manifold, info);
+  // Bullet lets the impulses of the last step act on a free body.
+  if (btVector3* change = change_of(a)) *change = before_a;
+  if (btVector3* change = change_of(b)) *change = before_b;
   manifold.setBodies(a, b);
   body_rows_.add(m_tmpSolverContactConstraintPool, m_tmpSolverContactFrictionConstraintPool,
                  m_tmpSolverBodyPool, touched_);
@@ -204,7 +217,12 @@ void ReducedContactSolver::aim(ReducedRow& row, const btSolverBody& body,
                                double goal_velocity) const {
   double velocity = 0.0;
   for (int a = 0; a < axes_; ++a) velocity += row.jacobian[a] * velocity_[a];
-  if (body.m_originalBody != nullptr) {
+  const BodyJoint* joint =
+      body.m_originalBody != nullptr ? jointOf(*body.m_originalBody) : nullptr;
+  if (joint != nullptr) {
+    projectOnJoint(*joint, row.linear, row.angular);
+    velocity += row.angular.x() * joint->rate();
+  } else if (body.m_originalBody != nullptr) {
     velocity += row.linear.dot(body.m_linearVelocity + body.m_externalForceImpulse) +
                 row.angular.dot(body.m_angularVelocity + body.m_externalTorqueImpulse);
   }
@@ -275,8 +293,9 @@ void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, 
   row.linear_response.setZero();
   row.angular_response.setZero();
   if (rigid != nullptr) {
-    if (!angular) row.linear_response = row.linear * rigid->getInvMass();
-    row.angular_response = rigid->getInvInertiaTensorWorld() * row.angular;
+    const Mobility mobility = mobilityOf(*rigid);
+    if (!angular) row.linear_response = row.linear * mobility.linear;
+    row.angular_response = mobility.angular * row.angular;
     inverse_mass += row.linear_response.dot(row.linear) + row.angular_response.dot(row.angular);
   }
   row.effective_mass = inverse_mass > kLeastInverseMass ? 1.0 / (inverse_mass + softness) : 0.0;
@@ -332,9 +351,9 @@ bool ReducedContactSolver::listIsland() {
     slot_[body] = bodies - 1;
     IslandBody& added = island_.emplace_back();
     added.solver_body = body;
-    added.linear = std::sqrt(rigid->getInvMass());
-    const btMatrix3x3& inverse = rigid->getInvInertiaTensorWorld();
-    added.angular.factorize([&](int r, int c) { return inverse[r][c]; }, 3);
+    const Mobility mobility = mobilityOf(*rigid);
+    added.linear = std::sqrt(mobility.linear);
+    added.angular.factorize([&](int r, int c) { return mobility.angular[r][c]; }, 3);
   }
   return true;
 }
@@ -364,8 +383,20 @@ bool ReducedContactSolver::solveAtOnce() {
     writeRow(contact.tangent2_row, contact.solver_body, rows[2]);
     writeRow(contact.spin_row, contact.solver_body, rows[3]);
   }
-  if (!rows_.addEndsTo(newton_, root_) || !newton_.solve() || !withinBounds()) return false;
+  if (!rows_.addEndsTo(newton_, root_)) return false;
+  if (!addJointsTo() || !newton_.solve() || !withinBounds()) {
+    joints_.release();
+    return false;
+  }
   takeImpulses();
+  return true;
+}
+
+bool ReducedContactSolver::addJointsTo() {
+  for (std::size_t i = 0; joints_.any() && i < island_.size(); ++i) {
+    const int unknown = axes_ + 6 * static_cast<int>(i) + 3;
+    if (!joints_.addTo(newton_, island_[i].solver_body, unknown)) return false;
+  }
   return true;
 }
 
@@ -392,6 +423,7 @@ void ReducedContactSolver::takeImpulses() {
     contact.spin_row.impulse = newton_.row(4 * i + 3).impulse;
   }
   rows_.takeEndsFrom(newton_, 4 * contact_count_);
+  joints_.takeFrom(newton_);
   const double* change = newton_.change().data();
   root_.apply(change, change_.data());
   for (const IslandBody& of : island_) {

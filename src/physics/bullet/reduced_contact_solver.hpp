@@ -8,6 +8,7 @@
 #include "physics/bullet/friction_disc.hpp"
 #include "physics/bullet/hand_rows.hpp"
 #include "physics/bullet/inertia_root.hpp"
+#include "physics/bullet/joint_rows.hpp"
 #include "physics/bullet/solver_settings.hpp"
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
@@ -90,6 +91,9 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   /// q̇_s at the end of the step.
   [[nodiscard]] AxisVelocity velocity() const;
 
+  /// Adds a body that moves on a joint. @pre both outlive this
+  void addJoint(btRigidBody& rigid, BodyJoint& joint) { joints_.add(rigid, joint); }
+
   [[nodiscard]] int contactCount() const { return contact_count_; }
   [[nodiscard]] const HandContact& contact(int i) const { return contacts_[i]; }
   /// True when the last sweep of the last step changed an impulse by more than a twentieth of the
@@ -134,6 +138,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   [[nodiscard]] bool solveAtOnce();
   [[nodiscard]] bool listIsland();
   void writeRow(const ReducedRow& row, int body, ConeNewton::Row& out) const;
+  [[nodiscard]] bool addJointsTo();
   [[nodiscard]] bool withinBounds();
   void takeImpulses();
   void findTouched();
@@ -179,8 +184,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   /// A body that the hand touches; its unknowns are velocities in which its inertia is 1.
   struct IslandBody {
     int solver_body = -1;
-    double linear = 0.0;     ///< 1 / √m
-    InertiaRoot<3> angular;  ///< of I⁻¹
+    double linear = 0.0;     ///< √ of its Mobility
+    InertiaRoot<3> angular;  ///< the same
   };
   ConeNewton newton_;
   bool at_once_ = false;            ///< newton_ solved this step
@@ -190,6 +195,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   std::vector<int> slot_;           ///< per solver body: its index in the island, or −1
   std::vector<bool> touched_;       ///< per solver body: the hand touches it
   BodyRows body_rows_;              ///< contacts between bodies
+  JointRows joints_;                ///< friction and ends of bodies on joints
 };
 
 }  // namespace wholehand::bullet

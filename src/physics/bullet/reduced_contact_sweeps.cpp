@@ -179,15 +179,15 @@ btScalar ReducedContactSolver::solveSingleIteration(
     if (!at_once_) prepareSweeps();
   }
   const bool far = !far_done_ && body_rows_.any();
-  double others = 0.0;
+  double others = joints_.solve(m_tmpSolverBodyPool);
   if (far) {
-    others = body_rows_.sweepAll(m_tmpSolverBodyPool);
+    others = std::max(others, body_rows_.sweepAll(m_tmpSolverBodyPool));
     const int most = std::clamp(kFarBudget / body_rows_.groups(), kLeastFarSweeps, kMostFarSweeps);
     far_done_ = iteration + 1 >= most || others <= settings_.far_tolerance * body_rows_.pressed();
     far_unsettled_ = far_done_ && others > kSettled * body_rows_.pressed();
   }
   if (at_once_ || iteration >= settings_.iterations) return far_done_ ? 0.0 : 1.0;
-  if (!far) others = body_rows_.sweepNear(m_tmpSolverBodyPool);
+  if (!far) others = std::max(others, body_rows_.sweepNear(m_tmpSolverBodyPool));
   residual_ = 0.0;
   if (axes_ <= kNarrow) {
     iterateNarrow();
