@@ -1,0 +1,153 @@
+// The hand on handles of bodies that move on a joint, through the whole renderer: what opens them
+// is felt as the virtual work of the joint's force, and the grasp does not slip.
+#include "physics/engine_bench.hpp"
+#include "physics/still_hand.hpp"
+#include "support/tolerance.hpp"
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kLever_m = 0.08, kTip_n = 8.0;
+constexpr int kGrasped = 6000;  // ticks until the grasp has settled
+
+/// A vertical bar where the power grasp wants it, seen from the hand's base.
+SceneBody handleBar(double radius_m, double mass_kg, const SceneJoint& joint) {
+  SceneBody body = ball({0.024 + radius_m, 0.041, 0.004}, radius_m, mass_kg);
+  body.name = "handle";
+  body.fixed = false;
+  body.shapes[0].type = ShapeType::kCylinder;
+  body.shapes[0].length_m = 0.12;
+  const double across = mass_kg * (3.0 * radius_m * radius_m + 0.12 * 0.12) / 12.0;
+  body.inertia_kg_m2 =
+      Eigen::Vector3d(across, across, 0.5 * mass_kg * radius_m * radius_m).asDiagonal();
+  body.joint = joint;
+  return body;
+}
+
+/// A person who takes the bar, closes until kTip_n act at the tips, and then moves the hand as
+/// it is.
+struct PulledBar {
+  AxisPosition q_m{6};
+  AxisEffort coupling{6};  ///< of the last tick
+  std::unique_ptr<Rig> rig;
+  std::function<Eigen::Vector3d(int)> way;  ///< of the hand, by ticks since kGrasped
+
+  PulledBar(const SceneBody& bar, std::function<Eigen::Vector3d(int)> moves)
+      : way(std::move(moves)) {
+    Models m = load(shippedFiles());
+    m.scene.bodies = {bar};
+    q_m[1] = -0.1;
+    q_m[kFingers] = 65.0 * kDeg, q_m[kCircumduction] = 5.0 * kDeg;
+    rig = buildScripted(std::move(m), [this](int read) { return script(read); });
+  }
+  AxisPosition script(int read) {
+    if (read < 1000) {
+      q_m[1] = -0.1 * (1.0 - 1e-3 * read);
+    } else if (read < 1500) {
+      q_m[kCircumduction] += 0.03 * kDeg;
+    } else if (read < kGrasped) {
+      for (const int axis : {kFingers, kThumb}) {
+        const double missing_n = kTip_n + coupling[axis] / kLever_m;
+        q_m[axis] += std::clamp(1e-3 * missing_n, -2e-3, 2e-3);
+        const DeviceAxis& range = rig->models.device.axes[axis];
+        q_m[axis] = std::clamp(q_m[axis], range.lower, range.upper);
+      }
+    }
+    if (read > kGrasped) {
+      const Eigen::Vector3d to = way(read - kGrasped);
+      for (int a = 0; a < 3; ++a) q_m[a] = to[a];
+    }
+    return q_m;
+  }
+  template <class See>
+  std::unique_ptr<TickRecord> run(int ticks, const See& see) {
+    return runTicks(*rig->renderer, ticks, [&](const TickRecord& r) {
+      coupling = r.coupling;
+      ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone)
+          << "axis " << r.fault_axis << ", tick " << r.tick;
+      see(r);
+    });
+  }
+  /// The bar's centre in the palm's frame, at a tick.
+  [[nodiscard]] Eigen::Vector3d inPalm(const TickRecord& r) const {
+    ArticulatedBody body(rig->models.hand);
+    body.updateKinematics(r.theta);
+    return body.linkPose(0).inverse() * r.bodies[0].position_m.eigen();
+  }
+};
+
+SceneJoint drawerSlide() {
+  SceneJoint joint;
+  joint.type = SceneJoint::Type::kSlide;
+  joint.axis = -Eigen::Vector3d::UnitX();
+  joint.least = 0.0, joint.most = 0.12;
+  joint.dry_friction = 2.0;
+  return joint;
+}
+
+class Drawer : public testing::TestWithParam<double> {};
+
+TEST_P(Drawer, PulledByItsHandle_FollowsTheHandAndIsFeltAsItsFriction) {
+  const auto slowly = [](int k) {
+    return Eigen::Vector3d(-0.05 * std::min(1.0, k / 2000.0), 0, 0);
+  };
+  PulledBar bar(handleBar(GetParam(), 1.0, drawerSlide()), slowly);
+  ASSERT_TRUE(bar.rig->renderer->arm());
+  double worst = 0.0, worst_felt = 0.0;
+  int counted = 0;
+  Eigen::Vector3d held = Eigen::Vector3d::Zero();
+  const double start_x = bar.rig->models.scene.bodies[0].pose.translation_m.x();
+  const auto last = bar.run(kGrasped + 2200, [&](const TickRecord& r) {
+    const Eigen::Vector3d at = r.bodies[0].position_m.eigen();
+    ASSERT_NEAR(at.y(), 0.041, 1e-15);
+    ASSERT_NEAR(at.z(), 0.004, 1e-15);
+    ASSERT_LE(at.x(), start_x + 1e-15);
+    const AxisEffort work = virtualWork(bar.rig->models.hand, r.q_s, r);
+    if (static_cast<int>(r.tick) == kGrasped + 500) held = bar.inPalm(r);
+    // Once friction yields, at a steady pace.
+    if (static_cast<int>(r.tick) > kGrasped + 1300 && static_cast<int>(r.tick) < kGrasped + 1900) {
+      worst = std::max(worst, std::abs(work[0] - 2.0));
+      worst_felt = std::max(worst_felt, std::abs(r.coupling[0] - 2.0));
+      ++counted;
+    }
+  });
+  ASSERT_GT(counted, 500);
+  figure("drawer of 2 N, virtual work of the contacts, worst", worst, "N off");
+  figure("drawer of 2 N, felt, worst", worst_felt, "N off");
+  figure("drawer, slip of the handle", 1e3 * (bar.inPalm(*last) - held).norm(), "mm");
+  // Steadily pulled, the hand feels the friction: 2 N away from the person.
+  EXPECT_LE(worst, 0.02 * 2.0);
+  EXPECT_LE(worst_felt, 0.02 * 2.0 + 0.05);
+  EXPECT_GT(start_x - last->bodies[0].position_m.x, 0.03);
+  EXPECT_LE((bar.inPalm(*last) - held).norm(), 1e-4);
+}
+INSTANTIATE_TEST_SUITE_P(Radii, Drawer, testing::Values(0.0125, 0.015, 0.025));
+
+TEST(SprungHandle, HeldFor60SAgainst5N_DoesNotSlip) {
+  SceneJoint joint = drawerSlide();
+  joint.dry_friction = 0.0;
+  joint.spring_stiffness = 100.0;  // 5 N after 50 mm
+  const auto out = [](int k) { return Eigen::Vector3d(-0.068 * std::min(1.0, k / 2000.0), 0, 0); };
+  PulledBar bar(handleBar(0.0125, 1.0, joint), out);
+  ASSERT_TRUE(bar.rig->renderer->arm());
+  Eigen::Vector3d held = Eigen::Vector3d::Zero();
+  double most_m = 0.0, force_n = 0.0;
+  const int settled = kGrasped + 3000, ticks = settled + 1000 * std::min(60, cases(60));
+  bar.run(ticks, [&](const TickRecord& r) {
+    const int tick = static_cast<int>(r.tick);
+    if (tick == settled) held = bar.inPalm(r);
+    if (tick <= settled || tick % 100 != 0) return;
+    most_m = std::max(most_m, (bar.inPalm(r) - held).norm());
+    force_n = 100.0 * (bar.rig->models.scene.bodies[0].pose.translation_m.x() -
+                       r.bodies[0].position_m.x);
+  });
+  figure("handle held against a spring", force_n, "N");
+  figure("handle held, slip", 1e3 * most_m, "mm");
+  EXPECT_NEAR(force_n, 5.0, 0.6);
+  EXPECT_LE(most_m, 1e-4);
+}
+
+}  // namespace
+}  // namespace wholehand::test
