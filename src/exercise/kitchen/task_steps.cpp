@@ -5,8 +5,8 @@
 namespace wholehand::kitchen {
 namespace {
 
-// What is to be taken or let go must be so for a moment: contacts come and go at first touch. A grip
-// that trembles counts as long as it does not open.
+// What is to be taken or let go must be so for a moment: contacts come and go at first touch. A
+// grip that trembles counts as long as it does not open.
 constexpr double kMoment_s = 0.2, kOpens = 0.25;
 constexpr double kFree_n = 0.05;
 
