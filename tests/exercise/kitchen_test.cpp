@@ -121,7 +121,7 @@ Played play(const std::string& task, int level, const std::string& hand, const s
   const SceneBody& body = rig->models.scene.bodies[0];
   EXPECT_TRUE(rig->renderer->arm());
   Played out;
-  runTicks(*rig->renderer, 25.000, [&](const TickRecord& r) {
+  runTicks(*rig->renderer, 25'000, [&](const TickRecord& r) {
     rig->listener->afterTick(r);
     if (any(r.faults & kStoppingFaults)) ++out.faults;
     for (int i = 0; i < r.contact_count; ++i) {
