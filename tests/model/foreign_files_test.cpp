@@ -7,6 +7,7 @@
 #include "model/scene/scene_model.hpp"
 #include "model/toml/toml_file.hpp"
 #include "model/urdf/urdf.hpp"
+#include "support/figure.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
 
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace wholehand::test {
@@ -504,7 +506,7 @@ TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {
       {"m.xacro",
        "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:box/><link name=\"a\"/></robot>",
        "is xacro", "xacro IN > out.urdf"},
-      {"m.gltf", "{\"asset\":{\"version\":\"2.0\"}}", "is glTF", "gltf-transform copy"},
+      {"m.gltf", "{\"asset\":{\"version\":\"2.0\"}}", "is glTF", "npx @gltf-transform/cli copy"},
       {"m.step", "ISO-10303-21;\nHEADER;\n", "is STEP", "gmsh"},
       {"m.c3d", "\x02\x50\x08{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{", "is C3D", "c3d2csv"},
       {"m.bvh", "HIERARCHY\nROOT Hips\n", "is BVH", "bvh2csv"},

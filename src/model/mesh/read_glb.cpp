@@ -55,6 +55,12 @@ class GlbReader {
         }
       }
     }
+    for (const Json& name : list(json_, "extensionsUsed")) {
+      if (name == "EXT_mesh_gpu_instancing") {
+        failGlb("repeats its meshes by EXT_mesh_gpu_instancing",
+                "export it again with a node for each");
+      }
+    }
     file_.notices.emplace_back(
         "is of glTF, whose y axis points up, which is ignored: its axes are taken as they are");
     const Json& scenes = list(json_, "scenes");

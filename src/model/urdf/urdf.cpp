@@ -511,7 +511,8 @@ class Reader {
       readContact(*c, key + ".contact");
     }
     const XMLElement* i = e.FirstChildElement("inertial");
-    if (i != nullptr && use_ == UrdfUse::kShapesAndMass) {
+    const bool frame = number == 0 && i != nullptr && isMassless(*i);
+    if (i != nullptr && use_ == UrdfUse::kShapesAndMass && !frame) {
       link.inertial = readInertial(*i, key + ".inertial");
     }
     links_.push_back(std::move(link));
@@ -549,6 +550,12 @@ class Reader {
     } else {
       friction_ = value->front();
     }
+  }
+
+  static bool isMassless(const XMLElement& inertial) {
+    const XMLElement* mass = inertial.FirstChildElement("mass");
+    const char* const value = mass != nullptr ? mass->Attribute("value") : nullptr;
+    return value != nullptr && parseNumbers(value) == std::vector<double>{0.0};
   }
 
   std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key) {
