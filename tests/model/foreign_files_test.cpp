@@ -452,6 +452,10 @@ TEST(ForeignUrdf, FramesAndBallast_AreLinksWithoutColliders) {
                 .bodies[0]
                 .mass_kg,
             0.1);
+  EXPECT_TRUE(sceneOf(folder, kBoxLink + R"(<link name="f"><inertial><mass value="0"/>
+<inertia ixx="0" iyy="0" izz="0"/></inertial></link>)" +
+                                  fixedJoint("b", "f"))
+                  .ok());
   const SceneModel root =
       orThrow(sceneOf(folder, "<link name=\"f\"/>" + kBoxLink + fixedJoint("f", "b")));
   EXPECT_NEAR(root.bodies[0].com_m.z(), 0.05, 1e-15);

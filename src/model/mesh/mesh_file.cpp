@@ -240,7 +240,8 @@ Expected<MeshFile> readMeshHere(const std::string& path) {
   } catch (const UnreadableMesh& why) {
     // A file of another program under a name of ours.
     const auto foreign = foreignFile(bytes.view().substr(0, 4096), "");
-    if (foreign && !foreign->problem.starts_with("is a mesh")) return fileFault(name + foreign->problem, foreign->remedy);
+    if (foreign && !foreign->problem.starts_with("is a mesh"))
+      return fileFault(name + foreign->problem, foreign->remedy);
     return fileFault(name + why.problem, why.remedy);
   }
 }
