@@ -173,7 +173,12 @@ class Clinic {
   [[nodiscard]] Json visitJson(std::int64_t id, bool hidden);
   [[nodiscard]] Json trialsOf(std::int64_t visit, const Plan& plan);
   [[nodiscard]] VisitOrder orderOf(const VisitRow& visit, std::int64_t item);
-  [[nodiscard]] Parameters limitsOf(const std::optional<std::int64_t>& patient);
+  [[nodiscard]] Parameters limitsOf(const std::optional<std::int64_t>& patient,
+                                    const Json& changed = Json::object());
+  [[nodiscard]] Json inForce(const VisitOrder& order) const;
+  void keepSettings(VisitRow& visit);
+  void closeVisit(std::int64_t account, VisitRow visit, const std::string& state);
+  void takeBackSettings(const VisitRow& visit);
   void chooseHand(VisitRow& visit);
   void refuseWhileOpen();
   void ask(Call& call, const std::function<StationReply()>& order);
@@ -214,5 +219,8 @@ class Clinic {
 /// A plan as the pages have it.
 [[nodiscard]] Json toJson(const Plan& plan);
 [[nodiscard]] Plan planFrom(const std::string& json);
+/// The plan without effort limits above those of the person.
+[[nodiscard]] Plan capped(Plan plan, const Parameters& limits);
+[[nodiscard]] bool isEffortLimit(const std::string& parameter);
 
 }  // namespace wholehand::clinic

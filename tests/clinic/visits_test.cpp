@@ -86,12 +86,12 @@ TEST(Visits, ShippedHandWithinHalfAMillimetre_IsUsed) {
 }
 
 TEST(Visits, EverySizeOffered_IsAHandFile) {
-  const TemporaryFolder folder;
+  const test::Folder folder;
   const std::string hands = std::string(WHOLEHAND_SOURCE_DIR) + "/config/hands";
   for (const double length_m : {0.150, 0.1825, 0.215}) {
     for (const double breadth_m : {0.05, 0.085, 0.12}) {
       const auto written =
-          writeHandFile(hands, folder.path + "/v.toml", "v", "left", length_m, breadth_m);
+          writeHandFile(hands, folder.path() + "/v.toml", "v", "left", length_m, breadth_m);
       EXPECT_TRUE(written.ok()) << format(written.ok() ? Diagnostics{} : written.errors());
     }
   }
@@ -234,6 +234,105 @@ TEST(Visits, StationHoldsAVisitThatIsOver_ItIsClosedThere) {
   EXPECT_EQ(b.station.closed, std::vector<std::uint64_t>{77});
 }
 
+Json personOf(Bench& b, std::int64_t id) {
+  return b.get(fmt::format("/api/patients/{}", id));
+}
+
+TEST(Settings, WhatATherapistSetsInAVisit_IsWhatTheNextBeginsWith) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001");  // gentle: 3 N, 6 N
+  Json plan = planOf(2);
+  plan[0]["parameters"] = {{"effort_limit_hand_tip_n", 2.0}, {"damping_full_n", 4.0}};
+  const std::string visits = fmt::format("/api/patients/{}/visits", id);
+  const std::int64_t first = b.post(visits, {{"side", "right"}, {"plan", plan}})["id"];
+  Parameters& now = b.station.now.values;
+  now["effort_limit_arm_n"] = 8.0;  // raised by a press
+  now["damping_full_n"] = 7.0;      // of the item
+  b.station.now.help = "none";
+  b.clinic->lookAtStation();
+  b.restart();  // nothing is lost with the process
+  b.post(fmt::format("/api/visits/{}/item", first), {{"item", 1}});
+  EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 8.0);
+  EXPECT_EQ(now["effort_limit_hand_tip_n"], 2.0);  // the item's lower limit stays in the visit
+  now["level_ratio"] = 1.25;
+  now["effort_limit_arm_n"] = 7.0;
+  b.station.now.level = 2;
+  EXPECT_EQ(personOf(b, id)["parameters"], Json::object());  // until the visit is closed
+  b.finish(first);
+  EXPECT_EQ(b.status, 200);
+  const Json person = personOf(b, id);
+  // The lower limit at the fingertips was the item's, not the person's.
+  EXPECT_EQ(person["parameters"], (Json{{"effort_limit_arm_n", 7.0}, {"level_ratio", 1.25}}));
+  EXPECT_EQ(person["visits"][0]["changed"], person["parameters"]);
+  EXPECT_EQ(person["today"][0]["help"], "none");
+  EXPECT_EQ(person["today"][0]["parameters"]["damping_full_n"], 7.0);
+  EXPECT_EQ(person["today"][1]["level"], 2);
+  b.post(visits, {{"side", "right"}, {"plan", person["today"]}});
+  ASSERT_EQ(b.status, 200);
+  const VisitOrder& next = b.station.orders.back();
+  EXPECT_EQ(next.parameters, (Parameters{{"effort_limit_arm_n", 7.0},
+                                         {"effort_limit_hand_tip_n", 2.0},
+                                         {"damping_full_n", 7.0}}));
+  EXPECT_EQ(next.help, "none");
+}
+
+TEST(Settings, WithoutAVisit_OrOfAnother_AreNobodys) {
+  Bench b;
+  const std::int64_t a = b.addPatient("P-001"), other = b.addPatient("P-002");
+  b.station.now.values["effort_limit_arm_n"] = 15.0;  // at the console
+  b.clinic->lookAtStation();
+  const std::int64_t visit = b.beginVisit(a);
+  EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 6.0);
+  b.finish(visit);
+  b.station.now.values["effort_limit_arm_n"] = 15.0;
+  b.clinic->lookAtStation();
+  const std::int64_t guest = b.post("/api/guest_visits", {{"side", "right"}})["id"];
+  b.station.now.values["effort_limit_arm_n"] = 9.0;
+  b.finish(guest);
+  b.post(fmt::format("/api/visits/{}/move", guest), {{"patient", other}});
+  for (const std::int64_t id : {a, other}) {
+    EXPECT_EQ(personOf(b, id)["parameters"], Json::object());
+  }
+}
+
+TEST(Settings, VisitOfTheWrongPerson_GivesItsSettingsBack_AndTheRightOneNone) {
+  Bench b;
+  Json body = patientOf("P-001");
+  body["parameters"] = {{"effort_limit_arm_n", 5.0}};
+  const std::int64_t wrong = b.post("/api/patients", body)["id"], right = b.addPatient("P-002");
+  const std::int64_t visit = b.beginVisit(wrong);
+  b.station.now.values["effort_limit_arm_n"] = 12.0;
+  b.station.now.values["damping_full_n"] = 2.0;
+  b.finish(visit);
+  EXPECT_EQ(personOf(b, wrong)["parameters"],
+            (Json{{"effort_limit_arm_n", 12.0}, {"damping_full_n", 2.0}}));
+  b.post(fmt::format("/api/visits/{}/move", visit), {{"patient", right}});
+  EXPECT_EQ(personOf(b, wrong)["parameters"], (Json{{"effort_limit_arm_n", 5.0}}));
+  EXPECT_EQ(personOf(b, right)["parameters"], Json::object());
+}
+
+TEST(Settings, LimitThatWasLowered_CapsThePlan_StationThatIsGoneKeepsIt) {
+  Bench b;
+  Json body = patientOf("P-001");
+  body["plan"] = planOf(2);
+  body["plan"][0]["parameters"] = {{"effort_limit_arm_n", 6.0}};
+  const std::int64_t id = b.post("/api/patients", body)["id"];
+  const std::int64_t visit = b.post(fmt::format("/api/patients/{}/visits", id),
+                                    {{"side", "right"}, {"plan", body["plan"]}})["id"];
+  b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}});
+  b.station.now.values["effort_limit_arm_n"] = 4.0;
+  b.clinic->lookAtStation();
+  b.station.now.visit = 0;  // the program was killed
+  for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
+  Json person = personOf(b, id);
+  EXPECT_EQ(person["visits"][0]["state"], "unfinished");
+  EXPECT_EQ(person["parameters"], (Json{{"effort_limit_arm_n", 4.0}}));
+  EXPECT_EQ(person["plan"][0]["parameters"]["effort_limit_arm_n"], 4.0);
+  EXPECT_EQ(person["today"][0]["parameters"]["effort_limit_arm_n"], 4.0);
+  b.ask("PUT", fmt::format("/api/patients/{}", id), person);
+  EXPECT_EQ(b.status, 200);
+}
+
 TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
   Bench b;
   FakeMeasures measures;
@@ -340,8 +439,8 @@ TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
 }
 
 TEST(Trials, Child_ItsReasonIsKept_ItsTimeIsLimited) {
-  const TemporaryFolder folder;
-  const std::string program = folder.path + "/measures";
+  const test::Folder folder;
+  const std::string program = folder.path() + "/measures";
   std::ofstream(program) << "#!/bin/sh\ncase $2 in *good*) echo '{\"measures\":1}';; *) echo \"$2: "
                             "no tick\" >&2; exit 2;; esac\n";
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
