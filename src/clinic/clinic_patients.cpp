@@ -358,11 +358,15 @@ Json Clinic::changePatient(Call& call) {
 Json Clinic::patient(Call& call) {
   const std::int64_t id = call.ids.at(0);
   Json out = patientJson(id);
-  Session& session = sessions_[call.session_id];
-  if (session.opened_patient != id && tryToLog(call.session.account, "opened", id)) {
-    session.opened_patient = id;
-  }
+  logOpened(call, id);
   return out;
+}
+
+void Clinic::logOpened(const Call& call, std::int64_t patient) {
+  Session& session = sessions_[call.session_id];
+  if (session.opened_patient != patient && tryToLog(call.session.account, "opened", patient)) {
+    session.opened_patient = patient;
+  }
 }
 
 Json Clinic::notesOf(const char* column, std::int64_t id, bool hidden) {
@@ -529,18 +533,13 @@ Json Clinic::noShow(Call& call) {
   if (at_us < 0 || at_us > now_us + kDay_us) {
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
-  const std::int64_t visit = db_->number("SELECT next_visit FROM clinic");
-  db_->run("UPDATE clinic SET next_visit = next_visit + 1");
-  db_->change(
-      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
-      " offset_min, state, plan, item) VALUES (?, ?, ?, '', '', '', ?, ?, ?, 'no_show', '[]', 0)",
-      visit, id, call.session.account, at_us, at_us, clock_.offset_min(at_us));
+  const std::int64_t visit = insertVisit(id, call.session.account, "", at_us, at_us, "no_show");
   log(call.session.account, "noted a no-show", id, visit);
   return visitJson(visit, false);
 }
 
 void Clinic::insertNote(Call& call, std::optional<std::int64_t> patient,
-                        std::optional<std::int64_t> visit) {
+                        std::optional<std::int64_t> visit, std::optional<std::int64_t> id) {
   const std::string text = textOr(call.body, "text", kLongestNote, true);
   const std::string kind =
       call.body.contains("kind") ? textOr(call.body, "kind", kLongestKind) : std::string("text");
@@ -556,8 +555,9 @@ void Clinic::insertNote(Call& call, std::optional<std::int64_t> patient,
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
   db_->change(
-      "INSERT INTO note (patient, visit, account, at_us, kind, text) VALUES (?, ?, ?, ?, ?, ?)",
-      patient, visit, call.session.account, at_us, kind, Blob{seal("note", text)});
+      "INSERT INTO note (id, patient, visit, account, at_us, kind, text) VALUES (?, ?, ?, ?, ?, ?,"
+      " ?)",
+      id, patient, visit, call.session.account, at_us, kind, Blob{seal("note", text)});
 }
 
 Json Clinic::notePatient(Call& call) {

@@ -1,12 +1,14 @@
+#include "clinic/backup.hpp"
 #include "clinic/clinic.hpp"
-#include "clinic/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <system_error>
+#include <utility>
 
 /// Visits: opened and closed on the station, noted, moved.
 namespace wholehand::clinic {
@@ -16,12 +18,27 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 /// So long a difference between station and database is an order on its way.
 constexpr std::int64_t kApart_us = 10 * kSecond_us;
 constexpr int kMostPain = 10;
+constexpr std::int64_t kLastNote = (std::int64_t{1} << 48) - 1;
 constexpr double kRounding = 1e-6;  // of single precision on the wire
 
 std::string sideOf(const Json& body) {
   const Json side = body.value("side", Json());
   if (side != "right" && side != "left") throw badValue("side", "side must be right or left");
   return side;
+}
+
+/// What Clinic::trialsIn() reads.
+constexpr std::string_view kTrialColumns =
+    "SELECT item, recording, began_us, state, why, measures, id FROM trial";
+constexpr int kMostSessions = 100;
+
+/// "right" or "left", the end of every hand's name; empty: another.
+std::string sideOfHand(const Json& measures) {
+  const std::string hand = measures.value("hand", "");
+  for (const char* side : {"right", "left"}) {
+    if (hand.ends_with(std::string("-") + side)) return side;
+  }
+  return {};
 }
 
 }  // namespace
@@ -65,28 +82,32 @@ Clinic::VisitRow Clinic::visitRow(std::int64_t id) {
 
 /// The visit of a request. While names are hidden, only the one that is open.
 Clinic::VisitRow Clinic::visitOf(const Call& call) {
-  VisitRow visit = visitRow(call.ids.at(0));
+  return visitFor(call, call.ids.at(0));
+}
+Clinic::VisitRow Clinic::visitFor(const Call& call, std::int64_t id) {
+  VisitRow visit = visitRow(id);
   if (call.session.hidden && visit.state != "open") {
     throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
   }
   return visit;
 }
 
-Json Clinic::trialsOf(std::int64_t visit, const Plan& plan) {
+/// @param rows with the columns kTrialColumns
+Json Clinic::trialsIn(Statement rows, const Plan& plan) {
   Json trials = Json::array();
-  Statement rows = db_->query(
-      "SELECT item, recording, began_us, state, why, measures FROM trial WHERE visit = ?"
-      " ORDER BY began_us, id",
-      visit);
   while (rows.step()) {
     const Json m = Json::parse(rows.text(5));
     const auto item = static_cast<std::size_t>(rows.integer(0));
     const bool planned = item < plan.size();
-    trials.push_back({{"item", item},
+    const Json recording = m.value("recording", Json::object());
+    trials.push_back({{"id", rows.integer(6)},
+                      {"item", item},
                       {"exercise", m.value("exercise", Json(planned ? plan[item].exercise : ""))},
                       {"level", m.value("level", Json(planned ? plan[item].level : 0))},
                       {"recording", rows.text(1)},
                       {"began_us", rows.integer(2)},
+                      {"duration_s", recording.value("duration_s", Json())},
+                      {"side", sideOfHand(m)},
                       {"active_s", m.value("active_s", Json())},
                       {"helped_share", m.value("helped_share", Json())},
                       {"results", m.value("results", Json::array())},
@@ -98,6 +119,12 @@ Json Clinic::trialsOf(std::int64_t visit, const Plan& plan) {
                       {"why", rows.text(4)}});
   }
   return trials;
+}
+
+Json Clinic::trialsOf(std::int64_t visit, const Plan& plan) {
+  return trialsIn(
+      db_->query(std::string(kTrialColumns) + " WHERE visit = ? ORDER BY began_us, id", visit),
+      plan);
 }
 
 Json Clinic::visitJson(std::int64_t id, bool hidden) {
@@ -306,6 +333,23 @@ void Clinic::ask(Call& call, const std::function<StationReply()>& order) {
   }
 }
 
+std::int64_t Clinic::takeVisitNumber() {
+  db_->run("UPDATE clinic SET next_visit = next_visit + 1");
+  return db_->number("SELECT next_visit - 1 FROM clinic");
+}
+
+/// A visit without a plan, which is over. @return its number
+std::int64_t Clinic::insertVisit(std::int64_t patient, std::int64_t account,
+                                 const std::string& side, std::int64_t began_us,
+                                 std::int64_t ended_us, const std::string& state) {
+  const std::int64_t id = takeVisitNumber();
+  db_->change(
+      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
+      " offset_min, state, plan, item) VALUES (?, ?, ?, ?, '', '', ?, ?, ?, ?, '[]', 0)",
+      id, patient, account, side, began_us, ended_us, clock_.offset_min(began_us), state);
+  return id;
+}
+
 Json Clinic::startVisit(Call& call, std::optional<std::int64_t> patient, const std::string& side,
                         const Plan& plan) {
   if (plan.empty()) throw badValue("plan", "a visit has at least one item");
@@ -317,8 +361,7 @@ Json Clinic::startVisit(Call& call, std::optional<std::int64_t> patient, const s
   visit.plan = plan;
   // The row is on the disk before the station knows its number: no recording is without one.
   begin(call);
-  visit.id = db_->number("SELECT next_visit FROM clinic");
-  db_->run("UPDATE clinic SET next_visit = next_visit + 1");
+  visit.id = takeVisitNumber();
   chooseHand(visit);
   const VisitOrder order = orderOf(visit, 0);
   const std::int64_t now_us = clock_.now_us();
@@ -436,6 +479,49 @@ Json Clinic::noteVisit(Call& call) {
   return visitJson(visit.id, call.session.hidden);
 }
 
+/// A note whose number the page has drawn: new, or the same again with its text of now.
+Json Clinic::putNote(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  const auto owner = [&](const char* key) -> std::optional<std::int64_t> {
+    const Json given = call.body.value(key, Json());
+    if (given.is_null()) return {};
+    if (!given.is_number_integer()) throw badValue(key, fmt::format("{} is no number", key));
+    return given.get<std::int64_t>();
+  };
+  std::optional<std::int64_t> patient = owner("patient"), visit = owner("visit");
+  if (id < 1 || id > kLastNote) throw badValue("", "a note has a number of 1 to 2^48 - 1");
+  if (patient && visit) throw badValue("visit", "a note is a visit's or a patient's, not both");
+  begin(call);
+  Statement row =
+      db_->query("SELECT patient, visit, account, at_us, kind FROM note WHERE id = ?", id);
+  if (row.step()) {
+    const auto other = [&](int column, const std::optional<std::int64_t>& given) {
+      return given && (row.isNull(column) || row.integer(column) != *given);
+    };
+    if (other(0, patient) || other(1, visit) || row.integer(2) != call.session.account) {
+      throw Refused{
+          409, "changed", "this number is a note of another visit, patient or account", {}};
+    }
+    patient = visit = {};
+    if (!row.isNull(0)) patient = row.integer(0);
+    if (!row.isNull(1)) visit = row.integer(1);
+    call.body.emplace("at_us", row.integer(3));
+    call.body.emplace("kind", row.text(4));
+    db_->change("DELETE FROM note WHERE id = ?", id);
+  }
+  if (visit) {
+    (void)visitFor(call, *visit);
+  } else if (!patient) {
+    throw notFound(fmt::format("there is no note {}: name its visit or patient", id));
+  } else if (call.session.hidden) {
+    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+  } else {
+    checkPatient(*patient);
+  }
+  insertNote(call, patient, visit, id);
+  return notesOf("id", id, call.session.hidden).at(0);
+}
+
 Json Clinic::pain(Call& call) {
   const VisitRow visit = visitOf(call);
   const Json when = call.body.value("when", Json());
@@ -472,6 +558,81 @@ Json Clinic::moveVisit(Call& call) {
   return visitJson(visit.id, false);
 }
 
+Json Clinic::visit(Call& call) {
+  const VisitRow visit = visitOf(call);
+  if (visit.patient && !call.session.hidden) logOpened(call, *visit.patient);
+  return visitJson(visit.id, call.session.hidden);
+}
+
+void Clinic::removeRecordings(Call& call, std::vector<std::string> recordings) {
+  call.after.emplace_back([this, &call, files = ErasedFiles{std::move(recordings), {}}] {
+    const auto left = removeFiles(options_.folder, options_.recordings, files);
+    call.answer.body = Json({{"recordings_left", left}}).dump();
+  });
+}
+
+Json Clinic::sessions(Call&) {
+  const std::int64_t all = db_->number("SELECT COUNT(*) FROM trial WHERE visit IS NULL");
+  return {{"sessions",
+           trialsIn(db_->query(std::string(kTrialColumns) +
+                                   " WHERE visit IS NULL ORDER BY began_us DESC, id DESC LIMIT ?",
+                               kMostSessions),
+                    {})},
+          {"more", std::max(all - kMostSessions, std::int64_t{0})}};
+}
+
+/// Makes sessions that were recorded outside of a visit the trials of a new one.
+Json Clinic::giveSessions(Call& call) {
+  const Json to = call.body.value("patient", Json());
+  if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
+  const auto patient = to.get<std::int64_t>();
+  checkPatient(patient);
+  const Json ids = call.body.value("sessions", Json());
+  const bool numbers =
+      ids.is_array() && !ids.empty() && ids.size() <= kMostSessions &&
+      std::all_of(ids.begin(), ids.end(), [](const Json& id) { return id.is_number_integer(); });
+  if (!numbers) throw badValue("sessions", "sessions is no list of numbers of sessions");
+  std::int64_t began_us = std::numeric_limits<std::int64_t>::max(), ended_us = 0;
+  std::string side;
+  for (const Json& id : ids) {
+    const Json one =
+        trialsIn(db_->query(std::string(kTrialColumns) +
+                                " WHERE id = ? AND visit IS NULL AND state = 'measured'",
+                            id.get<std::int64_t>()),
+                 {});
+    if (one.empty()) {
+      throw Refused{409, "changed",
+                    fmt::format("session {} was given or deleted meanwhile", id.dump()),
+                    "sessions"};
+    }
+    const std::int64_t at_us = one[0]["began_us"];
+    began_us = std::min(began_us, at_us);
+    const Json lasted = one[0]["duration_s"];
+    const double lasted_s = lasted.is_number() ? lasted.get<double>() : 0.0;
+    ended_us = std::max(ended_us, at_us + static_cast<std::int64_t>(lasted_s * 1e6));
+    side = one[0]["side"];
+  }
+  const std::int64_t visit =
+      insertVisit(patient, call.session.account, side, began_us, ended_us, "done");
+  for (const Json& id : ids) {
+    db_->change("UPDATE trial SET visit = ?, why = '' WHERE id = ?", visit, id.get<std::int64_t>());
+  }
+  log(call.session.account, "gave sessions", patient, visit, ids.dump());
+  return visitJson(visit, false);
+}
+
+Json Clinic::deleteSession(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  Statement row = db_->query("SELECT recording FROM trial WHERE id = ? AND visit IS NULL", id);
+  if (!row.step()) {
+    throw Refused{409, "changed", "this session was given or deleted meanwhile", {}};
+  }
+  removeRecordings(call, {row.text(0)});
+  db_->change("DELETE FROM trial WHERE id = ?", id);
+  log(call.session.account, "deleted a session", 0, 0, row.text(0));
+  return Json::object();
+}
+
 Json Clinic::deleteVisit(Call& call) {
   const VisitRow visit = visitOf(call);
   if (visit.patient) {
@@ -482,10 +643,10 @@ Json Clinic::deleteVisit(Call& call) {
                   {{"now", visitJson(visit.id, false)}}};
   }
   if (visit.state == "open") refuseWhileOpen();
-  db_->change(
-      "UPDATE trial SET visit = NULL, state = 'ignored', why = 'of a deleted guest visit'"
-      " WHERE visit = ?",
-      visit.id);
+  std::vector<std::string> recordings;
+  Statement rows = db_->query("SELECT recording FROM trial WHERE visit = ?", visit.id);
+  while (rows.step()) recordings.push_back(rows.text(0));
+  removeRecordings(call, std::move(recordings));
   db_->change("DELETE FROM visit WHERE id = ?", visit.id);
   log(call.session.account, "deleted a guest visit", 0, visit.id);
   return Json::object();
