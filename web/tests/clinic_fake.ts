@@ -6,6 +6,8 @@ type Body = Readonly<Record<string, unknown>>;
 type Row = PatientText & { id: number; version: number };
 type Writable<T> = { -readonly [Key in keyof T]: T[Key] };
 
+/** 64 digits, of its own for each account. */
+const browserKey = (account: number): string => account.toString(16).padStart(64, '0');
 const refuse = (status: number, refused: string, why: string, more: Body = {}): Answer => ({ status, body: { refused, why, ...more } });
 const ok = (body: unknown): Answer => ({ status: 200, body });
 
@@ -55,7 +57,7 @@ export class FakeClinic {
   handle(method: string, path: string, headers: { get(name: string): string | null }, body: Body): Answer {
     this.asked.push(`${method} ${path}`);
     const key = headers.get('Idempotency-Key');
-    if (method !== 'GET' && !key) return refuse(400, 'bad_value', 'no Idempotency-Key');
+    if (method !== 'GET' && !key && !path.startsWith('/api/notes/')) return refuse(400, 'bad_value', 'no Idempotency-Key');
     const before = key ? this.answered.get(key) : undefined;
     if (before) return before;
     const answer = this.instead?.path.test(path) ? this.instead.answer : this.answer(method, path, headers.get('Authorization') ?? '', body);
@@ -63,11 +65,11 @@ export class FakeClinic {
     return answer;
   }
 
-  signIn(): { token: string; account: number } {
+  signIn(account = this.account || this.tiles[0].id): { token: string; account: number; browser_key: string } {
+    this.account = account;
     this.token = `token-${this.last += 1}`;
-    this.account = this.account || this.tiles[0].id;
     this.hidden = false;
-    return { token: this.token, account: this.account };
+    return { token: this.token, account, browser_key: browserKey(account) };
   }
 
   add(text: Partial<PatientText> & { readonly name: string }): Row {
@@ -103,9 +105,9 @@ export class FakeClinic {
     if (authorization !== `Bearer ${this.token}` || this.token === '') return refuse(401, 'not_signed_in', 'no session');
     if (route === 'POST /api/show') {
       const { status, body: said } = this.pin(body, this.account, false);
-      return { status, body: status === 200 ? {} : said };
+      return { status, body: status === 200 ? { browser_key: browserKey(this.account) } : said };
     }
-    const ofVisit = /^(GET \/api\/visits\/open|POST \/api\/visits\/N\/(item|finish|notes|pain)|POST \/api\/(hide|sign_out|lock)|GET \/api\/presets)$/;
+    const ofVisit = /^(GET \/api\/visits\/open|POST \/api\/visits\/N\/(item|finish|notes|pain)|POST \/api\/(hide|sign_out|lock)|GET \/api\/presets|PUT \/api\/notes\/N)$/;
     if (this.hidden && !ofVisit.test(route)) return refuse(403, 'hidden', 'hidden');
     return this.inside(route, first, query, body);
   }
@@ -129,8 +131,8 @@ export class FakeClinic {
       case 'POST /api/patients/N/visits': return this.openVisit ? refuse(409, 'visit_open', 'open') : ok(this.open(id, body.side as Visit['side'], body.plan as Item[]));
       case 'POST /api/guest_visits': return this.openVisit ? refuse(409, 'visit_open', 'open') : ok(this.open(null, body.side as Visit['side'], PLAN));
       case 'GET /api/visits/open': return ok({ visit: this.openVisit ?? null, patient: this.openVisit && !this.hidden ? this.rowOf(this.openVisit.patient ?? 0) ?? null : null });
-      case 'POST /api/patients/N/notes': case 'POST /api/visits/N/notes': return this.note(body, visit, id);
-      case 'PUT /api/notes/N': this.notes = this.notes.map((note) => (note.id === id ? { ...note, text: String(body.text) } : note)); return ok(this.notes.find((note) => note.id === id));
+      case 'POST /api/visits/N/notes': return this.note(body, visit, this.last += 1);
+      case 'PUT /api/notes/N': return this.note(body, this.visits.find((other) => other.id === body.visit), id);
       case 'GET /api/export/patient/N.csv': case 'GET /api/export/all.csv': return { status: 200, body: 'code,day,active_min\r\nP-001,2026-11-02,14\r\n' };
       default: return visit ? this.ofVisit(route, visit, body) : refuse(404, 'not_found', `nothing at ${route}`);
     }
@@ -205,9 +207,13 @@ export class FakeClinic {
     return wrong ?? ok(this.whole(row));
   }
 
-  private note({ kind = 'text', text = '', at_us = this.now_us() }: Body, visit: Visit | undefined, id: number): Answer {
-    const note = { id: this.last += 1, visit: visit?.id ?? 0, patient: visit ? visit.patient ?? 0 : id, at_us: Number(at_us), account: this.account, kind: String(kind), text: String(text) };
-    this.notes.push(note);
+  /** A note of known number replaces its text. */
+  private note(body: Body, visit: Visit | undefined, id: number): Answer {
+    const { kind = 'text', text = '', at_us = this.now_us() } = body;
+    const patient = visit ? visit.patient ?? 0 : Number(body.patient);
+    if (this.hidden && visit !== this.openVisit) return refuse(403, 'hidden', 'hidden');
+    const note = { id, visit: visit?.id ?? 0, patient, at_us: Number(at_us), account: this.account, kind: String(kind), text: String(text) };
+    this.notes = [...this.notes.filter((other) => other.id !== id), note];
     return ok(note);
   }
 }

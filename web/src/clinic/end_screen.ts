@@ -77,7 +77,7 @@ export class EndScreen implements Screen {
 
   private build(visit: Visit): void {
     const { t, room } = this;
-    this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient ?? 0, () => {});
+    this.note = new NoteBox(room, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => {});
     const drafts = room.clinic.drafts;
     const kept = (what: string): Field => {
       const field = new Field(what === 'next' ? t.next : t.reason, textInput(`end-${what}`, drafts.get<string>(`${what}-${this.id}`, visit.patient ?? 0) ?? '', { maxlength: 500 }));

@@ -2,6 +2,7 @@ import { h } from '../console/dom';
 import { texts } from './i18n';
 import type { Room } from './page';
 import { Refused } from './api';
+import type { SignedIn } from './clinic';
 import { COLOURS, colourChoice } from './sign_in';
 import { button, Field, once, problemWords, Said, textInput, type Screen } from './ui';
 
@@ -37,7 +38,7 @@ export class FirstStart implements Screen {
     this.said.say('');
     this.stays = true;
     try {
-      const made = await this.room.clinic.api.send<{ recovery_code: string; token: string; account: number }>('POST', '/api/init',
+      const made = await this.room.clinic.api.send<SignedIn & { recovery_code: string }>('POST', '/api/init',
         { pass_phrase: phrase.input.value, tile: { name: name.input.value.trim(), colour: this.colour.value(), pin: pin.input.value } });
       this.showCode(made);
     } catch (problem) {
@@ -48,12 +49,12 @@ export class FirstStart implements Screen {
   }
 
   /** Nobody goes on without having seen it. */
-  private showCode(made: { recovery_code: string; token: string; account: number }): void {
+  private showCode(made: SignedIn & { readonly recovery_code: string }): void {
     const t = this.t.code;
     const kept = h('input', { type: 'checkbox', id: 'code-kept', 'data-testid': 'code-kept' });
-    const on = button(t.on, 'code-done', () => {
+    const on = button(t.on, 'code-done', async () => {
+      await this.room.clinic.signedIn(made);
       this.stays = false;
-      this.room.clinic.signedIn(made);
       void this.room.clinic.look((url, init) => fetch(url, init));
     }, 'go wide');
     on.disabled = true;

@@ -185,7 +185,7 @@ export class ClinicPage implements Room {
   private refreshLine(): void {
     const t = texts(), { clinic, line } = this;
     const { visit, stage, silentSince } = clinic;
-    const waits = clinic.outbox.waiting.length;
+    const waits = clinic.outbox.waiting;
     const silent = silentSince !== undefined && stage !== 'absent' ? fill(t.silentSince, { at: clock(silentSince) }) + (waits > 0 ? ` ${fill(t.waiting, { n: waits })}` : '') : '';
     line.records.hidden = silent === '';
     say(line.records, silent);

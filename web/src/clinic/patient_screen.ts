@@ -91,7 +91,7 @@ export class PatientScreen implements Screen {
   private build(patient: Patient): void {
     const { room, t } = this;
     this.today = new TodayPanel(room, patient);
-    this.notes = new NoteBox(room, `/api/patients/${patient.id}/notes`, 'note', patient.id, () => void this.read());
+    this.notes = new NoteBox(room, { patient: patient.id }, 'note', patient.id, () => void this.read());
     const progress = h('div', { class: 'lists' }, this.progressPanel(patient), this.visitsPanel(patient));
     this.listed.className = 'listed';
     this.element.replaceChildren(h('div', { class: 'col' }, this.extra, progress), h('div', { class: 'col side' }, this.said.element, this.today.element, this.personPanel(patient), panel(t.notes, 'notes-panel', this.notes.element, this.listed)));

@@ -159,7 +159,7 @@ export class VisitScreen implements Screen {
     const plan = besideTitle(panel(t.plan, 'planned', h('p', { class: 'session' }, this.clock, ' ', this.active), this.planned, this.said.element, h('div', { class: 'pair acts' }, this.next, this.stop, this.end)));
     const marks = panel(t.marks, 'marks', h('div', { class: 'mark-keys' }, ...MARKS.map((kind) => button(texts().notes.kinds[kind], `mark-${kind}`, () => this.mark(kind)))), this.marked);
     if (this.named) {
-      this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient ?? 0, () => void room.clinic.lookAtVisit().catch(() => {}));
+      this.note = new NoteBox(room, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => void room.clinic.lookAtVisit().catch(() => {}));
       marks.append(this.note.element);
     }
     this.element.replaceChildren(h('div', { class: 'col seen' }, this.side, this.picture, h('div', { class: 'under' }, marks, panel(t.pain, 'pains', this.painPlace))), h('div', { class: 'col' }, plan, this.controls));
@@ -316,6 +316,6 @@ export function painChoice({ clinic }: Room, visit: Visit, when: When): PainChoi
   const key = when === 'before' ? 'pain_before' : 'pain_after';
   return new PainChoice(when, visit[key], (value) => {
     if (clinic.visit?.id === visit.id) clinic.visit = { ...clinic.visit, [key]: value };
-    void clinic.outbox.add(`/api/visits/${visit.id}/pain`, { when, value });
+    void clinic.outbox.add(`/api/visits/${visit.id}/pain`, { when, value }, `pain-${visit.id}-${when}`);
   });
 }
