@@ -1,5 +1,5 @@
 // The records' process in memory, as pages see it: HTTP in, HTTP out. Nothing is encrypted, nothing is measured.
-import type { Item, Note, Patient, PatientRow, PatientText, Trial, Visit } from '../src/clinic/records';
+import type { Item, LooseSession, Note, Patient, PatientRow, PatientText, Trial, Visit } from '../src/clinic/records';
 
 export interface Answer { readonly status: number; readonly body: unknown }
 type Body = Readonly<Record<string, unknown>>;
@@ -34,6 +34,7 @@ export class FakeClinic {
   instead: { path: RegExp; answer: Answer } | undefined;
   patients: Row[] = [];
   visits: Writable<Visit>[] = [];
+  sessions: LooseSession[] = [];
   notes: (Note & { patient: number })[] = [];
   backup = { last_us: 0, folder: '/srv/backup' };
   asked: string[] = [];
@@ -93,7 +94,7 @@ export class FakeClinic {
     const [where, query = ''] = path.split('?');
     const route = `${method} ${where.replace(/\/\d+/g, '/N')}`;
     const [first] = (where.match(/\d+/g) ?? []).map(Number);
-    if (route === 'GET /api/state') return ok({ clinic: this.clinic, tiles: this.clinic === 'open' ? this.tiles.map(({ pin: _, ...tile }) => tile) : [], station: { heard: true }, visit: this.openVisit?.id ?? 0, backup: this.backup, version: 1 });
+    if (route === 'GET /api/state') return ok({ clinic: this.clinic, tiles: this.clinic === 'open' ? this.tiles.map(({ pin: _, ...tile }) => tile) : [], station: { heard: true }, folder: { path: '/media/records/clinic', empty: true }, visit: this.openVisit?.id ?? 0, backup: this.backup, version: 1 });
     if (route === 'POST /api/init') return this.init(body);
     if (route === 'POST /api/unlock') {
       if (body.pass_phrase !== this.phrase && body.recovery_code !== this.code) return refuse(403, 'wrong_phrase', 'wrong');
@@ -133,6 +134,9 @@ export class FakeClinic {
       case 'GET /api/visits/open': return ok({ visit: this.openVisit ?? null, patient: this.openVisit && !this.hidden ? this.rowOf(this.openVisit.patient ?? 0) ?? null : null });
       case 'POST /api/visits/N/notes': return this.note(body, visit, this.last += 1);
       case 'PUT /api/notes/N': return this.note(body, this.visits.find((other) => other.id === body.visit), id);
+      case 'GET /api/sessions': return ok({ sessions: this.sessions, more: 0 });
+      case 'POST /api/sessions/give': return this.give(Number(body.patient), body.sessions as number[]);
+      case 'DELETE /api/sessions/N': this.sessions = this.sessions.filter((other) => other.id !== id); return ok({ recordings_left: [] });
       case 'GET /api/export/patient/N.csv': case 'GET /api/export/all.csv': return { status: 200, body: 'code,day,active_min\r\nP-001,2026-11-02,14\r\n' };
       default: return visit ? this.ofVisit(route, visit, body) : refuse(404, 'not_found', `nothing at ${route}`);
     }
@@ -150,6 +154,15 @@ export class FakeClinic {
       case 'DELETE /api/visits/N': this.visits = this.visits.filter((other) => other !== visit); return ok({});
       default: return refuse(404, 'not_found', `nothing at ${route}`);
     }
+  }
+
+  private give(patient: number, ids: readonly number[]): Answer {
+    const given = this.sessions.filter(({ id }) => ids.includes(id));
+    if (given.length < ids.length) return refuse(409, 'changed', 'given meanwhile');
+    const visit = this.open(patient, given[0].side, given.map(({ exercise, level, duration_s }) => ({ exercise, level, minutes: duration_s / 60, help: 'full' as const })), 'done', given[0].began_us);
+    visit.trials = given.map((session, item) => ({ ...session, item }));
+    this.sessions = this.sessions.filter(({ id }) => !ids.includes(id));
+    return ok(visit);
   }
 
   private get openVisit(): Writable<Visit> | undefined { return this.visits.find(({ state }) => state === 'open'); }

@@ -5,9 +5,9 @@ import { NoteBox } from './notes';
 import type { Room } from './page';
 import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
-import { button, once, panel, Said, textInput, Field, type Screen } from './ui';
+import { button, link, once, panel, Said, textInput, Field, type Screen } from './ui';
 import { painChoice } from './visit_screen';
-import { itemWords, minutes, number, resultName, resultWords, sideWords, visitDay } from './words';
+import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, visitDay } from './words';
 
 const EVERY_MS = 2500;
 
@@ -62,7 +62,7 @@ export class EndScreen implements Screen {
       }
       if (!this.visit) await clinic.lookAtVisit();
       if (this.closed) return;
-      if (!this.visit) return this.over();
+      if (!this.visit) return this.over(texts().visit.over);
       if (this.visit.patient) this.patient = await clinic.api.get<Patient>(`/api/patients/${this.visit.patient}`).catch(() => undefined);
       if (!this.closed) this.build(this.visit);
     } catch (problem) {
@@ -70,9 +70,10 @@ export class EndScreen implements Screen {
     }
   }
 
-  private over(): void {
-    this.said.say(texts().visit.over);
-    this.said.element.after(h('p', {}, h('a', { class: 'b', href: hashOf({ at: 'patients' }) }, texts().patients.title)));
+  private over(words: string): void {
+    this.note?.close();
+    this.said.say(words);
+    this.element.replaceChildren(h('section', { class: 'panel narrow', 'data-testid': 'visit-over' }, this.said.element, link(texts().patients.title, { at: 'patients' })));
   }
 
   private build(visit: Visit): void {
@@ -99,7 +100,8 @@ export class EndScreen implements Screen {
 
   private show(): void {
     const { visit, t, patient } = this;
-    if (!visit || this.closed) return;
+    if (this.closed) return;
+    if (!visit) return this.over(fill(texts().visit.endedElsewhere, { at: clock(new Date()) }));
     const last = newestFirst(patient?.visits ?? []).find((other) => other.id !== visit.id && tookPlace(other));
     const shown = JSON.stringify([visit.trials, visit.plan]);
     if (shown === this.shown) return;

@@ -1,4 +1,5 @@
 import { h } from '../console/dom';
+import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Room } from './page';
 import { Refused } from './api';
@@ -21,7 +22,9 @@ export class FirstStart implements Screen {
   constructor(private readonly room: Room) {
     const { t } = this;
     const make = h('button', { type: 'submit', class: 'b go wide', 'data-testid': 'make-clinic' }, t.make);
-    const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words),
+    const folder = room.clinic.state?.folder;
+    const where = !folder ? null : h('p', { class: folder.empty ? 'warning' : '', 'data-testid': 'folder' }, [fill(t.folder, { path: folder.path }), ...(folder.empty ? [t.folderEmpty, t.folderAsk] : [])].join(' '));
+    const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words), where,
       this.phrase.element, this.again.element, h('h3', {}, t.tile), this.name.element, this.colour.element, this.pin.element, this.said.element, make);
     form.addEventListener('submit', (event) => { event.preventDefault(); void once(make, () => this.make()); });
     this.element.append(form);

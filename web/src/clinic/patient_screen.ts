@@ -12,7 +12,7 @@ import { PatientPicker } from './picker';
 import { activeMin, newestFirst, tookPlace, type OneSide, type Patient, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
-import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, type Screen } from './ui';
+import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, twice, type Screen } from './ui';
 import { clock, itemWords, locale, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
 
 /** So many visits are listed at first. */
@@ -137,7 +137,7 @@ export class PatientScreen implements Screen {
     const { t } = this, token = tokenOf(location), name = itemWords(trial);
     const link = (href: string, words: string, spoken: string): HTMLElement => h('a', { href, target: '_blank', rel: 'noopener', 'aria-label': `${words}: ${spoken}` }, words);
     const before = earlier.flatMap(({ trials }) => trials).find((other) => other.exercise === trial.exercise && other.recording !== '');
-    const words = trial.state === 'measured' ? [...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : [])].join(' · ')
+    const words = trial.state === 'measured' ? [...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : []), ...(trial.active_s === 0 ? [t.notByPerson] : [])].join(' · ')
       : trial.state === 'waiting' ? t.waiting : fill(t.failedTrial, { why: trial.why ?? '' });
     return h('div', { class: 'trial' }, h('span', {}, name, h('small', {}, words)), trial.recording === '' ? h('span', { class: 'aside' }, t.noRecording) : h('span', { class: 'links' },
       link(replayUrl([trial.recording], token), t.replay, name), link(reportUrl(trial.recording, token), t.report, name), before ? link(replayUrl([trial.recording, before.recording], token), t.compare, name) : null));
@@ -161,26 +161,19 @@ export class PatientScreen implements Screen {
   private mistakes(patient: Patient): HTMLElement {
     const { t, room } = this, { api } = room.clinic;
     const said = new Said();
-    const attempt = async (act: () => Promise<unknown>, then: () => void): Promise<void> => {
-      try { await act(); then(); } catch (problem) { said.problem(problem); }
-    };
-    const twice = (words: string, sure: string, test: string, act: () => Promise<unknown>, then: () => void): HTMLElement => {
-      const press = button(words, test, () => {
-        const yes = button(sure, `${test}-yes`, () => once(yes, () => attempt(act, then)), 'danger');
-        press.replaceWith(yes);
-        yes.focus();
-      });
-      return press;
-    };
     const code = new Field(fill(t.erase.code, { code: patient.code }), textInput('erase-code'));
     const erase = button(t.erase.press, 'erase-yes', () => once(erase, async () => {
       if (code.input.value.trim() !== patient.code) return code.refuse(t.erase.wrong);
-      await attempt(() => api.send('POST', `/api/patients/${patient.id}/erase`, { code: patient.code }), () => { room.tell(t.erase.done); room.go({ at: 'patients' }); });
+      try {
+        await api.send('POST', `/api/patients/${patient.id}/erase`, { code: patient.code });
+        room.tell(t.erase.done);
+        room.go({ at: 'patients' });
+      } catch (problem) { said.problem(problem); }
     }), 'danger');
     return h('details', { class: 'mistakes' }, h('summary', {}, t.more), said.element, h('div', { class: 'pair' },
-      twice(t.noShowNote, t.noShowYes, 'no-show', () => api.send('POST', `/api/patients/${patient.id}/no_show`, { at_us: Date.now() * 1000 }), () => void this.read()),
+      twice(t.noShowNote, t.noShowYes, 'no-show', said, () => api.send('POST', `/api/patients/${patient.id}/no_show`, { at_us: Date.now() * 1000 }), () => void this.read()),
       button(t.merge.title, 'merge', () => this.merge(patient)),
-      patient.visits.length === 0 ? twice(t.remove, fill(t.removeYes, { name: patient.name }), 'delete-patient', () => api.send('DELETE', `/api/patients/${patient.id}`), () => room.go({ at: 'patients' })) : null),
+      patient.visits.length === 0 ? twice(t.remove, fill(t.removeYes, { name: patient.name }), 'delete-patient', said, () => api.send('DELETE', `/api/patients/${patient.id}`), () => room.go({ at: 'patients' })) : null),
     h('details', {}, h('summary', {}, t.erase.title), h('p', {}, t.erase.words), code.element, erase));
   }
 

@@ -7,6 +7,8 @@ export interface Tile { readonly id: number; readonly name: string; readonly col
 
 export interface RecordsState {
   readonly clinic: 'new' | 'locked' | 'open';
+  /** Before the clinic has begun: where the records will be. An empty folder may be a disk that is not mounted. */
+  readonly folder?: { readonly path: string; readonly empty: boolean };
   readonly tiles: readonly Tile[];
   readonly station: { readonly heard: boolean };
   /** Number of the open visit; 0: none. */
@@ -85,6 +87,13 @@ export interface Trial {
   readonly results: readonly Result[];
   readonly state: 'measured' | 'waiting' | 'failed';
   readonly why?: string;
+}
+
+/** What was recorded outside of a visit, or while the records did not answer: nobody's yet. */
+export interface LooseSession extends Omit<Trial, 'item'> {
+  readonly id: number;
+  readonly duration_s: number;
+  readonly side: OneSide;
 }
 
 export interface Visit {

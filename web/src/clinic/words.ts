@@ -49,6 +49,7 @@ export function parameterWords(name: string, value: number): readonly [name: str
 /** As few decimals as it has, three figures at most. */
 export const number = (value: number): string => (Number.isFinite(value) ? String(Number(value.toPrecision(3))).replace('-', '−') : '–');
 
-export const resultName = (name: string): string => texts().results[name] ?? asWords(name.split('/').at(-1) ?? name);
+/** As the exercise's panel calls it; of an exercise that is not known here its name, without the unit. */
+export const resultName = (name: string): string => texts().results[name] ?? asWords(name.replace(/_(l|s|n|m|rad)$/, ''));
 export const resultWords = ({ name, value, unit }: Result): string => `${resultName(name)} ${number(value)}${unit === '' ? '' : ` ${unit}`}`;
 export const presetName = (id: string): string => texts().presets[id] ?? asWords(id);
