@@ -38,7 +38,7 @@ export class TodayPanel {
     const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; say(change, this.editing ? t.ready : t.change); this.show(); }, 'wide');
     const last = newestFirst(patient.visits).find(tookPlace);
     this.from = last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan;
-    this.element = besideTitle(panel(t.title, 'today', this.body,
+    this.element = besideTitle(panel(t.title, 'today', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings), this.body,
       patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.said.element, this.begin, change), this.total);
     this.show();
     this.refresh();

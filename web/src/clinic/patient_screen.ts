@@ -13,10 +13,12 @@ import { activeMin, newestFirst, tookPlace, type OneSide, type Patient, type Tri
 import { hashOf } from './routes';
 import { saveText } from './save_text';
 import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, twice, type Screen } from './ui';
-import { clock, itemWords, locale, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
+import { clock, bornWords, itemWords, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
 
 /** So many visits are listed at first. */
 const NEWEST = 12;
+/** So many notes are shown at first. */
+const FIRST_NOTES = 3;
 /** Results that are still measured are asked for again after this [ms]. */
 const MEASURED_MS = 4000;
 
@@ -32,6 +34,7 @@ export class PatientScreen implements Screen {
   private readonly listed = h('div', {});
   private failedSince: Date | undefined;
   private all = false;
+  private allNotes = false;
   private closed = false;
   private reading: Promise<void> | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -94,12 +97,13 @@ export class PatientScreen implements Screen {
     this.notes = new NoteBox(room, { patient: patient.id }, 'note', patient.id, () => void this.read());
     const progress = h('div', { class: 'lists' }, this.progressPanel(patient), this.visitsPanel(patient));
     this.listed.className = 'listed';
-    this.element.replaceChildren(h('div', { class: 'col' }, this.extra, progress), h('div', { class: 'col side' }, this.said.element, this.today.element, this.personPanel(patient), panel(t.notes, 'notes-panel', this.notes.element, this.listed)));
+    this.element.replaceChildren(h('div', { class: 'col' }, this.extra, progress), h('div', { class: 'col side' }, this.said.element, this.today.element, panel(t.notes, 'notes-panel', this.notes.element, this.listed), this.personPanel(patient)));
     this.showLists(patient);
   }
 
   private showLists(patient: Patient): void {
-    this.listed.replaceChildren(noteList(patient.notes, accountName(this.room)));
+    const notes = [...patient.notes].sort((a, b) => b.at_us - a.at_us), first = this.allNotes ? notes : notes.slice(0, FIRST_NOTES);
+    this.listed.replaceChildren(noteList(first, accountName(this.room)), notes.length > first.length ? button(fill(this.t.all, { n: notes.length }), 'all-notes', () => { this.allNotes = true; this.showLists(patient); }, 'wide') : '');
     this.element.querySelector('.lists')?.replaceChildren(this.progressPanel(patient), this.visitsPanel(patient));
   }
 
@@ -146,14 +150,12 @@ export class PatientScreen implements Screen {
   private personPanel(patient: Patient): HTMLElement {
     const { t, room } = this;
     const force = room.clinic.presets?.force.find(({ id }) => id === patient.preset);
-    const born = patient.born === '' ? '' : new Date(`${patient.born}T00:00:00Z`).toLocaleDateString(locale(), { timeZone: 'UTC', day: 'numeric', month: 'long', year: 'numeric' });
     const facts: (readonly [string, string])[] = [
-      ...(born === '' ? [] : [[t.born, born] as const]), ...(patient.number === '' ? [] : [[t.number, patient.number] as const]),
+      ...(patient.born === '' ? [] : [[t.born, bornWords(patient.born)] as const]), ...(patient.number === '' ? [] : [[t.number, patient.number] as const]),
       ...(Object.entries(patient.hands) as [OneSide, { length_m: number; breadth_m: number }][]).map(([side, size]) => [fill(t.hand, { side: sideWords(side) }), `${Math.round(size.length_m * 1000)} × ${Math.round(size.breadth_m * 1000)} mm`] as const),
       [t.preset, presetName(patient.preset)], ...Object.entries({ ...force?.parameters, ...patient.parameters }).map(([name, value]) => parameterWords(name, value)),
     ];
-    return besideTitle(panel(t.person, 'person', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings),
-      h('dl', { class: 'facts' }, ...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))), this.mistakes(patient)),
+    return besideTitle(panel(t.person, 'person', h('dl', { class: 'facts' }, ...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))), this.mistakes(patient)),
     h('span', { class: 'sp' }), h('a', { class: 'b', href: hashOf({ at: 'edit', patient: patient.id }), 'data-testid': 'edit-patient' }, t.edit));
   }
 

@@ -164,8 +164,10 @@ export class VisitScreen implements Screen {
     if (shown === this.shownPlan) return;
     this.shownPlan = shown;
     this.next.hidden = last;
-    this.next.classList.toggle('go', !last);
-    this.end.classList.toggle('go', last);
+    // What is pressed next: Start, until the item was trained.
+    const trained = visit.trials.some((trial) => trial.item === now);
+    this.next.classList.toggle('go', trained && !last);
+    this.end.classList.toggle('go', trained && last);
     this.next.disabled = this.end.disabled = this.busy;
     const following = visit.plan[now + 1];
     say(this.next, following ? fill(t.nextIs, { name: itemWords(following) }) : t.next);

@@ -30,6 +30,8 @@ export const shortDay = (t_us: number): string => new Date(t_us / 1000).toLocale
 export const clock = (at: Date): string => at.toLocaleTimeString(locale(), CLOCK);
 export const clockOf = (t_us: number): string => clock(new Date(t_us / 1000));
 
+export const bornWords = (day: string): string => new Date(`${day}T00:00:00Z`).toLocaleDateString(locale(), { timeZone: 'UTC', day: 'numeric', month: 'long', year: 'numeric' });
+
 export const sideWords = (side: Side): string => texts().sides[side];
 export const itemWords = ({ exercise, level }: Pick<Item, 'exercise' | 'level'>): string => exerciseWords(exercise, level);
 export const helpWords = (help: Item['help']): string => texts().helps[help];
