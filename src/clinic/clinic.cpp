@@ -64,6 +64,21 @@ Json parsed(const std::string& body) {
   return json;
 }
 
+/// What the page says before a clinic begins: an empty folder may be a disk that is not mounted.
+Json folderFacts(const std::string& folder) {
+  std::error_code error;
+  const fs::path path = fs::absolute(folder, error);
+  bool empty = true;
+  for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
+    // What this process has made itself.
+    const std::string name = it->path().filename().string();
+    const bool own = name == "lock" || name.starts_with("clinic.db") ||
+                     ((name == "hands" || name == "backups") && fs::is_empty(it->path(), error));
+    empty = empty && own;
+  }
+  return {{"path", path.lexically_normal().string()}, {"empty", empty}};
+}
+
 /// True when a path is of a route; '#' stands for a number.
 bool matches(std::string_view path, std::string_view pattern, std::vector<std::int64_t>& ids) {
   ids.clear();
@@ -114,6 +129,11 @@ const std::vector<Clinic::Route>& Clinic::routes() {
       {"POST", "/api/patients/#/visits", A::kShown, K::kStation, &Clinic::beginVisit},
       {"POST", "/api/guest_visits", A::kShown, K::kStation, &Clinic::beginGuestVisit},
       {"GET", "/api/visits/open", A::kSigned, K::kRead, &Clinic::openVisit},
+      {"GET", "/api/visits/#", A::kSigned, K::kRead, &Clinic::visit},
+      {"PUT", "/api/notes/#", A::kSigned, K::kSession, &Clinic::putNote},
+      {"GET", "/api/sessions", A::kShown, K::kRead, &Clinic::sessions},
+      {"POST", "/api/sessions/give", A::kShown, K::kWrite, &Clinic::giveSessions},
+      {"DELETE", "/api/sessions/#", A::kShown, K::kWrite, &Clinic::deleteSession},
       {"POST", "/api/visits/#/item", A::kSigned, K::kStation, &Clinic::nextItem},
       {"POST", "/api/visits/#/finish", A::kSigned, K::kStation, &Clinic::finishVisit},
       {"POST", "/api/visits/#/notes", A::kSigned, K::kWrite, &Clinic::noteVisit},
@@ -331,12 +351,14 @@ Json Clinic::state(Call&) {
   const char* clinic = is_new ? "new" : "locked";
   Json backup = {{"last_us", last_backup_us_}, {"folder", options_.backups}};
   if (!backup_problem_.empty()) backup["problem"] = backup_problem_;
-  return {{"clinic", key_ ? "open" : clinic},
-          {"tiles", std::move(tiles)},
-          {"station", {{"heard", station_.scene().heard}}},
-          {"visit", db_->number("SELECT id FROM visit WHERE state = 'open'")},
-          {"backup", std::move(backup)},
-          {"version", 1}};
+  Json out = {{"clinic", key_ ? "open" : clinic},
+              {"tiles", std::move(tiles)},
+              {"station", {{"heard", station_.scene().heard}}},
+              {"visit", db_->number("SELECT id FROM visit WHERE state = 'open'")},
+              {"backup", std::move(backup)},
+              {"version", 1}};
+  if (is_new) out["folder"] = folderFacts(options_.folder);
+  return out;
 }
 
 Json Clinic::init(Call& call) {
