@@ -1,4 +1,5 @@
 // What the clinic's page keeps, asks and shows, against records in memory.
+import { readdirSync, readFileSync } from 'node:fs';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ClinicApi, Refused, Silent } from '../src/clinic/api';
 import { Clinic, NAMES_FOR_MS } from '../src/clinic/clinic';
@@ -334,6 +335,28 @@ describe('a visit', () => {
   });
 });
 
+describe('sessions without a patient', () => {
+  it('become a visit of one, together', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const { api } = await page();
+    fake.sessions = [7, 8].map((id) => ({ id, recording: `${id}.h5`, began_us: 1e15 + id, duration_s: 300, side: 'right', exercise: 'squeeze-to-level', level: 1, active_s: 200, helped_share: 0, results: [], state: 'measured' }));
+    await api.send('POST', '/api/sessions/give', { patient: maria.id, sessions: [7, 8] });
+    const { visits } = await api.get<Patient>(`/api/patients/${maria.id}`);
+    expect(visits.map(({ trials }) => trials.map(({ recording }) => recording))).toEqual([['7.h5', '8.h5']]);
+    await expect(api.send('POST', '/api/sessions/give', { patient: maria.id, sessions: [7] })).rejects.toMatchObject({ code: 'changed' });
+  });
+});
+
+describe('without records', () => {
+  it('the gentle limits are known to a tab that is opened anew', async () => {
+    await page();
+    session.all.clear();
+    fake.gone = true;
+    const later = await page(false);
+    expect([later.stage, later.gentle.effort_limit_hand_tip_n]).toEqual(['absent', 3]);
+  });
+});
+
 describe('two consoles on one patient', () => {
   it('the second one is shown both texts, and may save hers', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
@@ -386,7 +409,7 @@ describe('records that do not answer', () => {
 });
 
 describe('addresses', () => {
-  it.each<Route>([{ at: 'patients' }, { at: 'new' }, { at: 'settings' }, { at: 'patient', patient: 7 }, { at: 'edit', patient: 7 }, { at: 'progress', patient: 7 }, { at: 'summary', patient: 7, visit: 9 }, { at: 'visit', visit: 9 }, { at: 'end', visit: 9 }])('carry numbers only: $at', (route) => {
+  it.each<Route>([{ at: 'patients' }, { at: 'new' }, { at: 'settings' }, { at: 'alone' }, { at: 'patient', patient: 7 }, { at: 'edit', patient: 7 }, { at: 'progress', patient: 7 }, { at: 'summary', patient: 7, visit: 9 }, { at: 'visit', visit: 9 }, { at: 'end', visit: 9 }])('carry numbers only: $at', (route) => {
     expect(routeOf(hashOf(route))).toEqual(route);
     expect(hashOf(route)).toMatch(/^#\/[a-z]+(\/\d+)?(\/[a-z]+)?(\/\d+)?$/);
   });
@@ -404,6 +427,16 @@ describe('texts', () => {
     const there = new Map(flat(other));
     expect([...there.keys()].sort()).toEqual(flat(en).map(([key]) => key).sort());
     for (const [key, words] of flat(en)) expect(places(there.get(key)!), key).toEqual(places(words));
+  });
+
+  it('call every result as the panel of its exercise does', () => {
+    const folder = new URL('../../config/exercises/', import.meta.url);
+    const results = readdirSync(folder).flatMap((file) => readFileSync(new URL(file, folder), 'utf8').split('[[panel.values]]').slice(1)).filter((value) => /^result = true/m.test(value.split(/^\[/m)[0]));
+    expect(results.length).toBeGreaterThan(3);
+    for (const value of results) {
+      const [, name] = /^name = "(\w+)"/m.exec(value)!;
+      for (const [language, texts] of Object.entries({ en, fr, de })) expect(texts.results[name], name).toBe(new RegExp(`${language} = "([^"]*)"`).exec(value)![1]);
+    }
   });
 
   it('say every code of a refusal', () => {

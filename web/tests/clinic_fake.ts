@@ -201,9 +201,9 @@ export class FakeClinic {
   private whole(row: Row): Patient {
     const visits = this.visits.filter(({ patient }) => patient === row.id), notes = this.notes.filter(({ patient }) => patient === row.id);
     const done = visits.filter(({ trials }) => trials.length > 0);
-    const points = (of: (trial: Trial) => number) => done.map(({ began_us, trials }) => [began_us, of(trials.at(-1)!)] as const);
+    const points = (n: number) => done.flatMap(({ began_us, trials }) => trials.at(-1)!.results.slice(n, n + 1).map(({ value }) => [began_us, value] as const));
     return { ...row, visits, notes, today: done.at(-1)?.plan ?? row.plan, curves: [{ name: 'active_min', points: done.map((visit) => [visit.began_us, visit.trials.reduce((sum, { active_s }) => sum + (active_s ?? 0) / 60, 0)] as const) },
-      { name: 'score', points: points(({ results }) => results[0].value) }, { name: 'reach_s', points: points(({ results }) => results[1].value) }, { name: 'helped_share', points: [] }] };
+      { name: 'score', points: points(0) }, { name: 'reach_s', points: points(1) }, { name: 'helped_share', points: [] }] };
   }
 
   private check(body: Body, id: number): Answer | undefined {

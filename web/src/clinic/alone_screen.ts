@@ -22,6 +22,7 @@ export class AloneScreen implements Screen {
   private readonly stop: HTMLButtonElement;
   private readonly leave: HTMLButtonElement;
   private shown = '';
+  private lowering = false;
 
   constructor(private readonly room: Room) {
     const { t } = this;
@@ -40,7 +41,7 @@ export class AloneScreen implements Screen {
     const { scene, recorded } = this.room.model, t = texts().visit;
     return [itemWords({ exercise: String(scene?.exerciseName ?? ''), level: scene?.level ?? 0 }), recorded === undefined ? '' : recorded ? t.recorded : t.unrecorded];
   }
-  startable(): boolean { return this.side.said; }
+  startable(): boolean { return this.side.said && this.above.length === 0; }
 
   refresh(): void {
     const { t, room: { model } } = this;
@@ -48,8 +49,12 @@ export class AloneScreen implements Screen {
     say(this.words, this.ofVisit ? t.visitWords : t.words);
     this.side.refresh();
     this.training.refresh();
-    this.stop.disabled = !running(this.room);
-    this.leave.hidden = running(this.room) || this.room.clinic.stage !== 'in';
+    const runs = running(this.room);
+    this.stop.disabled = !runs;
+    // What is set before the start would not be gentle.
+    this.training.controls.hidden = !runs && !this.ofVisit;
+    if (!runs) void this.lower();
+    this.leave.hidden = runs || this.room.clinic.stage !== 'in';
     const shown = JSON.stringify([model.scene?.parameters.map(({ name }) => String(name)), model.state?.parameters]);
     if (shown === this.shown) return;
     this.shown = shown;
@@ -64,6 +69,22 @@ export class AloneScreen implements Screen {
   take(events: readonly EventT[]): void { this.training.take(events); }
   sceneChanged(): void { this.training.sceneChanged(); }
   close(): void { this.training.close(); }
+
+  /** What holds above the gentle preset, of a session that is not a visit's and does not run yet. */
+  private get above(): readonly (readonly [name: string, value: number])[] {
+    const { room: { model, clinic } } = this;
+    if (this.ofVisit || running(this.room)) return [];
+    return Object.entries(clinic.gentle).filter(([name, value]) => (model.parameter(name) ?? 0) > value * (1 + 1e-6));
+  }
+
+  /** Whoever had a limit raised has gone. */
+  private async lower(): Promise<void> {
+    const { model } = this.room;
+    if (this.lowering) return;
+    this.lowering = true;
+    for (const [name, value] of this.above) await model.command(name, () => model.connection.setParameter(name, value), { quietly: true });
+    this.lowering = false;
+  }
 
   private get ofVisit(): boolean { return Number(this.room.model.scene?.visit ?? 0) !== 0; }
   private get hand(): OneSide | undefined { return this.room.model.scene ? (this.room.model.scene.rightHand ? 'right' : 'left') : undefined; }

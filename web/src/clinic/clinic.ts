@@ -1,7 +1,7 @@
 import { ClinicApi, Refused, Silent, type Fetch } from './api';
 import { Drafts, type Store } from './drafts';
 import { Outbox } from './outbox';
-import { isOpen, type PatientRow, type Presets, type RecordsState, type Tile, type Visit } from './records';
+import { isOpen, type PatientRow, type Presets, type RecordsState, type Tile, type Values, type Visit } from './records';
 
 /** Names go after so long without input [ms]. */
 export const NAMES_FOR_MS = 5 * 60_000;
@@ -11,7 +11,7 @@ const AWAKE_EVERY_MS = 60_000;
 /** What the page is to show before anything else; `in`: an account is signed in and names may be shown. */
 export type Stage = 'looking' | 'without' | 'absent' | 'new' | 'locked' | 'who' | 'hidden' | 'in';
 
-const TOKEN = 'wholehand.clinic.token', ACCOUNT = 'wholehand.clinic.account', KEY = 'wholehand.clinic.key';
+const TOKEN = 'wholehand.clinic.token', ACCOUNT = 'wholehand.clinic.account', KEY = 'wholehand.clinic.key', GENTLE = 'wholehand.gentle';
 
 /** What signing in answers. */
 export interface SignedIn { readonly token: string; readonly account: number; readonly browser_key: string }
@@ -45,7 +45,7 @@ export class Clinic {
   private awake_ms = -Infinity;
 
   /** @param now_ms a clock that only goes forward */
-  constructor(host: string, private readonly session: () => Store | undefined, local: () => Store | undefined, private readonly now_ms: () => number, fetched?: Fetch) {
+  constructor(host: string, private readonly session: () => Store | undefined, private readonly local: () => Store | undefined, private readonly now_ms: () => number, fetched?: Fetch) {
     this.api = new ClinicApi(() => (this.port > 0 ? `http://${host}:${this.port}` : ''), fetched);
     this.drafts = new Drafts(local);
     this.outbox = new Outbox(this.api, this.drafts);
@@ -78,7 +78,7 @@ export class Clinic {
       this.state = await this.api.get<RecordsState>('/api/state');
       if (this.state.clinic !== 'open') this.forgetNames();
       if (this.stage === 'in' || this.stage === 'hidden') await this.lookAtVisit();
-      if (this.stage === 'in' && !this.presets) this.presets = await this.api.get<Presets>('/api/presets');
+      if (this.stage === 'in' && !this.presets) this.takePresets(await this.api.get<Presets>('/api/presets'));
       if (this.state.clinic === 'open') void this.outbox.flush();
     } catch (problem) {
       if (!(problem instanceof Silent) && !(problem instanceof Refused)) throw problem;
@@ -99,6 +99,17 @@ export class Clinic {
     const value = await this.api.get<T>(path);
     if (!this.hidden) this.seen.set(path, { at: new Date(), value });
     return value;
+  }
+
+  /** The gentle preset's numbers outlive the tab: without records nothing starts above them. */
+  takePresets(presets: Presets): void {
+    this.presets = presets;
+    try { this.local()?.setItem(GENTLE, JSON.stringify(presets.force[0]?.parameters ?? {})); } catch { /* this page knows them */ }
+  }
+
+  get gentle(): Values {
+    if (this.presets) return this.presets.force[0]?.parameters ?? {};
+    try { return JSON.parse(this.local()?.getItem(GENTLE) ?? '{}') as Values; } catch { return {}; }
   }
 
   /** A visit was opened, changed or ended from here. */

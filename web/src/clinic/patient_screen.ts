@@ -71,7 +71,7 @@ export class PatientScreen implements Screen {
   private async readNow(): Promise<void> {
     const { clinic } = this.room;
     try {
-      clinic.presets ??= await clinic.api.get('/api/presets');
+      if (!clinic.presets) clinic.takePresets(await clinic.api.get('/api/presets'));
       const patient = await clinic.read<Patient>(`/api/patients/${this.id}`);
       if (this.closed) return;
       const first = this.patient === undefined;
