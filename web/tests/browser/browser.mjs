@@ -116,14 +116,13 @@ export async function expectAccessible(page, words = '', { all = false } = {}) {
 
 /** At 200 %, of a screen of 1280 x 800: nothing is scrolled sideways, nothing is cut off, and the page keeps nobody out. */
 export async function expectZoomable(page, words) {
-  const zoom = await page.context().newCDPSession(page);
-  await zoom.send('Emulation.setDeviceMetricsOverride', { width: 640, height: 400, deviceScaleFactor: 2, mobile: false });
+  const before = page.viewportSize();
+  await page.setViewportSize({ width: 640, height: 400 });
   await until(`${words} as wide as a window of 640 px`, () => page.evaluate(() => document.documentElement.scrollWidth <= 640 && innerWidth === 640));
   const cut = await page.evaluate(cutOff);
   expect(cut.length === 0, `${words} at 200 %, cut off: ${cut.join(' | ')}`);
   await expectAccessible(page, `${words} at 200 %:`, { all: true });
-  await zoom.send('Emulation.clearDeviceMetricsOverride');
-  await zoom.detach();
+  await page.setViewportSize(before);
 }
 
 /** What is pressed or read, and stands beyond the window's sides or beyond what holds it and does not scroll. Runs in the page. */
