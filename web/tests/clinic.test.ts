@@ -314,7 +314,7 @@ describe('a visit', () => {
   it('is compared with the last one in the same exercise and level', () => {
     const [before, now] = [visit(), visit()];
     fake.trial(before, 1, 30);
-    expect(besideLast(now.trials[0], before).map(({ before: other }) => other?.value)).toEqual([60, 2.4]);
+    expect(besideLast(now.trials[0], before).map(({ before: other }) => other?.value)).toEqual([60, 2.4, 30]);
     expect(besideLast({ ...now.trials[0], level: 2 }, before)[0].before).toBeUndefined();
     expect(besideLast(now.trials[0], undefined)[0].before).toBeUndefined();
   });

@@ -11,10 +11,18 @@ import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, 
 
 const EVERY_MS = 2500;
 
+/** What the panel says, then how the person reached and how much was helped, as far as it was measured. */
+export function measured(trial: Trial): readonly Result[] {
+  const more: readonly (readonly [name: string, value: number | null | undefined, unit: string])[] = [['reach_s', trial.reach_s, 's'], ['peak_speed_m_s', trial.peak_speed_m_s, 'm/s'], ['path_ratio', trial.path_ratio, ''],
+    ['helped_share', trial.helped_share === null ? null : 100 * trial.helped_share, '%']];
+  return [...trial.results, ...more.flatMap(([name, value, unit]) => (typeof value === 'number' ? [{ name, value, unit }] : []))];
+}
+
 /** A result and the last visit's of the same exercise and level, where there is one. No judgement stands between them. */
 export function besideLast(trial: Trial, last: Visit | undefined): readonly { readonly result: Result; readonly before: Result | undefined }[] {
   const other = [...(last?.trials ?? [])].reverse().find(({ exercise, level, state }) => exercise === trial.exercise && level === trial.level && state === 'measured');
-  return trial.results.map((result) => ({ result, before: other?.results.find(({ name, unit }) => name === result.name && unit === result.unit) }));
+  const before = other ? measured(other) : [];
+  return measured(trial).map((result) => ({ result, before: before.find(({ name, unit }) => name === result.name && unit === result.unit) }));
 }
 
 /** Done against planned, results beside the last visit's, what comes next; then a card for the patient. */
@@ -159,6 +167,5 @@ export function resultTable(trial: Trial, last: Visit | undefined): HTMLElement 
   if (rows.length === 0) return h('small', {}, t.noResults);
   const words = (result: Result | undefined): string => (result ? `${number(result.value)}${result.unit === '' ? '' : ` ${result.unit}`}` : '–');
   return h('table', { class: 'table results' }, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.result), h('th', { scope: 'col' }, t.now), h('th', { scope: 'col' }, last ? fill(t.last, { day: visitDay(last) }) : t.lastNone))),
-    h('tbody', {}, ...rows.map(({ result, before }) => h('tr', {}, h('th', { scope: 'row' }, resultName(result.name)), h('td', { class: 'num' }, words(result)), h('td', { class: 'num' }, words(before)))),
-      h('tr', {}, h('th', { scope: 'row' }, t.helped), h('td', { class: 'num' }, trial.helped_share === null ? '–' : `${Math.round(100 * trial.helped_share)} %`), h('td', { class: 'num' }, '')) ));
+    h('tbody', {}, ...rows.map(({ result, before }) => h('tr', {}, h('th', { scope: 'row' }, resultName(result.name)), h('td', { class: 'num' }, words(result)), h('td', { class: 'num' }, words(before))))));
 }

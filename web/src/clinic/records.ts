@@ -84,6 +84,10 @@ export interface Trial {
   /** null where nothing was measured. */
   readonly active_s: number | null;
   readonly helped_share: number | null;
+  /** Of the person's reaches: mean time, greatest speed, path over the straight line. */
+  readonly reach_s?: number | null;
+  readonly peak_speed_m_s?: number | null;
+  readonly path_ratio?: number | null;
   readonly results: readonly Result[];
   readonly state: 'measured' | 'waiting' | 'failed';
   readonly why?: string;

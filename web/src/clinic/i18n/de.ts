@@ -25,11 +25,10 @@ export const de: ClinicTexts = {
   },
   sides: { right: 'rechte Hand', left: 'linke Hand', both: 'beide Hände' },
   helps: { full: 'Viel', some: 'Etwas', none: 'Keine' }, helpOf: 'Hilfe: {help}', min: '{n} min',
-  presets: { usual: 'Üblich', gentle: 'Sanft', medium: 'Mittel', normal: 'Normal', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
+  presets: { usual: 'Üblich', gentle: 'Sanft', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
   results: {
     poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', bands_done: 'Stufen geschafft',
-    active_min: 'Aktive Minuten', score: 'Punkte', stars: 'Sterne', done: 'Geschafft', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg zu Luftlinie', helped_share: 'Geholfen',
-    steady: 'Ruhig gehalten', level: 'Stufe', time_s: 'Zeit', hits: 'Treffer',
+    active_min: 'Aktive Minuten', score: 'Punkte', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg zu Luftlinie', helped_share: 'Geholfen',
   },
   curves: { one: 'Erst eine Sitzung. Eine Kurve braucht zwei.', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.' },
   first: {
@@ -83,7 +82,7 @@ export const de: ClinicTexts = {
     notSetUp: 'Das Gerät hat die Werte dieser Sitzung nicht. Drücken Sie «Einrichten» neben einer Übung.', doesNotStop: 'Es hat nicht angehalten. Drücken Sie den Not-Halt.', staysAsItIs: 'Die Übung bleibt, wie sie ist.',
   },
   end: {
-    title: 'Ende der Sitzung', doneTitle: 'Gemacht', nothing: 'In dieser Sitzung wurde nichts gemacht.', notDone: 'nicht gemacht', of: '{done} von {planned}', result: 'Ergebnis', now: 'Heute', last: '{day}', lastNone: 'vorher', helped: 'Geholfen', noResults: 'Keine Ergebnisse.',
+    title: 'Ende der Sitzung', doneTitle: 'Gemacht', nothing: 'In dieser Sitzung wurde nichts gemacht.', notDone: 'nicht gemacht', of: '{done} von {planned}', result: 'Ergebnis', now: 'Heute', last: '{day}', lastNone: 'vorher', noResults: 'Keine Ergebnisse.',
     next: 'Wie es weitergeht', reason: 'Warum nichts gemacht wurde', finish: 'Sitzung abschliessen', unfinished: 'Offen lassen', back: 'Zurück zur Übung',
     card: { title: 'Ihr Training heute', trained: 'Sie haben {min} trainiert.', next: 'Nächstes Mal:', nextPatient: 'Nächste Person', toPatient: 'Sitzung ansehen', print: 'Karte drucken' },
   },

@@ -23,11 +23,10 @@ export const en = {
   } as Record<string, string>,
   sides: { right: 'right hand', left: 'left hand', both: 'both hands' },
   helps: { full: 'Full', some: 'Some', none: 'None' }, helpOf: 'Help: {help}', min: '{n} min',
-  presets: { usual: 'Usual', gentle: 'Gentle', medium: 'Medium', normal: 'Normal', strong: 'Strong', first: 'First visit', short: 'Short', long: 'Long' } as Record<string, string>,
+  presets: { usual: 'Usual', gentle: 'Gentle', strong: 'Strong', first: 'First visit', short: 'Short', long: 'Long' } as Record<string, string>,
   results: {
     poured_total_l: 'Poured', spilt_l: 'Spilt', bands_done: 'Levels done',
-    active_min: 'Active minutes', score: 'Score', stars: 'Stars', done: 'Done', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Path over straight line', helped_share: 'Helped',
-    steady: 'Grip held steady', level: 'Level', time_s: 'Time', hits: 'Hits',
+    active_min: 'Active minutes', score: 'Score', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Path over straight line', helped_share: 'Helped',
   } as Record<string, string>,
   curves: { one: 'One visit so far. A curve needs two.', none: 'Nothing measured yet.', image: '{name} over {n} visits, from {first} to {last}.' },
   first: {
@@ -81,7 +80,7 @@ export const en = {
     notSetUp: 'The station does not have this visit’s settings. Press “Set up” beside an exercise.', doesNotStop: 'It has not stopped. Press Emergency stop.', staysAsItIs: 'The exercise stays as it is.',
   },
   end: {
-    title: 'End of visit', doneTitle: 'Done', nothing: 'Nothing was done in this visit.', notDone: 'not done', of: '{done} of {planned}', result: 'Result', now: 'Today', last: '{day}', lastNone: 'before', helped: 'Helped', noResults: 'No results.',
+    title: 'End of visit', doneTitle: 'Done', nothing: 'Nothing was done in this visit.', notDone: 'not done', of: '{done} of {planned}', result: 'Result', now: 'Today', last: '{day}', lastNone: 'before', noResults: 'No results.',
     next: 'What comes next', reason: 'Why nothing was done', finish: 'Finish visit', unfinished: 'Leave it unfinished', back: 'Back to the exercise',
     card: { title: 'Your training today', trained: 'You trained for {min}.', next: 'Next time:', nextPatient: 'Next patient', toPatient: 'Look at the visit', print: 'Print the card' },
   },

@@ -25,11 +25,10 @@ export const fr: ClinicTexts = {
   },
   sides: { right: 'main droite', left: 'main gauche', both: 'deux mains' },
   helps: { full: 'Beaucoup', some: 'Un peu', none: 'Aucune' }, helpOf: 'Aide : {help}', min: '{n} min',
-  presets: { usual: 'Habituel', gentle: 'Doux', medium: 'Moyen', normal: 'Normal', strong: 'Fort', first: 'Première séance', short: 'Court', long: 'Long' },
+  presets: { usual: 'Habituel', gentle: 'Doux', strong: 'Fort', first: 'Première séance', short: 'Court', long: 'Long' },
   results: {
     poured_total_l: 'Versé', spilt_l: 'Renversé', bands_done: 'Niveaux faits',
-    active_min: 'Minutes actives', score: 'Points', stars: 'Étoiles', done: 'Fait', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet sur ligne droite', helped_share: 'Aidé',
-    steady: 'Prise tenue', level: 'Niveau', time_s: 'Temps', hits: 'Réussites',
+    active_min: 'Minutes actives', score: 'Points', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet sur ligne droite', helped_share: 'Aidé',
   },
   curves: { one: 'Une seule séance. Il en faut deux pour une courbe.', none: 'Rien n’est encore mesuré.', image: '{name} sur {n} séances, de {first} à {last}.' },
   first: {
@@ -83,7 +82,7 @@ export const fr: ClinicTexts = {
     notSetUp: 'Le poste n’a pas les réglages de cette séance. Appuyez sur « Préparer » à côté d’un exercice.', doesNotStop: 'Il ne s’est pas arrêté. Appuyez sur l’arrêt d’urgence.', staysAsItIs: 'L’exercice reste comme il est.',
   },
   end: {
-    title: 'Fin de séance', doneTitle: 'Fait', nothing: 'Rien n’a été fait dans cette séance.', notDone: 'pas fait', of: '{done} sur {planned}', result: 'Résultat', now: 'Aujourd’hui', last: '{day}', lastNone: 'avant', helped: 'Aidé', noResults: 'Pas de résultats.',
+    title: 'Fin de séance', doneTitle: 'Fait', nothing: 'Rien n’a été fait dans cette séance.', notDone: 'pas fait', of: '{done} sur {planned}', result: 'Résultat', now: 'Aujourd’hui', last: '{day}', lastNone: 'avant', noResults: 'Pas de résultats.',
     next: 'La suite', reason: 'Pourquoi rien n’a été fait', finish: 'Terminer la séance', unfinished: 'La laisser inachevée', back: 'Retour à l’exercice',
     card: { title: 'Votre entraînement aujourd’hui', trained: 'Vous vous êtes entraîné pendant {min}.', next: 'La prochaine fois :', nextPatient: 'Patient suivant', toPatient: 'Regarder la séance', print: 'Imprimer la carte' },
   },
