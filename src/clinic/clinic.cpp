@@ -387,7 +387,9 @@ Json Clinic::init(Call& call) {
     log(account, "began the clinic");
     call.transaction->commit();
     call.transaction.reset();
-    return {{"recovery_code", code}, {"token", newSession(account)}, {"account", account}};
+    Json signed_in = sessionOf(account);
+    signed_in["recovery_code"] = code;
+    return signed_in;
   } catch (...) {
     key_.reset();
     std::error_code ignored;
@@ -430,6 +432,15 @@ Json Clinic::lockClinic(Call&) {
   key_.reset();
   sessions_.clear();
   return Json::object();
+}
+
+std::string Clinic::browserKey(std::int64_t account) const {
+  return key_->derived(fmt::format("browser {}", account));
+}
+
+Json Clinic::sessionOf(std::int64_t account) {
+  return {
+      {"token", newSession(account)}, {"account", account}, {"browser_key", browserKey(account)}};
 }
 
 std::string Clinic::newSession(std::int64_t account) {
@@ -500,7 +511,7 @@ Json Clinic::signIn(Call& call) {
   const auto id = account->get<std::int64_t>();
   checkPin(id, call.body);
   tryToLog(id, "signed in");
-  return {{"token", newSession(id)}, {"account", id}};
+  return sessionOf(id);
 }
 
 Json Clinic::signOut(Call& call) {
@@ -516,7 +527,7 @@ Json Clinic::hide(Call& call) {
 Json Clinic::show(Call& call) {
   checkPin(call.session.account, call.body);
   sessions_[call.session_id].hidden = false;
-  return Json::object();
+  return {{"browser_key", browserKey(call.session.account)}};
 }
 
 std::int64_t Clinic::insertAccount(const Json& tile, const std::string& prefix) {

@@ -122,6 +122,9 @@ class Clinic {
   Json show(Call& call);
   Json tile(Call& call);
   std::int64_t insertAccount(const Json& tile, const std::string& prefix);
+  /// Seals what an account's browser keeps; nobody else is given it.
+  [[nodiscard]] std::string browserKey(std::int64_t account) const;
+  [[nodiscard]] Json sessionOf(std::int64_t account);
   std::string newSession(std::int64_t account);
   void checkPin(std::int64_t account, const Json& body);
   void refuseWhileWaiting(const Tries& tries) const;

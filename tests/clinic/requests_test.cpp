@@ -174,6 +174,20 @@ TEST(Requests, AThousandTriesAtAPin_FewAreJudged) {
   EXPECT_NE(b.post("/api/sign_in", {{"account", 1}, {"pin", "1234"}}).value("token", ""), "");
 }
 
+TEST(Requests, BrowsersKey_SameAfterARestart_AnotherForEachAccount) {
+  Bench b;
+  const auto key_of = [&](int account, const char* pin) {
+    return b.post("/api/sign_in", {{"account", account}, {"pin", pin}}).value("browser_key", "");
+  };
+  b.post("/api/accounts", {{"name", "B. Huber"}, {"colour", "#aa0000"}, {"pin", "5678"}});
+  const std::string first = key_of(1, "1234"), second = key_of(2, "5678");
+  EXPECT_EQ(first.size(), 64U);
+  EXPECT_NE(first, second);
+  b.restart(false), b.post("/api/unlock", {{"pass_phrase", "correct horse"}});
+  EXPECT_EQ(key_of(1, "1234"), first);
+  EXPECT_EQ(key_of(2, "1234"), "");
+}
+
 TEST(Requests, PhraseAndRecoveryCode_EachOpens_MistypedIsSaid) {
   Bench b;
   b.restart(false);
