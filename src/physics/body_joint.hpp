@@ -28,7 +28,7 @@ class BodyJoint {
   [[nodiscard]] double position() const noexcept { return q_; }
   [[nodiscard]] double rate() const noexcept { return rate_; }
   /// Pose of the scene's body frame in the world. Real-time safe.
-  [[nodiscard]] WHOLEHAND_RT Pose pose() const noexcept;
+  [[nodiscard]] WHOLEHAND_RT Pose pose() const noexcept { return poseOn(joint_, start_, q_); }
   /// Real-time safe.
   [[nodiscard]] WHOLEHAND_RT Twist twist() const noexcept;
   /// m_q
@@ -39,8 +39,10 @@ class BodyJoint {
     q_ = q;
     rate_ = rate;
   }
-  /// The q, within its range, at which the body frame is nearest to a pose. Real-time safe.
-  [[nodiscard]] WHOLEHAND_RT double nearest(const Pose& pose) const noexcept;
+  /// As positionOn(). Real-time safe.
+  [[nodiscard]] WHOLEHAND_RT double nearest(const Pose& pose) const noexcept {
+    return positionOn(joint_, start_, pose);
+  }
 
   /// Begins a step: q̇ at its end without contacts, ends and dry friction. Real-time safe.
   WHOLEHAND_RT void predict(const Eigen::Vector3d& gravity_m_s2, double step_s) noexcept;
@@ -59,10 +61,9 @@ class BodyJoint {
 
  private:
   SceneJoint joint_;
-  Pose start_;                  ///< of the body frame at q = 0
-  Eigen::Vector3d axis_;        ///< world
-  Eigen::Vector3d point_m_;     ///< of the hinge's axis, world
-  Eigen::Vector3d arm_m_;       ///< from the point to the centre of mass at q = 0
+  Pose start_;             ///< of the body frame at q = 0
+  Eigen::Vector3d axis_;   ///< world
+  Eigen::Vector3d arm_m_;  ///< from the hinge's point to the centre of mass at q = 0
   double mass_kg_;
   double inertia_ = 0.0;
   double q_ = 0.0, rate_ = 0.0;

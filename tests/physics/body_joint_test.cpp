@@ -1,5 +1,6 @@
 // Laws of bodies on one joint: closed forms of the issue, in a yard turned at random.
 #include "physics/body_joint.hpp"
+
 #include "physics/body_yard.hpp"
 
 #include <cmath>
@@ -71,8 +72,8 @@ TEST_F(BodyOnAJoint, LidThatSwings_HasThePendulumsPeriodAndGainsNothing) {
   lid.joint = hingeAbout({0, 1, 0}, {0, 0, 0.5 * length_m});
   for (const double rate_hz : {1000.0, 4000.0}) {
     Yard yard("bullet", {lid}, {0, 0, -9.81}, rate_hz, turn_);
-    const double inertia = 0.02 * ((length_m * length_m + width_m * width_m) / 12.0 +
-                                   length_m * length_m / 4.0);
+    const double inertia =
+        0.02 * ((length_m * length_m + width_m * width_m) / 12.0 + length_m * length_m / 4.0);
     const double period_s = 2.0 * pi * std::sqrt(inertia / (0.02 * 9.81 * 0.5 * length_m));
     if (rate_hz == 1000.0) EXPECT_NEAR(period_s, 0.3276, 0.002 * 0.3276);
     yard.throwBody(0, {0.02, 0, 0});
@@ -197,8 +198,8 @@ TEST_F(BodyOnAJoint, AnyJoint_GainsNoEnergyAndNeverLeavesItsPath) {
     const Vector3d axis(uniform(random_, -1, 1), uniform(random_, -1, 1), uniform(random_, -1, 1));
     SceneBody body = rod(uniform(random_, 0.1, 2.0), {0.05, 0.1, 0.02}, {0, 0, 0});
     const bool hinge = trial % 2 == 0, latch = trial % 3 == 0;
-    body.joint = hinge ? hingeAbout(axis, {0.1, 0.05, uniform(random_, -0.1, 0.1)})
-                       : slideAlong(axis);
+    body.joint =
+        hinge ? hingeAbout(axis, {0.1, 0.05, uniform(random_, -0.1, 0.1)}) : slideAlong(axis);
     body.joint->dry_friction = uniform(random_, 0.0, hinge ? 0.01 : 0.5);
     if (latch) {
       body.joint->latch_energy_j = uniform(random_, 0.0, 0.02);

@@ -140,8 +140,8 @@ TEST(SprungHandle, HeldFor60SAgainst5N_DoesNotSlip) {
     if (tick == settled) held = bar.inPalm(r);
     if (tick <= settled || tick % 100 != 0) return;
     most_m = std::max(most_m, (bar.inPalm(r) - held).norm());
-    force_n = 100.0 * (bar.rig->models.scene.bodies[0].pose.translation_m.x() -
-                       r.bodies[0].position_m.x);
+    force_n =
+        100.0 * (bar.rig->models.scene.bodies[0].pose.translation_m.x() - r.bodies[0].position_m.x);
   });
   figure("handle held against a spring", force_n, "N");
   figure("handle held, slip", 1e3 * most_m, "mm");

@@ -266,8 +266,8 @@ class BodyReader {
     }
     const char* range = hinge ? "range_rad" : "range_m";
     if (!hinge || t.has(range)) {
-      const auto [least, most] = t.interval(
-          range, hinge ? between(-2.0 * pi, 2.0 * pi, "rad") : between(-2.0, 2.0, "m"));
+      const auto [least, most] =
+          t.interval(range, hinge ? between(-2.0 * pi, 2.0 * pi, "rad") : between(-2.0, 2.0, "m"));
       joint.least = least, joint.most = most;
       if (t.isGood(range) && (least > 0.0 || most < 0.0)) {
         t.fail(range, "does not contain 0",
@@ -284,8 +284,9 @@ class BodyReader {
     joint.spring_stiffness =
         number("spring_nm_rad", "spring_n_m", hinge ? 1000.0 : 1e4, hinge ? "N·m/rad" : "N/m");
     if (joint.spring_stiffness > 0.0) {
-      joint.spring_rest = hinge ? t.number("spring_rest_rad", between(-2.0 * pi, 2.0 * pi, "rad"), 0.0)
-                                : t.number("spring_rest_m", between(-2.0, 2.0, "m"), 0.0);
+      joint.spring_rest =
+          hinge ? t.number("spring_rest_rad", between(-2.0 * pi, 2.0 * pi, "rad"), 0.0)
+                : t.number("spring_rest_m", between(-2.0, 2.0, "m"), 0.0);
     }
     readLatch(t, joint);
     if (body.fixed) {

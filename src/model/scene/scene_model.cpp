@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -161,6 +162,29 @@ double signedDistance(const Shape& shape, const Vector3d& point_m) {
       return meshDistance(shape, p);
   }
   return std::numeric_limits<double>::infinity();
+}
+
+void mirror(SceneModel& scene) {
+  const Matrix3d reflect = Vector3d(1.0, -1.0, 1.0).asDiagonal();
+  const auto turned = [&](Pose& pose) {
+    pose = {reflect * pose.rotation * reflect, reflect * pose.translation_m};
+  };
+  scene.gravity_m_s2 = reflect * scene.gravity_m_s2;
+  for (SceneBody& body : scene.bodies) {
+    turned(body.pose);
+    body.com_m = reflect * body.com_m;
+    body.inertia_kg_m2 = reflect * body.inertia_kg_m2 * reflect;
+    for (Shape& shape : body.shapes) {
+      turned(shape.in_body);
+      for (Vector3d& point_m : shape.points_m) point_m = reflect * point_m;
+      for (Eigen::Vector3i& corners : shape.triangles) std::swap(corners[1], corners[2]);
+    }
+    if (!body.joint) continue;
+    SceneJoint& joint = *body.joint;
+    joint.point_m = reflect * joint.point_m;
+    // What turns about an axis turns the other way in a mirror.
+    joint.axis = joint.isHinge() ? Vector3d(-(reflect * joint.axis)) : reflect * joint.axis;
+  }
 }
 
 }  // namespace wholehand

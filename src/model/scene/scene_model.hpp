@@ -2,10 +2,10 @@
 
 #include "core/expected.hpp"
 #include "core/geometry.hpp"
+#include "model/scene/scene_joint.hpp"
 
 #include <Eigen/Core>
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,26 +31,6 @@ struct Shape {
   std::vector<Eigen::Vector3d> points_m;   ///< convex mesh: hull vertices
   std::vector<Eigen::Vector3i> triangles;  ///< convex mesh: faces, outward
   Pose in_body;
-};
-
-/// A joint of a body to the world. Its coordinate q is 0 in the body's initial pose and counts along
-/// or about the axis, right-handed. Units of a hinge, of a slide.
-struct SceneJoint {
-  enum class Type { kHinge, kSlide };
-  Type type = Type::kHinge;
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< unit, body frame
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();   ///< of a hinge's axis, body frame
-  double least = -std::numeric_limits<double>::infinity();  ///< ends [rad; m]; least <= 0 <= most
-  double most = std::numeric_limits<double>::infinity();
-  double dry_friction = 0.0;      ///< [N·m; N]
-  double viscous_friction = 0.0;  ///< [N·m·s/rad; N·s/m]
-  double spring_stiffness = 0.0;  ///< [N·m/rad; N/m]
-  double spring_rest = 0.0;       ///< q without spring force [rad; m]
-  double latch_energy_j = 0.0;    ///< U₀, between the bottom of a detent and the top beside it
-  double latch_wave = 0.0;        ///< n, waves of the latch's potential in 2π of q [1/rad; 1/m]
-  double latch_at = 0.0;          ///< q of a detent [rad; m]
-
-  [[nodiscard]] bool isHinge() const { return type == Type::kHinge; }
 };
 
 /// A body of the scene.
@@ -106,6 +86,9 @@ struct SceneModel {
   [[nodiscard]] std::vector<std::string> recordedBodies() const;
   [[nodiscard]] int bodyIndex(const std::string& body_name) const;
 };
+
+/// Reflects a scene in the plane y = 0, for a left hand: bodies, shapes, joints and gravity.
+void mirror(SceneModel& scene);
 
 /// Core that fingers and thumb collide with: the shape; for a cylinder, its radius minus the soft
 /// depth.

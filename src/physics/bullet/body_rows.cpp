@@ -239,7 +239,7 @@ void BodyRows::turnToJoints(Group& group, int place, btSolverBody& a, btSolverBo
   const auto vector = [place](const EachVector& each) {
     return btVector3(each[0][place], each[1][place], each[2][place]);
   };
-  const auto one_side = [&](btSolverBody& body, EachVector Row::* about, EachVector Row::* response,
+  const auto one_side = [&](btSolverBody& body, EachVector Row::*about, EachVector Row::*response,
                             Each& inverse_mass, double sign) {
     const BodyJoint* joint = onJoint(body);
     if (joint == nullptr) return;

@@ -76,7 +76,7 @@ struct BulletEngine {
   void moveBodies(double step_s) noexcept;
 
   btContactSolverInfo solver_info_;
-  std::vector<BulletBody*> moving_;                ///< awake bodies
+  std::vector<BulletBody*> moving_;                 ///< awake bodies
   std::vector<btCollisionObject*> moving_objects_;  ///< the same, in the solver's type
   std::vector<btPersistentManifold*> manifolds_;    ///< contacts of the hand or of an awake body
   int unsolved_ = 0;

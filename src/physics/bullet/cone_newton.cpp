@@ -54,8 +54,8 @@ WHOLEHAND_INLINE void ConeNewton::listEnds() noexcept {
   for (int c = 0; c < cone_count_ && end_count_ < kMostEnds; ++c) {
     const Cone& cone = cones_[c];
     const Row& row = rows_[cone.first];
-    const bool hinders = cone.box > 0.0 ? row.start != 0.0 && std::abs(row.start) < cone.box
-                                        : row.start > 0.0;
+    const bool hinders =
+        cone.box > 0.0 ? row.start != 0.0 && std::abs(row.start) < cone.box : row.start > 0.0;
     if (cone.rows != 1 || !hinders) continue;
     double* end = ends_[end_count_].data();
     ends_[end_count_] = row.along;

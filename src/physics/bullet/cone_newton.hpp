@@ -16,9 +16,10 @@ struct NewtonSettings {
 };
 
 /// Finds the impulses of contacts that act on a few unknowns, by Newton's method. A cone is a
-/// contact of one row (normal, impulse ≥ 0; or a box, impulse within ± limit), three (and two tangents, within the disc of friction ·
-/// normal) or four (and spin, within ± spin_m · normal). The unknowns are velocities in which the
-/// inertia is 1: w = Σ j x. The impulses x, in their cones, are those of
+/// contact of one row (normal, impulse ≥ 0; or a box, impulse within ± limit), three (and two
+/// tangents, within the disc of friction · normal) or four (and spin, within ± spin_m · normal).
+/// The unknowns are velocities in which the inertia is 1: w = Σ j x. The impulses x, in their
+/// cones, are those of
 ///   x = P(y),  y = x₀ + (goal − j·w) / R,  R = softness |j|²
 /// for the impulses x₀ of the last step of the simulation. P is the projection onto the cones with
 /// the limits of friction that the normal impulses before set. It is linear by pieces: a Newton
@@ -51,7 +52,8 @@ class ConeNewton {
   void begin(int unknowns) noexcept { begin(unknowns, settings_.softness, settings_.most_steps); }
   /// Adds a cone of 1, 3 or 4 rows, `along` of them zero. @return its first row; null: no room
   [[nodiscard]] Row* add(int rows, double friction, double spin_m) noexcept;
-  /// Adds a row of its own whose impulse is within ± limit: a joint's dry friction. @return as add()
+  /// Adds a row of its own whose impulse is within ± limit: a joint's dry friction. @return as
+  /// add()
   [[nodiscard]] Row* addBox(double limit) noexcept;
   /// Finds the impulses from the goals and starts of the rows. @return false: none were found
   [[nodiscard]] bool solve() noexcept;

@@ -1,0 +1,392 @@
+#include "exercise/kitchen/kitchen.hpp"
+
+#include "core/printable.hpp"
+#include "exercise/grip.hpp"
+#include "exercise/kitchen/kitchen_player.hpp"
+#include "exercise/kitchen/kitchen_task.hpp"
+#include "exercise/kitchen/task_steps.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace wholehand::kitchen {
+namespace {
+
+using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
+
+enum Event : std::int32_t { kStepDone, kLevelDone, kRestarted };
+enum Parameter : std::int32_t { kForceRatio };
+
+/// Things return to their places once the palm is farther from all of them.
+constexpr double kClear_m = 0.06;
+static_assert(kMaxPlacements >= 8);
+constexpr std::size_t kMostThings = 8;
+
+Json numbers(const Vector3d& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Json taskJson(const KitchenTask& task) {
+  Json steps = Json::array(), things = Json::array();
+  for (const Step& step : task.steps) {
+    const Thing& thing = task.things[step.thing];
+    Json out{{"verb", kVerbs[static_cast<int>(step.verb)]}, {"body", thing.body}};
+    if (step.verb == Verb::kMove || step.verb == Verb::kHold) {
+      out["to"] = step.to;
+      out["tolerance"] = step.tolerance;
+    }
+    if (step.for_s > 0.0) out["for_s"] = step.for_s;
+    if (step.force_n > 0.0) out["force_n"] = step.force_n;
+    if (step.verb == Verb::kPut) {
+      out["center_m"] = numbers(step.center_m);
+      out["half_size_m"] = numbers(step.half_size_m);
+    }
+    steps.push_back(std::move(out));
+  }
+  for (const Thing& thing : task.things) {
+    Json out{{"body", thing.body}, {"grip_m", numbers(thing.grip_m)}, {"radius_m", thing.radius_m}};
+    if (thing.jointed) {
+      const SceneJoint& joint = thing.joint;
+      const auto end = [](double q) { return std::isfinite(q) ? Json(q) : Json(); };
+      out["joint"] = {{"type", joint.isHinge() ? "hinge" : "slide"},
+                      {"axis", numbers(thing.start.rotation * joint.axis)},
+                      {"point_m", numbers(thing.start * joint.point_m)},
+                      {"least", end(joint.least)},
+                      {"most", end(joint.most)}};
+    }
+    things.push_back(std::move(out));
+  }
+  return {{"kind", "kitchen"}, {"task", task.name}, {"things", things}, {"steps", steps}};
+}
+
+class Kitchen final : public Exercise {
+ public:
+  Kitchen(KitchenTask task, int level, int levels, const DeviceModel& device, const HandModel& hand)
+      : task_(std::move(task)), device_(device), hand_(hand), posture_(hand_), steps_(task_) {
+    description_.name = task_.name;
+    description_.level = level;
+    description_.levels = levels;
+    description_.parameters = {{"force_ratio", "1", 0.25, 2.0, 1.0, 0.5}};
+    description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
+    description_.event_names = {"step_done", "level_done", "restarted"};
+    description_.json = taskJson(task_).dump();
+    Kitchen::reset();
+  }
+  Kitchen(const Kitchen&) = delete;
+  Kitchen& operator=(const Kitchen&) = delete;
+
+  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
+    return description_;
+  }
+
+  void reset() override {
+    steps_.reset();
+    squeeze_n_ = 0.0;
+    handle_n_.setZero();
+    paused_ = false;
+    returns_ = true;
+    last_ = Seen{};
+  }
+
+  [[nodiscard]] WorldQuery query() const noexcept override {
+    WorldQuery query;
+    for (const Thing& thing : task_.things) {
+      if (returns_ || thing.body == nowThing().body) query.targets.set(thing.body);
+    }
+    return query;
+  }
+
+  void tick(const ExerciseInput& input, ExerciseRecord& out,
+            BodyPlacements& placements) noexcept override {
+    const TickRecord& seen = *input.observed;
+    const double elapsed_s = std::max(seen.elapsed_periods, 1U) * input.period_s;
+    clear(out, placements, device_.axisCount());
+    posture_.update(input.hand);
+    takeActions(seen, out);
+    const double ratio = input.parameters[kForceRatio];
+    look(seen, ratio, elapsed_s);
+    if (returns_) giveBack(seen, placements);
+    if (!paused_ && !returns_ && steps_.tick(last_, elapsed_s)) {
+      tell(out, kStepDone, steps_.step() - 1, steps_.score());
+      if (steps_.done()) tell(out, kLevelDone, -1, steps_.score());
+    }
+    show(out, ratio);
+  }
+
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const override {
+    return std::make_unique<KitchenPlayer>(task_, device_, hand_, traits);
+  }
+
+ private:
+  static void tell(ExerciseRecord& out, Event type, int index, double value) noexcept {
+    if (out.event_count >= kMaxExerciseEvents) return;
+    out.events[out.event_count++] = {type, index, value};
+  }
+  [[nodiscard]] const Thing& nowThing() const noexcept { return task_.things[steps_.now().thing]; }
+
+  void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
+    for (int i = 0; i < seen.command_count; ++i) {
+      const Command& c = seen.commands[i];
+      if (c.type != CommandType::kAction) continue;
+      const auto action = static_cast<ExerciseAction>(c.index);
+      if (action == ExerciseAction::kPause || action == ExerciseAction::kResume) {
+        paused_ = action == ExerciseAction::kPause;
+      } else if (action == ExerciseAction::kRestart || steps_.done()) {
+        steps_.reset();
+        paused_ = false;
+        returns_ = true;
+        tell(out, kRestarted, -1, 0.0);
+      }
+    }
+  }
+
+  /// Forces are those of the last step, low-passed; a person's strength divides by the ratio.
+  void look(const TickRecord& seen, double ratio, double elapsed_s) noexcept {
+    const Thing& thing = nowThing();
+    const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * task_.filter_hz * elapsed_s);
+    Vector3d force_n = Vector3d::Zero();
+    for (int i = 0; i < seen.contact_count; ++i) {
+      if (seen.contacts[i].body == thing.body) force_n += seen.contacts[i].force_n.eigen();
+    }
+    handle_n_ += share * (force_n - handle_n_);
+    squeeze_n_ += share * (gripForce_n(seen, thing.body, posture_) - squeeze_n_);
+    const bool near = seen.palm_body == thing.body && seen.palm_target_distance_m >= 0.0;
+    last_.palm_m = near ? seen.palm_target_distance_m : std::numeric_limits<double>::infinity();
+    last_.squeeze_n = squeeze_n_ / ratio;
+    last_.handle_n = handle_n_.norm() / ratio;
+    last_.center_m = seen.bodies[thing.body].position_m.eigen();
+    last_.q = thing.jointed ? positionOn(thing.joint, thing.start, poseOf(thing, seen)) : 0.0;
+  }
+
+  /// Pose of a thing's body frame.
+  [[nodiscard]] static Pose poseOf(const Thing& thing, const TickRecord& seen) noexcept {
+    const BodyState& body = seen.bodies[thing.body];
+    const Eigen::Matrix3d turned = body.orientation_xyzw.eigen().toRotationMatrix();
+    return {turned, body.position_m.eigen() - turned * thing.com_m};
+  }
+
+  /// Puts all things where they were at the start, once the hand is clear of them.
+  void giveBack(const TickRecord& seen, BodyPlacements& placements) noexcept {
+    const bool away = seen.palm_target_distance_m < 0.0 || seen.palm_target_distance_m > kClear_m;
+    if (!away) return;
+    returns_ = false;
+    for (const Thing& thing : task_.things) {
+      const Eigen::Quaterniond turned(thing.start.rotation);
+      placements.items[placements.count++] = {thing.body,
+                                              0,
+                                              Vec3::from(Vector3d(thing.start * thing.com_m)),
+                                              QuatXyzw::from(turned),
+                                              {}};
+    }
+  }
+
+  void show(ExerciseRecord& out, double ratio) const noexcept {
+    const Step& step = steps_.now();
+    const bool moves = !steps_.done() && (step.verb == Verb::kMove || step.verb == Verb::kHold);
+    out.values[kInstruction] = steps_.step();
+    out.values[kScore] = steps_.score();
+    out.values[kDone] = steps_.done() ? 1.0 : 0.0;
+    out.values[kStep] = steps_.step();
+    out.values[kSteps] = static_cast<double>(task_.steps.size());
+    out.values[kJoint] = last_.q;
+    out.values[kGoalLow] = moves ? step.to - step.tolerance : 0.0;
+    out.values[kGoalHigh] = moves ? step.to + step.tolerance : 0.0;
+    out.values[kHandle] = last_.handle_n * ratio;
+    out.values[kSqueeze] = last_.squeeze_n * ratio;
+    out.values[kHeld] = step.for_s > 0.0 ? std::min(steps_.held_s(), step.for_s) : 0.0;
+    out.values[kTime] = steps_.time_s();
+    out.values[kPaused] = paused_ ? 1.0 : 0.0;
+    out.value_count = kValues;
+  }
+
+  const KitchenTask task_;
+  const DeviceModel device_;  ///< device and hand serve makePlayer()
+  const HandModel hand_;
+  HandPosture posture_;
+  TaskSteps steps_;
+  ExerciseDescription description_;
+  Seen last_;
+  Vector3d handle_n_ = Vector3d::Zero();
+  double squeeze_n_ = 0.0;
+  bool paused_ = false;
+  bool returns_ = true;  ///< things are to be put back where they were
+};
+
+Vector3d vectorFrom(const std::vector<double>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+/// Reads the file against the scene. Places are those of a right hand.
+class TaskReader {
+ public:
+  TaskReader(TomlTable& root, SceneModel& scene, Side side)
+      : root_(root), scene_(scene), mirrored_(side == Side::kLeft) {}
+
+  void read(KitchenTask& task, int level, int& levels) {
+    task.par_s = root_.number("par_s", between(1.0, 600.0, "s"), task.par_s);
+    task.filter_hz = root_.number("filter_hz", above(0.0, 100.0, "Hz"), task.filter_hz);
+    std::vector<TomlTable> things = root_.tables("things", 1);
+    if (things.size() > kMostThings) {
+      root_.fail("things", fmt::format("there are {}", things.size()),
+                 fmt::format("a task has {} at most", kMostThings));
+    }
+    if (mirrored_) mirror(scene_);
+    for (TomlTable& table : things) readThing(table, task);
+    for (TomlTable& table : root_.tables("steps", 1)) readStep(table, task);
+    readLevels(task, level, levels);
+  }
+
+ private:
+  Vector3d place(TomlTable& t, const char* key) {
+    Vector3d v = vectorFrom(t.numbers(key, 3, between(-10.0, 10.0, "m")));
+    if (mirrored_) v.y() *= -1.0;
+    return v;
+  }
+
+  void readThing(TomlTable& t, KitchenTask& task) {
+    Thing thing;
+    names_.push_back(t.text("body"));
+    thing.body = scene_.bodyIndex(names_.back());
+    thing.radius_m = t.number("radius_m", between(0.002, 0.06, "m"));
+    const Vector3d grip_m = place(t, "grip_m");
+    if (thing.body < 0 || thing.body >= kMaxBodies) {
+      t.fail("body", "the scene " + printable(scene_.path) + " has no such body",
+             "write the name of one of its first 128");
+    } else if (scene_.bodies[thing.body].fixed) {
+      t.fail("body", "is fixed in the scene " + printable(scene_.path),
+             "give it a joint or a mass there");
+    } else {
+      const SceneBody& body = scene_.bodies[thing.body];
+      thing.com_m = body.com_m;
+      thing.grip_m = grip_m - body.com_m;
+      thing.start = body.pose;
+      thing.jointed = body.joint.has_value();
+      if (body.joint) thing.joint = *body.joint;
+    }
+    task.things.push_back(thing);
+  }
+
+  void readStep(TomlTable& t, KitchenTask& task) {
+    Step step;
+    const std::vector<std::string> verbs(std::begin(kVerbs), std::end(kVerbs));
+    const std::string verb = t.choice("verb", verbs);
+    step.verb = static_cast<Verb>(std::find(verbs.begin(), verbs.end(), verb) - verbs.begin());
+    const std::string named = t.text("thing");
+    const auto at = std::find(names_.begin(), names_.end(), named);
+    const bool known = at != names_.end();
+    step.thing = known ? static_cast<int>(at - names_.begin()) : 0;
+    if (!known && t.isGood("thing")) {
+      t.fail("thing", "is not among [[things]]", "write one of them, or add it there");
+    }
+    if (t.isGood("verb")) readAims(t, step, known ? &task.things[step.thing] : nullptr);
+    task.steps.push_back(step);
+  }
+
+  void readAims(TomlTable& t, Step& step, const Thing* thing) {
+    switch (step.verb) {
+      case Verb::kReach:
+        step.within_m = t.number("within_m", between(0.005, 0.5, "m"));
+        break;
+      case Verb::kTake:
+        step.force_n = t.number("force_n", above(0.0, 40.0, "N"));
+        break;
+      case Verb::kPress:
+        step.force_n = t.number("force_n", above(0.0, 40.0, "N"));
+        step.for_s = t.number("for_s", between(0.05, 60.0, "s"));
+        break;
+      case Verb::kMove:
+      case Verb::kHold:
+        readGoal(t, step, thing);
+        break;
+      case Verb::kPut:
+        step.center_m = place(t, "center_m");
+        step.half_size_m = 0.5 * vectorFrom(t.numbers("size_m", 3, between(0.005, 2.0, "m")));
+        break;
+      case Verb::kLetGo:
+        break;
+    }
+  }
+
+  static void readGoal(TomlTable& t, Step& step, const Thing* thing) {
+    const bool hinge = thing != nullptr && thing->jointed && thing->joint.isHinge();
+    if (thing != nullptr && !thing->jointed) {
+      t.fail("thing", "has no joint in the scene", "give its body a joint there, or use put");
+      t.ignoreUnknownKeys();
+      return;
+    }
+    const char* to = hinge ? "to_rad" : "to_m";
+    const char* tolerance = hinge ? "tolerance_rad" : "tolerance_m";
+    step.to = t.number(to, hinge ? between(-7.0, 7.0, "rad") : between(-2.0, 2.0, "m"));
+    step.tolerance = t.number(tolerance, above(0.0, 1.0, hinge ? "rad" : "m"));
+    if (step.verb == Verb::kHold) step.for_s = t.number("for_s", between(0.05, 60.0, "s"));
+    if (thing == nullptr || !t.isGood(to) || !t.isGood(tolerance)) return;
+    if (step.to + step.tolerance < thing->joint.least ||
+        step.to - step.tolerance > thing->joint.most) {
+      t.fail(to, "is beyond the joint's range",
+             fmt::format("must be within {:.3g} of {:.3g} .. {:.3g}", step.tolerance,
+                         thing->joint.least, thing->joint.most));
+    }
+  }
+
+  /// A level scales the joints' friction and the forces that are asked for.
+  void readLevels(KitchenTask& task, int level, int& levels) {
+    std::vector<TomlTable> tables = root_.tables("levels", 0);
+    levels = std::max<int>(1, static_cast<int>(tables.size()));
+    if (level < 1 || level > levels) {
+      root_.fail(tables.empty() ? "exercise" : "levels", fmt::format("has no level {}", level),
+                 fmt::format("ask for 1 .. {}", levels));
+    }
+    for (int i = 0; i < static_cast<int>(tables.size()); ++i) {
+      const double friction = tables[i].number("friction_ratio", between(0.0, 20.0), 1.0);
+      const double force = tables[i].number("force_ratio", between(0.1, 10.0), 1.0);
+      if (i + 1 != level) continue;
+      for (Step& step : task.steps) step.force_n *= force;
+      for (Thing& thing : task.things) {
+        if (!thing.jointed) continue;
+        thing.joint.dry_friction *= friction;
+        scene_.bodies[thing.body].joint->dry_friction = thing.joint.dry_friction;
+      }
+    }
+  }
+
+  TomlTable& root_;
+  SceneModel& scene_;
+  bool mirrored_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace
+
+Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
+  KitchenTask task;
+  task.name = source.name;
+  LoadedExercise out;
+  Diagnostics scene_faults;
+  int levels = 1;
+  if (!source.scene_path.empty()) {
+    Expected<SceneModel> scene = loadSceneFile(source.scene_path);
+    if (scene) {
+      out.scene = std::move(*scene);
+      TaskReader(file.root(), out.scene, source.hand->side).read(task, source.level, levels);
+    } else {
+      scene_faults = scene.errors();
+      file.root().ignoreUnknownKeys();
+    }
+  }
+  Diagnostics faults = file.finish();
+  faults.insert(faults.end(), scene_faults.begin(), scene_faults.end());
+  if (!faults.empty()) return faults;
+  out.files = {source.path, out.scene.path};
+  out.exercise = std::make_unique<Kitchen>(std::move(task), source.level, levels, *source.device,
+                                           *source.hand);
+  return out;
+}
+
+}  // namespace wholehand::kitchen
