@@ -1,6 +1,6 @@
 // What shows a first-timer the next step: a ring at the handle, an arrow along or about its joint, the body as it is to be,
 // a hand that closes or opens.
-import { EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh, PlaneGeometry, Quaternion, Vector3, type BufferGeometry } from 'three';
+import { DoubleSide, Group, Mesh, PlaneGeometry, Quaternion, Vector3, type BufferGeometry } from 'three';
 import { toThree } from '../../scene/frames';
 import { flat } from '../../scene/materials';
 import { picture } from '../../scene/textures';
@@ -9,10 +9,14 @@ import { HANDS, PASSES } from './pictures';
 import { Ribbon, type HalfWidth } from './ribbon';
 import type { Handle, Joint, KitchenStep } from './task';
 
-const ARROW = { points: 25, half_m: 0.0055, head_m: 0.026, head_half_m: 0.0145, over_m: 0.028 } as const;
+const ARROW = { points: 25, half_m: 0.006, head_m: 0.03, head_half_m: 0.017, over_m: 0.028 } as const;
 const RING = { points: 73, half_m: 0.0035, round_m: 0.02 } as const;
 /** A goal nearer than this needs no arrow [m or rad]. */
 const NEAR = 0.006;
+/** Of the frame round a front that is to be there, and its dark edge [m]. */
+const FRAME_M = 0.005;
+const EDGE_M = 0.003;
+const INK = '#1c1410';
 const SIGN = { wide_m: 0.055, over_m: 0.045 } as const;
 
 const even: HalfWidth = (_, edge_m) => RING.half_m + edge_m;
@@ -57,18 +61,28 @@ function handSign(kind: keyof typeof HANDS): Mesh {
   return new Mesh(new PlaneGeometry(SIGN.wide_m, SIGN.wide_m), flat('#ffffff', { map, transparent: true }));
 }
 
-/** The body as it is to be: pale, and its edges. */
-export function makeGhost(body: Group): Group {
-  const ghost = new Group(), pale = flat('#fff6df', { transparent: true, opacity: 0.3, depthWrite: false }), edge = new LineBasicMaterial({ color: '#ffffff' });
-  ghost.matrixAutoUpdate = true;
+/** The body as it is to be: pale, and a frame around its front. */
+export function makeGhost(body: Group, front: { readonly at: Vector3; readonly half: Vector3 } | undefined): Group {
+  const ghost = new Group(), pale = flat('#fff6df', { transparent: true, opacity: 0.2, depthWrite: false });
   for (const child of body.children) {
     if (!(child instanceof Mesh)) continue;
-    const geometry = child.geometry as BufferGeometry, mesh = new Mesh(geometry, pale), lines = new LineSegments(new EdgesGeometry(geometry, 35), edge);
-    for (const part of [mesh, lines]) {
-      part.position.copy(child.position);
-      part.quaternion.copy(child.quaternion);
-      ghost.add(part);
+    const mesh = new Mesh(child.geometry as BufferGeometry, pale);
+    mesh.position.copy(child.position);
+    mesh.quaternion.copy(child.quaternion);
+    ghost.add(mesh);
+  }
+  if (!front) return ghost;
+  const { at, half } = front, bar = (y: number, z: number, wide: number, tall: number): void => {
+    for (const [more, color, x] of [[EDGE_M, INK, 0], [0, '#fff4dc', -0.0006]] as const) {
+      const mesh = new Mesh(new PlaneGeometry(tall + more, wide + more), flat(color, { side: DoubleSide }));
+      mesh.rotation.y = -Math.PI / 2;
+      mesh.position.set(at.x - half.x + x, at.y + y, at.z + z);
+      ghost.add(mesh);
     }
+  };
+  for (const side of [-1, 1]) {
+    bar(side * half.y, 0, FRAME_M, 2 * half.z + FRAME_M);
+    bar(0, side * half.z, 2 * half.y + FRAME_M, FRAME_M);
   }
   return ghost;
 }
@@ -78,8 +92,8 @@ export interface Shown { readonly step: KitchenStep; readonly now: Placed; reado
 export class Cues {
   readonly root = new Group();
   private readonly ring = new Ribbon(RING.points);
-  private readonly track = new Ribbon(RING.points, '#fff4dc');
-  private readonly arrow = new Ribbon(ARROW.points);
+  private readonly track = new Ribbon(RING.points, { color: '#fff4dc' });
+  private readonly arrow = new Ribbon(ARROW.points, { above: true });
   private readonly signs = { open: handSign('open'), closed: handSign('closed') } as const;
 
   /** @param ghosts of the bodies by their index; they stand in the program's frame */

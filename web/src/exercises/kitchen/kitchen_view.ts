@@ -1,6 +1,6 @@
 // A task of the kitchen in the picture: its bodies as furniture, the kitchen around them, the cue of the present step.
 import { Group, Vector3, type SpotLight } from 'three';
-import { BodyT, ShapeType, type SceneT, type WorldStateT } from '../../protocol';
+import type { SceneT, ShapeT, WorldStateT } from '../../protocol';
 import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
 import { programFrame, toThree } from '../../scene/frames';
 import { outlineOfScene } from '../../scene/outline';
@@ -9,19 +9,19 @@ import type { Setting } from '../../scene/stage';
 import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { Cues, makeGhost } from './cues';
-import { frontOf, makeCabinet, makePiece, makeTray, Workshop, type Size } from './furniture';
+import { colorOf, frontOf, makeContents, makePiece, Workshop, type Size } from './furniture';
 import { moved, placedOf, pointOf, type Placed } from './joint';
-import { kitchen, makeRow, TOP_M, type BuiltIn } from './room';
+import { kitchen, makeRow, makeThings, makeWorktop, type Extent } from './room';
 import { handleOf, jointOf, usedBodies, type KitchenTask } from './task';
 
-/** A box is behind a front that is nearer than this [m]. */
-const BEHIND_M = 0.03;
-/** A drawer's tray is longer than its way by this [m]. */
-const TRAY_MORE_M = 0.05;
-/** The picture looks at what is so far under a built-in cabinet's worktop [m]. */
+/** A fixed body is a worktop if it is this flat. */
+const FLAT = 0.25;
+/** Where the scene has no worktop: how far it comes before what is taken, how thick it is [m], and its colour. */
+const BEFORE_M = 0.25;
+const SLAB_M = 0.03;
+const BEECH = '#d9b98c';
+/** The picture looks at what is so far under the worktop of something built in [m]. */
 const LOOK_UNDER_M = 0.24;
-/** Things stand on a worktop, and it under all of them. */
-const LEAST_COUNTER_Z = DEFAULT_PLACE.counter_y;
 
 export class KitchenView implements ExerciseView {
   readonly root = new Group();
@@ -50,7 +50,9 @@ export class KitchenView implements ExerciseView {
       this.program.add(piece);
     });
     for (const body of usedBodies(task)) {
-      const ghost = makeGhost(this.pieces.get(body)!);
+      const piece = this.pieces.get(body)!, p = frontOf(scene.bodies[body]!), at = p?.inBody?.positionM, h = p?.halfExtentsM;
+      const ghost = makeGhost(piece, at && h ? { at: new Vector3(at.x, at.y, at.z), half: new Vector3(h.x, h.y, h.z) } : undefined);
+      piece.add(...makeContents(scene.bodies[body]!, this.shop).children);
       ghosts.set(body, ghost);
       this.program.add(ghost);
     }
@@ -93,49 +95,46 @@ export class KitchenView implements ExerciseView {
 
   /** Builds what stands around the bodies, where they are at first. */
   private furnish(state: WorldStateT): CameraPlace {
-    const { scene, task, shop } = this, first = task.steps[0]!.body, placed = placedOf(state.bodies[first]);
-    const row_x = placed ? pointOf(placed, handleOf(scene.bodies[first]!).at_m).x : -DEFAULT_PLACE.row_z;
-    const cabinet = this.buildIn(state), side = scene.rightHand ? 1 : -1;
-    const top_z = cabinet ? cabinet.at[2] + cabinet.size[2] / 2 + TOP_M : this.underAll(state);
-    this.program.add(makeRow(top_z, row_x, side, cabinet, shop));
-    return { right: scene.rightHand, counter_y: cabinet ? top_z - LOOK_UNDER_M : top_z, row_z: -row_x };
+    const { scene, task, shop, program } = this, { body } = task.steps[0]!, placed = placedOf(state.bodies[body]);
+    const row_x = placed ? pointOf(placed, handleOf(scene.bodies[body]!).at_m).x : -DEFAULT_PLACE.row_z;
+    const fixed = [...this.pieces].flatMap(([i, piece]) => (scene.bodies[i]!.fixed ? [{ i, piece, ...extentOf(placedOf(state.bodies[i]), scene.bodies[i]!.shapes) }] : []));
+    const slab = fixed.find(({ low, high }) => high[2] - low[2] < FLAT * Math.min(high[0] - low[0], high[1] - low[1]));
+    const around = fixed.filter((one) => one !== slab), front = this.shutFront(state);
+    const top_z = slab ? slab.high[2] : Math.max(DEFAULT_PLACE.counter_y, Math.min(0, ...around.map(({ low }) => low[2])));
+    const place = { right: scene.rightHand, counter_y: top_z, row_z: -row_x };
+    // The slab goes on along the wall.
+    slab?.piece.clear();
+    program.add(makeWorktop(slab ? slab.low[0] : row_x - BEFORE_M, top_z, slab ? slab.high[2] - slab.low[2] : SLAB_M, row_x, slab ? colorOf(scene.bodies[slab.i]!) : BEECH, shop));
+    program.add(makeThings(row_x, top_z, scene.rightHand ? 1 : -1, shop));
+    if (!slab || !front || front.high[2] > slab.high[2]) return place;
+    program.add(makeRow(front, unionOf([front, ...around]), slab, front.color, shop));
+    return { ...place, counter_y: top_z - LOOK_UNDER_M };
   }
 
-  /** A front on a joint before a fixed box: the box becomes its cabinet, and what slides has a tray. */
-  private buildIn(state: WorldStateT): BuiltIn | undefined {
-    const { scene, task, shop } = this, step = task.steps[this.values.get(state, 'instruction')] ?? task.steps.at(-1)!;
-    for (const joint of task.joints) {
-      const body = scene.bodies[joint.body], front = body && frontOf(body), now = placedOf(state.bodies[joint.body]);
-      if (!body || !front || !now) continue;
-      // Shut: at the joint's 0. Of other bodies than the present step's no coordinate is told; they are where they begin.
-      const shut = step.body === joint.body ? moved(now, joint, -this.values.get(state, 'joint_q')) : now;
-      const box = scene.bodies.findIndex((one, i) => one.fixed && isBehind(one, placedOf(state.bodies[i]), shut, front));
-      const at = placedOf(state.bodies[box])?.at, h = scene.bodies[box]?.shapes[0]?.halfExtentsM;
-      if (!at || !h) continue;
-      const size: Size = [2 * h.x, 2 * h.y, 2 * h.z], slides = joint.type === 'slide';
-      const solid = this.pieces.get(box)!;
-      solid.clear();
-      solid.add(...makeCabinet(size, String(scene.bodies[box]!.color ?? '') || '#c99a66', !slides, shop).children);
-      if (slides) this.pieces.get(joint.body)!.add(...makeTray(front, Math.min(joint.most - joint.least + TRAY_MORE_M, 2 * h.x - 0.03), shop).children);
-      return { at: [at.x, at.y, at.z], size, front_m: front.size[0], color: String(body.color ?? '') || '#c99a66' };
+  /** The first front that is on a joint, at its joint's 0. */
+  private shutFront(state: WorldStateT): Extent & { readonly color: string } | undefined {
+    const { scene, task } = this, now = task.steps[Math.min(this.values.get(state, 'instruction'), task.steps.length - 1)]!;
+    for (const { body, joint } of task.things) {
+      const front = joint && frontOf(scene.bodies[body]!), placed = placedOf(state.bodies[body]);
+      if (!front || !placed) continue;
+      // Of other bodies than the present step's no coordinate is told: they are where they begin.
+      const shut = now.body === body ? moved(placed, joint, -this.values.get(state, 'joint_q')) : placed;
+      return { ...extentOf(shut, [front]), color: colorOf(scene.bodies[body]!) };
     }
     return undefined;
   }
-
-  /** The lowest end of what stands fixed [m]. */
-  private underAll(state: WorldStateT): number {
-    const ends = this.scene.bodies.flatMap((body, i) => {
-      const at = placedOf(state.bodies[i])?.at;
-      return body.fixed && at ? body.shapes.map((shape) => at.z + (shape.inBody?.positionM?.z ?? 0) - (shape.halfExtentsM?.z || shape.lengthM / 2)) : [];
-    });
-    return Math.max(LEAST_COUNTER_Z, Math.min(...ends, 0) === 0 ? LEAST_COUNTER_Z : Math.min(...ends));
-  }
 }
 
-/** Whether a body is one box that begins at a front's back and goes around it. */
-function isBehind({ shapes }: BodyT, box: Placed | undefined, shut: Placed, { at: [x, y, z], size: [deep] }: { readonly at: Size; readonly size: Size }): boolean {
-  const h = shapes[0]?.halfExtentsM;
-  if (!box || !h || shapes.length !== 1 || shapes[0]!.type !== ShapeType.Box) return false;
-  const back = pointOf(shut, { x: x + deep / 2, y, z }), near_x = box.at.x - h.x;
-  return h.x > BEHIND_M && Math.abs(near_x - back.x) < BEHIND_M && Math.abs(back.y - box.at.y) < h.y && Math.abs(back.z - box.at.z) < h.z;
+/** Around the boxes and bars of a body that stands upright. */
+function extentOf(placed: Placed | undefined, shapes: readonly ShapeT[]): Extent {
+  const at = placed?.at ?? new Vector3();
+  return unionOf(shapes.map(({ inBody, halfExtentsM: h, radiusM: r, lengthM }) => {
+    const p = inBody?.positionM, x = at.x + (p?.x ?? 0), y = at.y + (p?.y ?? 0), z = at.z + (p?.z ?? 0), [a, b, c] = [h?.x || r, h?.y || r, h?.z || lengthM / 2 || r];
+    return { low: [x - a, y - b, z - c], high: [x + a, y + b, z + c] };
+  }));
+}
+
+function unionOf(extents: readonly Extent[]): Extent {
+  const over = (pick: (...of: number[]) => number, end: keyof Extent): Size => [0, 1, 2].map((i) => pick(...extents.map((one) => one[end][i]!))) as unknown as Size;
+  return { low: over(Math.min, 'low'), high: over(Math.max, 'high') };
 }

@@ -80,7 +80,8 @@ export class KitchenPlay implements Play {
     const { values } = this, low = values.get(state, 'goal_low'), high = values.get(state, 'goal_high'), step = this.now(state);
     const joint = step && jointOf(this.task, step.body);
     if (!joint || step.to === undefined || high <= low) return null;
-    const share = (q: number): number => Math.max(0, Math.min(1, (q - joint.least) / (joint.most - joint.least)));
+    const least = joint.least ?? Math.min(0, low), most = joint.most ?? 1.25 * Math.max(high, ...this.task.steps.map(({ to }) => to ?? 0));
+    const share = (q: number): number => Math.max(0, Math.min(1, (q - least) / (most - least)));
     const q = values.get(state, 'joint_q'), isWell = q >= low && q <= high;
     return { shown: true, value: share(q), low: share(low), high: share(high), zone: isWell ? 'right' : 'low', label: labelOf(this.scene, 'joint_q') || text(`verb.${step.verb}`) };
   }

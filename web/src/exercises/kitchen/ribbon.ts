@@ -11,11 +11,12 @@ const BEHIND_M = 0.001;
 /** Half width at a place of the path. @param left_m how far it is to the end */
 export type HalfWidth = (left_m: number, edge_m: number) => number;
 
-function band(points: number, color: string): Mesh<BufferGeometry> {
+function band(points: number, color: string, above: boolean): Mesh<BufferGeometry> {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(new Float32Array(6 * points), 3));
   geometry.setIndex(Array.from({ length: points - 1 }, (_, i) => [2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 2, 2 * i + 1, 2 * i + 3]).flat());
-  const mesh = new Mesh(geometry, flat(color, { side: DoubleSide }));
+  const mesh = new Mesh(geometry, flat(color, { side: DoubleSide, depthTest: !above, transparent: above }));
+  mesh.renderOrder = above ? 10 : 0;
   mesh.frustumCulled = false;
   return mesh;
 }
@@ -24,8 +25,10 @@ export class Ribbon {
   readonly root = new Group();
   private readonly bands: readonly (readonly [Mesh<BufferGeometry>, number])[];
 
-  constructor(private readonly points: number, color = AMBER) {
-    this.bands = [[band(points, INK), EDGE_M], [band(points, color), 0]];
+  /** @param above the hand does not hide it */
+  constructor(private readonly points: number, { color = AMBER, above = false } = {}) {
+    this.bands = [[band(points, INK, above), EDGE_M], [band(points, color, above), 0]];
+    this.bands[1]![0].renderOrder += 1;
     this.root.add(...this.bands.map(([mesh]) => mesh));
   }
 

@@ -9,12 +9,10 @@ import type { Size, Workshop } from './furniture';
 
 const WALL_Z = -0.62;
 const TILE = { wide_m: 0.15, tall_m: 0.075, across: 6, down: 8 } as const;
-export const TOP_M = 0.03;
-/** How far the worktop stands out over a front, and fronts are apart [m]. */
-const OVER_M = 0.012;
-const GAP_M = 0.004;
+/** How far fronts are apart, how wide those beside are, and how far the plinth is behind them [m]. */
+const GAP_M = 0.005;
 const NEIGHBOUR_M = 0.42;
-const LOW_M = -0.75;
+const PLINTH_M = 0.05;
 
 /** Glazed tiles in a running bond, no two quite of one tone. */
 function tileTexture(): Texture {
@@ -25,17 +23,17 @@ function tileTexture(): Texture {
     for (let row = 0; row < TILE.down; row++) {
       for (let i = -1; i < TILE.across; i++) {
         const x = i * 2 * px + (row % 2 ? px : 0) + 3, y = row * px + 3, wide = 2 * px - 6, tall = px - 6;
-        const tone = i < 0 || i === TILE.across - 1 ? 0.5 : random(), light = 87 + 5 * tone, paint = (color: string): void => {
+        const tone = i < 0 || i === TILE.across - 1 ? 0.5 : random(), light = 91 + 4 * tone, paint = (color: string): void => {
           pen.fillStyle = color;
           pen.beginPath();
           pen.roundRect(x, y, wide, tall, 7);
           pen.fill();
         };
-        paint(`hsl(${36 + 14 * tone} 34% ${light}%)`);
+        paint(`hsl(${38 + 12 * tone} 38% ${light}%)`);
         const shine = pen.createLinearGradient(x, y, x + 0.3 * wide, y + tall);
         shine.addColorStop(0, 'rgba(255,255,255,.6)');
         shine.addColorStop(0.35, 'rgba(255,255,255,0)');
-        shine.addColorStop(1, 'rgba(120,96,66,.16)');
+        shine.addColorStop(1, 'rgba(120,96,66,.08)');
         pen.fillStyle = shine;
         pen.fill();
       }
@@ -54,7 +52,7 @@ function beech(): Texture {
       let x = -random() * 300;
       while (x < w) {
         const long = 220 + 240 * random(), top = row * h / rows;
-        pen.fillStyle = `hsl(${30 + 4 * random()} 46% ${62 + 8 * random()}%)`;
+        pen.fillStyle = `hsl(${34 + 4 * random()} 40% ${86 + 8 * random()}%)`;
         pen.fillRect(x, top, long, h / rows);
         pen.fillStyle = 'rgba(110,70,34,.10)';
         for (let i = 0; i < 40; i++) pen.fillRect(x + random() * long, top + random() * h / rows, 8 + 34 * random(), 1.4);
@@ -89,9 +87,9 @@ export const kitchen = (right: boolean): Setting => ({
   counter: undefined,
 });
 
-/** The program's frame: a slab whose top is at z, its near edge at x. */
-function worktop(near_x: number, top_z: number, row_x: number, shop: Workshop): Mesh {
-  const far_x = row_x - WALL_Z, map = beech(), deep = far_x - near_x, mesh = shop.board([deep, WALL.width_m, TOP_M], [(near_x + far_x) / 2, 0, top_z - TOP_M / 2], surface(shop.quality, { map, roughness: 0.42, clearcoat: 0.35, clearcoatRoughness: 0.35 }), 0.006);
+/** A slab along the whole wall, the program's frame. @param row_x where the stage stands */
+export function makeWorktop(near_x: number, top_z: number, thick_m: number, row_x: number, color: string, shop: Workshop): Mesh {
+  const far_x = row_x - WALL_Z, map = beech(), deep = far_x - near_x, mesh = shop.board([deep, WALL.width_m, thick_m], [(near_x + far_x) / 2, 0, top_z - thick_m / 2], surface(shop.quality, { map, color: new Color(color), roughness: 0.42, clearcoat: 0.35, clearcoatRoughness: 0.35 }), 0.006);
   // Laid by its metres, staves along y.
   const { position, uv } = mesh.geometry.attributes;
   for (let i = 0; i < uv!.count; i++) uv!.setXY(i, position!.getY(i) / 1.1, (position!.getX(i) + position!.getZ(i)) / 0.5);
@@ -106,8 +104,8 @@ function vase(shop: Workshop, outline: readonly (readonly [number, number])[], c
 }
 
 /** Things that stand at the back of the worktop: jars, a board, a bowl of fruit, herbs. */
-function things(shop: Workshop, x: number, z: number, side: number): Group {
-  const root = new Group();
+export function makeThings(row_x: number, z: number, side: number, shop: Workshop): Group {
+  const root = new Group(), x = row_x - WALL_Z - 0.1;
   const stand = (mesh: Mesh, y: number, dx = 0, up = 0): void => {
     mesh.position.set(x + dx, side * y, z + up);
     root.add(mesh);
@@ -137,33 +135,25 @@ function things(shop: Workshop, x: number, z: number, side: number): Group {
   return root;
 }
 
-/** A cabinet's place: its middle and size, the front before it, and the colour of the fronts beside it. */
-export interface BuiltIn { readonly at: Size; readonly size: Size; readonly front_m: number; readonly color: string }
+/** An upright box of the world [m]. */
+export interface Extent { readonly low: Size; readonly high: Size }
 
-/** The row around a cabinet, or a worktop alone. @param row_x where the stage stands */
-export function makeRow(top_z: number, row_x: number, side: number, cabinet: BuiltIn | undefined, shop: Workshop): Group {
-  const root = new Group();
-  root.add(things(shop, row_x - WALL_Z - 0.1, top_z, side));
-  if (!cabinet) {
-    root.add(worktop(row_x - 0.3, top_z, row_x, shop));
-    return root;
-  }
-  const { at: [x, y, z], size: [deep, wide, tall], front_m, color } = cabinet, near_x = x - deep / 2, wood = shop.wood(color), middle_x = near_x - front_m / 2;
-  root.add(worktop(near_x - front_m - OVER_M, top_z, row_x, shop));
-  const high = z + tall / 2, low = z - tall / 2;
-  const front = (at_y: number, from_z: number, to_z: number, w: number): void => { root.add(shop.board([front_m, w - GAP_M, to_z - from_z - GAP_M], [middle_x, at_y, (from_z + to_z) / 2], wood, 0.006)); };
-  for (const s of [-1, 1]) {
+/** The kitchen around a front that is built in under a worktop: fronts beside it, the shade behind, a plinth. */
+export function makeRow(front: Extent, around: Extent, worktop: Extent, color: string, shop: Workshop): Group {
+  const root = new Group(), wood = shop.wood(color), shade = surface(shop.quality, { color: new Color('#4a3829'), roughness: 0.95 });
+  const near_x = front.low[0], thick = front.high[0] - near_x, under_z = worktop.low[2], seam_z = front.low[2] - GAP_M / 2;
+  const fill = (low: Size, high: Size, material: typeof shade, edge_m: number): void => {
+    root.add(shop.board([high[0] - low[0], high[1] - low[1], high[2] - low[2]], [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2], material, edge_m));
+  };
+  for (const side of [-1, 1]) {
     for (let i = 0; i < 5; i++) {
-      const at_y = y + s * (wide / 2 + (i + 0.5) * NEIGHBOUR_M);
-      front(at_y, low, high, NEIGHBOUR_M);
-      front(at_y, LOW_M, low, NEIGHBOUR_M);
+      const from = (side < 0 ? around.low[1] : around.high[1]) + side * i * NEIGHBOUR_M, y0 = Math.min(from, from + side * NEIGHBOUR_M) + GAP_M / 2, y1 = y0 + NEIGHBOUR_M - GAP_M;
+      fill([near_x, y0, front.low[2]], [near_x + thick, y1, front.high[2]], wood, 0.005);
+      fill([near_x, y0, around.low[2]], [near_x + thick, y1, seam_z - GAP_M / 2], wood, 0.005);
+      fill([near_x + thick + 0.004, y0 - GAP_M, around.low[2]], [near_x + thick + 0.02, y1 + GAP_M, under_z], shade, 0.001);
     }
   }
-  front(y, LOW_M, low, wide);
-  // Between the fronts one looks at the shade behind them.
-  const shade = surface(shop.quality, { color: new Color('#3b2b20'), roughness: 0.95 });
-  for (const s of [-1, 1]) root.add(shop.board([0.02, 5 * NEIGHBOUR_M, high - LOW_M], [near_x + 0.012, y + s * (wide / 2 + 2.5 * NEIGHBOUR_M), (high + LOW_M) / 2], shade, 0.001));
-  root.add(shop.board([0.02, wide, low - LOW_M], [near_x + 0.012, y, (low + LOW_M) / 2], shade, 0.001));
+  fill([front.high[0] + 0.3, around.low[1], around.low[2]], [front.high[0] + 0.31, around.high[1], under_z], shade, 0.001);
+  fill([near_x + PLINTH_M, -WALL.width_m / 2, around.low[2] - 0.6], [near_x + PLINTH_M + 0.02, WALL.width_m / 2, around.low[2] - GAP_M], shade, 0.001);
   return root;
 }
-

@@ -17,24 +17,25 @@ export interface KitchenStep {
 
 type Triple = readonly [number, number, number];
 
-/** A body that slides along an axis, or turns about it. Axis and point: world, at the start. */
+/** A body slides along an axis, or turns about it. Axis and point: world, at the start. */
 export interface Joint {
-  readonly body: number;
   readonly type: 'hinge' | 'slide';
   readonly axis: Triple;
   readonly point_m: Triple;
-  readonly least: number;   // m or rad
-  readonly most: number;
+  readonly least: number | null;   // m or rad; null: it has no end
+  readonly most: number | null;
 }
 
-export interface KitchenTask { readonly steps: readonly KitchenStep[]; readonly joints: readonly Joint[] }
+export interface Thing { readonly body: number; readonly joint?: Joint }
+
+export interface KitchenTask { readonly steps: readonly KitchenStep[]; readonly things: readonly Thing[] }
 
 /** Undefined where the exercise is another one, or its task has nothing that the scene shows. */
 export function taskOf(scene: Pick<SceneT, 'exerciseJson' | 'bodies'> | null | undefined): KitchenTask | undefined {
   const told = scene && parsed(String(scene.exerciseJson ?? ''));
   if (told?.kind !== 'kitchen' || !told.steps?.length) return undefined;
   const isThere = told.steps.every(({ verb, body }) => VERBS.includes(verb) && scene!.bodies[body] !== undefined);
-  return isThere ? { steps: told.steps, joints: told.joints ?? [] } : undefined;
+  return isThere ? { steps: told.steps, things: told.things ?? [] } : undefined;
 }
 
 function parsed(json: string): ({ kind?: unknown } & Partial<KitchenTask>) | null {
@@ -46,7 +47,7 @@ function parsed(json: string): ({ kind?: unknown } & Partial<KitchenTask>) | nul
 }
 
 /** The joint of a body; undefined: it moves freely, or not at all. */
-export const jointOf = (task: KitchenTask, body: number): Joint | undefined => task.joints.find((joint) => joint.body === body);
+export const jointOf = (task: KitchenTask, body: number): Joint | undefined => task.things.find((thing) => thing.body === body)?.joint;
 
 /** The bodies that are used, in the order in which the task asks for them. */
 export const usedBodies = (task: KitchenTask): readonly number[] => [...new Set(task.steps.map(({ body }) => body))];
