@@ -16,6 +16,8 @@ export interface GraspTargets {
   wanted(state: WorldStateT): number;
   /** How far a target that is carried is from where it is squeezed [m]; undefined: it is squeezed where it is. */
   awayFromUse?(state: WorldStateT, grip: number): Position | undefined;
+  /** They are on joints: one is led straight to its use while it is held, not lifted. */
+  readonly onJoint?: boolean;
   /** Whether nothing is to be held now. */
   letGo(state: WorldStateT): boolean;
   /** Whether what is held is to be eased, and squeezed again after it; undefined: never. */

@@ -11,6 +11,8 @@ import { BarView } from './cocktail_bar/bar_view';
 import type { Marks } from './exercise';
 import { thingsOf } from './free_grasping/things';
 import { CabinView } from './free_grasping/cabin_view';
+import { KitchenView } from './kitchen/kitchen_view';
+import { taskOf } from './kitchen/task';
 import { gripOf } from './squeeze_to_level/grip';
 import { HutView } from './squeeze_to_level/hut_view';
 
@@ -47,8 +49,9 @@ export interface ExerciseView {
 
 /** The view of a scene's exercise; undefined where its bodies are all there is to see. */
 export function viewOf(scene: SceneT, quality: Quality): ExerciseView | undefined {
-  const bar = barOf(scene), grip = gripOf(scene), things = thingsOf(scene);
+  const bar = barOf(scene), grip = gripOf(scene), things = thingsOf(scene), task = taskOf(scene);
   if (bar) return new BarView(bar, scene, quality);
   if (grip) return new HutView(grip, scene, quality);
+  if (task) return new KitchenView(task, scene, quality);
   return things && new CabinView(things, scene, quality);
 }

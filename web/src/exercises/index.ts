@@ -8,6 +8,9 @@ import { text } from './cocktail_bar/i18n';
 import type { GraspTargets, Play } from './exercise';
 import { GraspPlay } from './free_grasping/play';
 import { thingsOf } from './free_grasping/things';
+import { KitchenPlay } from './kitchen/play';
+import { kitchenTargets } from './kitchen/targets';
+import { taskOf } from './kitchen/task';
 import { ExercisePanel } from './panel';
 import { PanelPlay } from './panel_play';
 import { gripOf } from './squeeze_to_level/grip';
@@ -18,8 +21,9 @@ const NO_TARGETS: GraspTargets = { grips: [], counter_z_m: undefined, wanted: ()
 
 /** What may be grasped in a scene, as far as its exercise says. */
 export function targetsOf(scene: SceneT): GraspTargets {
-  const bar = barOf(scene), grip = gripOf(scene);
+  const bar = barOf(scene), grip = gripOf(scene), task = taskOf(scene);
   if (bar) return barTargets(bar, scene);
+  if (task) return kitchenTargets(task, scene);
   return grip ? gripTargets(grip, scene) : NO_TARGETS;
 }
 
@@ -27,9 +31,10 @@ export function targetsOf(scene: SceneT): GraspTargets {
 export function playOf(scene: SceneT, before: Play | null): Play | null {
   const bar = barOf(scene);
   if (bar) return new BarPlay(bar, scene, before instanceof BarPlay ? before : undefined);
-  const panel = ExercisePanel.of(scene), things = thingsOf(scene);
+  const panel = ExercisePanel.of(scene), things = thingsOf(scene), task = taskOf(scene);
   if (panel && gripOf(scene)) return new LevelPlay(panel, scene);
   if (panel && things) return new GraspPlay(things, panel);
+  if (panel && task) return new KitchenPlay(task, panel, scene);
   return panel && new PanelPlay(panel, scene);
 }
 

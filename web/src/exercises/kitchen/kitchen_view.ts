@@ -1,0 +1,140 @@
+// A task of the kitchen in the picture: its bodies as furniture, the kitchen around them, the cue of the present step.
+import { Group, Vector3, type SpotLight } from 'three';
+import type { SceneT, ShapeT, WorldStateT } from '../../protocol';
+import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
+import { programFrame, toThree } from '../../scene/frames';
+import { outlineOfScene } from '../../scene/outline';
+import type { Quality } from '../../scene/quality';
+import type { Setting } from '../../scene/stage';
+import type { Anchors, ExerciseView } from '../exercise_view';
+import { ExerciseValues } from '../values';
+import { Cues, makeGhost } from './cues';
+import { colorOf, frontOf, makeContents, makePiece, Workshop, type Size } from './furniture';
+import { moved, placedOf, pointOf, type Placed } from './joint';
+import { kitchen, makeRow, makeThings, makeWorktop, type Extent } from './room';
+import { handleOf, jointOf, usedBodies, type KitchenTask } from './task';
+
+/** A fixed body is a worktop if it is this flat. */
+const FLAT = 0.25;
+/** Where the scene has no worktop: how far it comes before what is taken, how thick it is [m], and its colour. */
+const BEFORE_M = 0.25;
+const SLAB_M = 0.03;
+const BEECH = '#d9b98c';
+/** The picture looks at what is so far under the worktop of something built in [m]. */
+const LOOK_UNDER_M = 0.24;
+
+export class KitchenView implements ExerciseView {
+  readonly root = new Group();
+  readonly rail_m = undefined;
+  readonly setting: Setting;
+  private readonly values: ExerciseValues;
+  private readonly shop: Workshop;
+  private readonly program = new Group();
+  private readonly pieces = new Map<number, Group>();
+  private readonly cues: Cues;
+  private readonly names: ReadonlySet<string>;
+  private place: CameraPlace | undefined;   // known from the first state on
+  private target: Vector3 | undefined;
+
+  constructor(private readonly task: KitchenTask, private readonly scene: SceneT, quality: Quality) {
+    this.setting = kitchen(scene.rightHand);
+    this.values = new ExerciseValues(scene.valueNames);
+    this.shop = new Workshop(quality);
+    this.names = new Set(scene.bodies.map(({ name }) => String(name)));
+    this.program.matrixAutoUpdate = false;
+    this.program.matrix.copy(programFrame());
+    const ghosts = new Map<number, Group>();
+    scene.bodies.forEach((body, i) => {
+      const piece = makePiece(body, this.shop);
+      this.pieces.set(i, piece);
+      this.program.add(piece);
+    });
+    for (const body of usedBodies(task)) {
+      const piece = this.pieces.get(body)!, p = frontOf(scene.bodies[body]!), at = p?.inBody?.positionM, h = p?.halfExtentsM;
+      const ghost = makeGhost(piece, at && h ? { at: new Vector3(at.x, at.y, at.z), half: new Vector3(h.x, h.y, h.z) } : undefined);
+      piece.add(...makeContents(scene.bodies[body]!, this.shop).children);
+      ghosts.set(body, ghost);
+      this.program.add(ghost);
+    }
+    this.cues = new Cues(ghosts);
+    this.root.add(this.program, this.cues.root);
+  }
+
+  owns(name: string): boolean { return this.names.has(name); }
+
+  placement(state: WorldStateT | undefined): { place: CameraPlace; outline: Vector3[] } {
+    if (state) this.place ??= this.furnish(state);
+    return { place: this.place ?? { ...DEFAULT_PLACE, right: this.scene.rightHand }, outline: outlineOfScene(this.scene, state) };
+  }
+
+  placeBehind(): void { /* Nothing here turns with the picture. */ }
+
+  update(state: WorldStateT, eye: Vector3): void {
+    this.pieces.forEach((piece, body) => {
+      const now = placedOf(state.bodies[body]);
+      piece.visible = now !== undefined;
+      if (!now) return;
+      piece.position.copy(now.at);
+      piece.quaternion.copy(now.turn);
+    });
+    const { task, values } = this, step = task.steps[values.get(state, 'instruction')], now = step && placedOf(state.bodies[step.body]);
+    const handle = step && handleOf(this.scene.bodies[step.body]!);
+    this.target = now && handle && toThree(pointOf(now, handle.at_m));
+    this.cues.update(step && now && handle && { step, now, handle, joint: jointOf(task, step.body), q: values.get(state, 'joint_q'), held_s: values.get(state, 'held_s') }, eye);
+  }
+
+  yieldTo(): void { /* Nothing here is soft. */ }
+
+  lightTarget(light: SpotLight): void {
+    if (this.target) light.target.position.x = light.position.x = this.target.x;
+  }
+
+  railZ(): undefined { return undefined; }
+
+  anchors(): Anchors { return { goal: undefined, target: this.target?.clone() }; }
+
+  /** Builds what stands around the bodies, where they are at first. */
+  private furnish(state: WorldStateT): CameraPlace {
+    const { scene, task, shop, program } = this, { body } = task.steps[0]!, placed = placedOf(state.bodies[body]);
+    const row_x = placed ? pointOf(placed, handleOf(scene.bodies[body]!).at_m).x : -DEFAULT_PLACE.row_z;
+    const fixed = [...this.pieces].flatMap(([i, piece]) => (scene.bodies[i]!.fixed ? [{ i, piece, ...extentOf(placedOf(state.bodies[i]), scene.bodies[i]!.shapes) }] : []));
+    const slab = fixed.find(({ low, high }) => high[2] - low[2] < FLAT * Math.min(high[0] - low[0], high[1] - low[1]));
+    const around = fixed.filter((one) => one !== slab), front = this.shutFront(state);
+    const top_z = slab ? slab.high[2] : Math.max(DEFAULT_PLACE.counter_y, Math.min(0, ...around.map(({ low }) => low[2])));
+    const place = { right: scene.rightHand, counter_y: top_z, row_z: -row_x };
+    // The slab goes on along the wall.
+    slab?.piece.clear();
+    program.add(makeWorktop(slab ? slab.low[0] : row_x - BEFORE_M, top_z, slab ? slab.high[2] - slab.low[2] : SLAB_M, row_x, slab ? colorOf(scene.bodies[slab.i]!) : BEECH, shop));
+    program.add(makeThings(row_x, top_z, scene.rightHand ? 1 : -1, shop));
+    if (!slab || !front || front.high[2] > slab.high[2]) return place;
+    program.add(makeRow(front, unionOf([front, ...around]), slab, front.color, shop));
+    return { ...place, counter_y: top_z - LOOK_UNDER_M };
+  }
+
+  /** The first front that is on a joint, at its joint's 0. */
+  private shutFront(state: WorldStateT): Extent & { readonly color: string } | undefined {
+    const { scene, task } = this, now = task.steps[Math.min(this.values.get(state, 'instruction'), task.steps.length - 1)]!;
+    for (const { body, joint } of task.things) {
+      const front = joint && frontOf(scene.bodies[body]!), placed = placedOf(state.bodies[body]);
+      if (!front || !placed) continue;
+      // Of other bodies than the present step's no coordinate is told: they are where they begin.
+      const shut = now.body === body ? moved(placed, joint, -this.values.get(state, 'joint_q')) : placed;
+      return { ...extentOf(shut, [front]), color: colorOf(scene.bodies[body]!) };
+    }
+    return undefined;
+  }
+}
+
+/** Around the boxes and bars of a body that stands upright. */
+function extentOf(placed: Placed | undefined, shapes: readonly ShapeT[]): Extent {
+  const at = placed?.at ?? new Vector3();
+  return unionOf(shapes.map(({ inBody, halfExtentsM: h, radiusM: r, lengthM }) => {
+    const p = inBody?.positionM, x = at.x + (p?.x ?? 0), y = at.y + (p?.y ?? 0), z = at.z + (p?.z ?? 0), [a, b, c] = [h?.x || r, h?.y || r, h?.z || lengthM / 2 || r];
+    return { low: [x - a, y - b, z - c], high: [x + a, y + b, z + c] };
+  }));
+}
+
+function unionOf(extents: readonly Extent[]): Extent {
+  const over = (pick: (...of: number[]) => number, end: keyof Extent): Size => [0, 1, 2].map((i) => pick(...extents.map((one) => one[end][i]!))) as unknown as Size;
+  return { low: over(Math.min, 'low'), high: over(Math.max, 'high') };
+}

@@ -1,0 +1,121 @@
+// A task of the kitchen in the game: its steps as a card, what to do now, praise. The words of the task are its panel's.
+import type { SceneT, WorldStateT } from '../../protocol';
+import type { Bells, Chime, ExerciseWords, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep } from '../exercise';
+import { labelOf, type ExercisePanel } from '../panel';
+import { PanelPlay } from '../panel_play';
+import { ExerciseValues } from '../values';
+import { text } from './i18n';
+import { stepPicture, verbDisc } from './pictures';
+import { jointOf, type KitchenStep, type KitchenTask, type Verb } from './task';
+
+/** Scores from which on a done task has two stars, and three. */
+const TWO_STARS = 70;
+const THREE_STARS = 90;
+const STEP: Bells = { tones_hz: [523, 784], apart_s: 0.14 };
+const ALL: Bells = { tones_hz: [392, 523, 659, 784, 1047], apart_s: 0.17 };
+
+const PHASES: Readonly<Record<Verb, Phase>> = { reach: 'reach', take: 'squeeze', move: 'hold', hold: 'hold', press: 'hold', put: 'hold', let_go: 'letgo' };
+
+/** Share of a step that is done, 0 .. 1. @param from where its joint was when it began */
+export function shareOf({ verb, to, for_s }: KitchenStep, q: number, from: number, held_s: number): number {
+  const share = verb === 'move' && to !== undefined && Math.abs(to - from) > 1e-6 ? (q - from) / (to - from)
+    : for_s ? held_s / for_s : 0;
+  return Math.max(0, Math.min(1, share));
+}
+
+export class KitchenPlay implements Play {
+  readonly panel = null;
+  readonly chimes: Readonly<Record<string, Chime>> = { step_done: STEP, level_done: ALL };
+  readonly words: ExerciseWords;
+  private readonly values: ExerciseValues;
+  private readonly plain: PanelPlay;
+  private wasDone = true;
+  private step = -1;
+  private from = 0;   // of the present step's joint, when it began
+
+  constructor(private readonly task: KitchenTask, private readonly shown: ExercisePanel, private readonly scene: SceneT) {
+    this.values = new ExerciseValues(scene.valueNames);
+    this.plain = new PanelPlay(shown, scene);
+    this.words = {
+      ...this.plain.words,
+      oneButton: () => ({ press: text('oneButton.press'), point: text('oneButton.point') }),
+      steps: (skin) => ([1, 2, 3] as const).map((n) => ({ picture: stepPicture(n, skin), title: text(`welcome.step${n}`), more: text(`welcome.step${n}More`) })),
+    };
+  }
+
+  /** It begins when it is not done any more. */
+  follow(state: WorldStateT): boolean {
+    const done = this.shown.done(state), begins = this.wasDone && !done, step = this.values.get(state, 'instruction');
+    if (step !== this.step) this.from = this.values.get(state, 'joint_q');
+    this.step = step;
+    this.wasDone = done;
+    return begins;
+  }
+
+  phase(state: WorldStateT): Phase {
+    const step = this.now(state);
+    return step && !this.shown.done(state) ? PHASES[step.verb] : 'success';
+  }
+
+  isPaused(state: WorldStateT): boolean { return this.plain.isPaused(state); }
+
+  prompt(state: WorldStateT): Prompt {
+    const step = this.now(state);
+    return { title: this.plain.prompt(state).title, more: step ? text(`more.${step.verb}`) : '' };
+  }
+
+  donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: text('done.effort') }; }
+  watchedTitle(state: WorldStateT): string { return this.shown.instruction(state); }
+
+  /** While a handle is on its way nothing is waited for. */
+  todo(state: WorldStateT): string {
+    const step = this.now(state);
+    return step && (step.verb !== 'hold') ? `${this.values.get(state, 'instruction')} ${step.verb === 'move' ? this.values.get(state, 'joint_q').toFixed(2) : ''}` : '';
+  }
+
+  goal(): null { return null; }
+
+  /** Where the joint is in its range, or for how much force is asked. */
+  meter(state: WorldStateT): Meter | null {
+    const { values } = this, low = values.get(state, 'goal_low'), high = values.get(state, 'goal_high'), step = this.now(state);
+    const joint = step && jointOf(this.task, step.body);
+    if (!joint || step.to === undefined || high <= low) return null;
+    const least = joint.least ?? Math.min(0, low), most = joint.most ?? 1.25 * Math.max(high, ...this.task.steps.map(({ to }) => to ?? 0));
+    const share = (q: number): number => Math.max(0, Math.min(1, (q - least) / (most - least)));
+    const q = values.get(state, 'joint_q'), isWell = q >= low && q <= high;
+    return { shown: true, value: share(q), low: share(low), high: share(high), zone: isWell ? 'right' : 'low', label: labelOf(this.scene, 'joint_q') || text(`verb.${step.verb}`) };
+  }
+
+  /** One row for each step. */
+  card(state: WorldStateT): TaskCard {
+    const { steps } = this.task, all = this.shown.done(state) ? steps.length : this.values.get(state, 'instruction');
+    const rows = steps.map((step, i): TaskStep => {
+      const now = i === all, share = now ? shareOf(step, this.values.get(state, 'joint_q'), this.from, this.values.get(state, 'held_s')) : 0;
+      return {
+        key: `${i}-${step.verb}`, name: text(`verb.${step.verb}`), is: i < all ? 'done' : now ? 'now' : 'later', done: Math.round(100 * share), asked: 100,
+        ...this.amounts(step, state), picture: () => verbDisc(step.verb),
+      };
+    });
+    return { label: this.shown.title, count: text('count', { n: Math.min(all, steps.length), m: steps.length }), title: this.shown.title, steps: rows };
+  }
+
+  praise(state: WorldStateT): Praise {
+    const score = this.values.get(state, 'score');
+    return { ...this.plain.praise(state), effort: text('done.effort'), stars: score >= THREE_STARS ? 3 : score >= TWO_STARS ? 2 : 1 };
+  }
+
+  /** What moves is heard: wood on wood. */
+  flow(): { rate: number; level: number } { return { rate: 0, level: 0 }; }
+
+  private now(state: WorldStateT): KitchenStep | undefined { return this.task.steps[this.values.get(state, 'instruction')]; }
+
+  /** What a step asks for, and how far it is. */
+  private amounts(step: KitchenStep, state: WorldStateT): { askedWords: string; doneWords: string } {
+    const a = this.values.get(state, 'held_s').toFixed(1);
+    if (step.for_s) return { askedWords: text('hold', { a: step.for_s }), doneWords: text('holdOf', { a, b: step.for_s }) };
+    if (step.verb !== 'move' || step.to === undefined) return { askedWords: '', doneWords: '' };
+    const turns = jointOf(this.task, step.body)?.type === 'hinge';
+    const shown = (q: number): string => turns ? `${Math.round(q * 180 / Math.PI)}°` : `${Math.round(100 * q)} cm`;
+    return { askedWords: text('to', { a: shown(step.to) }), doneWords: text('toOf', { a: shown(this.values.get(state, 'joint_q')), b: shown(step.to) }) };
+  }
+}
