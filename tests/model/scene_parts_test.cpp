@@ -222,12 +222,78 @@ TEST(Urdf, PackageNames_AreFoundAboveTheFile) {
   EXPECT_TRUE(refusedWith(lost, "no_cups/cube.obj"));
 }
 
+/// A cabinet that stands, a drawer whose range does not hold 0, and a door with a handle fixed to
+/// it and no inertial.
+TEST(Urdf, HingesAndSlidesToItsRoot_AreBodiesOnJoints) {
+  const Folder folder;
+  folder.write(
+      "cabinet.urdf",
+      "<robot name=\"cabinet\"><link name=\"base\"><collision><geometry>"
+      "<box size=\"0.4 0.4 0.4\"/></geometry></collision></link>"
+      "<link name=\"tray\"><inertial><origin xyz=\"0.01 0 0\"/><mass value=\"0.8\"/>"
+      "<inertia ixx=\"0.004\" iyy=\"0.004\" izz=\"0.004\"/></inertial><collision><geometry>"
+      "<box size=\"0.3 0.3 0.1\"/></geometry></collision></link>"
+      "<joint name=\"slide\" type=\"prismatic\"><origin xyz=\"0 0 0.1\" rpy=\"0 0 "
+      "1.5707963267948966\"/><parent link=\"base\"/><child link=\"tray\"/>"
+      "<axis xyz=\"0 2 0\"/><limit lower=\"0.05\" upper=\"0.25\"/>"
+      "<dynamics damping=\"3\" friction=\"2\"/></joint>"
+      "<link name=\"door\"><collision><origin xyz=\"0 0.1 0\"/><geometry>"
+      "<box size=\"0.02 0.2 0.2\"/></geometry></collision></link>"
+      "<joint name=\"hinge\" type=\"revolute\"><origin xyz=\"-0.2 -0.1 0\"/>"
+      "<parent link=\"base\"/><child link=\"door\"/><axis xyz=\"0 0 1\"/>"
+      "<limit lower=\"0\" upper=\"1.5\"/></joint>"
+      "<link name=\"handle\"><collision><geometry><sphere radius=\"0.02\"/></geometry>"
+      "</collision></link><joint name=\"weld\" type=\"fixed\"><origin xyz=\"-0.03 0.18 0\"/>"
+      "<parent link=\"door\"/><child link=\"handle\"/></joint></robot>");
+  const std::string body =
+      "[[bodies]]\nname = \"cabinet\"\nshape = \"urdf\"\nfile = \"cabinet.urdf\"\n"
+      "position_m = [0.5, 0, 0]\n";
+  const std::string head =
+      "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, -9.81]\n";
+  const auto free = loadSceneFile(folder.write("free.toml", head + body));
+  ASSERT_FALSE(free.ok());
+  EXPECT_TRUE(says(format(free.errors()), "set fixed = true"));
+  const SceneModel scene =
+      orThrow(loadSceneFile(folder.write("scene.toml", head + body + "fixed = true\n")));
+  ASSERT_EQ(scene.bodies.size(), 3U);
+  const SceneBody &cabinet = scene.bodies[0], &tray = scene.bodies[1], &door = scene.bodies[2];
+  EXPECT_TRUE(cabinet.fixed);
+  EXPECT_EQ(cabinet.shapes.size(), 1U);
+  EXPECT_EQ(tray.name, "cabinet/tray");
+  EXPECT_FALSE(tray.joint->isHinge());
+  // The tray's y is the world's −x; it begins 50 mm along it, at its least end.
+  EXPECT_LE((tray.pose.translation_m - Eigen::Vector3d(0.45, 0, 0.1)).norm(), 1e-12);
+  EXPECT_NEAR(tray.joint->least, 0.0, 1e-15);
+  EXPECT_NEAR(tray.joint->most, 0.2, 1e-15);
+  EXPECT_EQ(tray.joint->viscous_friction, 3.0);
+  EXPECT_EQ(tray.joint->dry_friction, 2.0);
+  EXPECT_EQ(tray.mass_kg, 0.8);
+  const Eigen::Vector3d opened = poseOn(*tray.joint, tray.pose, 0.2).translation_m;
+  EXPECT_LE((opened - Eigen::Vector3d(0.25, 0, 0.1)).norm(), 1e-12);
+  EXPECT_EQ(door.name, "cabinet/door");
+  EXPECT_EQ(door.shapes.size(), 2U);
+  // 600 kg/m³ of a box of 0.8 l and a ball of 33.5 ml.
+  EXPECT_NEAR(door.mass_kg, 600.0 * (0.02 * 0.2 * 0.2 + 4.0 / 3.0 * 3.14159265 * 8e-6), 1e-6);
+  const Eigen::Vector3d edge =
+      poseOn(*door.joint, door.pose, 1.5707963267948966) * Eigen::Vector3d(0, 0.2, 0);
+  EXPECT_LE((edge - Eigen::Vector3d(0.1, -0.1, 0)).norm(), 1e-12);
+  std::string noticed;
+  for (const Diagnostic& d : scene.notices) noticed += d.key + ": " + d.problem + "\n";
+  EXPECT_TRUE(says(noticed, "link[door]: has no <inertial>"));
+  EXPECT_TRUE(says(noticed, "link[door]: moves without dry friction"));
+}
+
 TEST(Urdf, BadFiles_NameLineElementAndFault) {
   const std::string ok = "<link name=\"a\">" + kBall + "</link>";
   const auto joint = [](const std::string& type) {
     return "<joint name=\"lid\" type=\"" + type +
            "\"><parent link=\"a\"/><child link=\"b\"/></joint>";
   };
+  const auto moving = [](const std::string& rest, const std::string& type = "revolute") {
+    return "<joint name=\"lid\" type=\"" + type + "\"><parent link=\"a\"/><child link=\"b\"/>" +
+           rest + "</joint>";
+  };
+  const std::string range = "<limit lower=\"0\" upper=\"1\"/>";
   const std::string b = "<link name=\"b\">" + kBall + "</link>";
   const auto shaped = [](const std::string& g) {
     return "<link name=\"a\"><collision><geometry>" + g + "</geometry></collision></link>";
@@ -239,7 +305,18 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
     std::string body, place, problem;
   } cases[] = {
       {"\n\n<link name=\"bare\"/>", ":4: link[bare]", "no collider"},
-      {ok + b + "\n" + joint("revolute"), ":3: joint[lid].type", "'lid' is movable"},
+      {ok + b + "\n" + joint("planar"), ":3: joint[lid].type", "'lid' moves in a way"},
+      {ok + b + "\n" + joint("floating"), ":3: joint[lid].type", "not supported"},
+      {ok + b + "\n" + joint("revolute"), ":3: joint[lid].limit", "is missing"},
+      {ok + b + moving("<limit lower=\"1\" upper=\"-1\"/>"), "joint[lid].limit", "is reversed"},
+      {ok + b + moving("<limit upper=\"0\"/>"), "joint[lid].limit", "is empty"},
+      {ok + b + moving(range + "<axis xyz=\"0 0 0\"/>"), "joint[lid].axis.xyz", "no direction"},
+      {ok + b + moving(range + "<mimic joint=\"x\"/>"), "joint[lid].mimic", "'lid' (revolute)"},
+      {ok + b + moving(range + "<dynamics friction=\"-1\"/>"), "dynamics.friction", "is negative"},
+      {ok + b + "<link name=\"c\">" + kBall + "</link>" + moving(range) +
+           "<joint name=\"knob\" type=\"continuous\"><parent link=\"b\"/><child "
+           "link=\"c\"/></joint>",
+       "joint[knob]", "'b', which moves itself: chains"},
       {ok + b, "robot", "2 root links"},
       {ok + b + joint("fixed") + joint("fixed"), "joint[lid].child", "two joints"},
       {ok + joint("fixed"), "joint[lid].child", "no link of that name"},

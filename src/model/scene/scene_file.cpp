@@ -33,6 +33,8 @@ using std::numbers::pi;
 
 constexpr double kTouch_m = 1e-4;  ///< allowed initial overlap of bodies: rounding in files
 
+constexpr double kWood_kg_m3 = 600.0;  ///< of what moves on a joint and has no inertial
+
 constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
 
 NumberRule dimension() {
@@ -130,6 +132,8 @@ class BodyReader {
   [[nodiscard]] const Diagnostics& notices() const { return notices_; }
   /// Faults inside the URDF, with lines of that file.
   [[nodiscard]] const Diagnostics& urdfFaults() const { return urdf_faults_; }
+  /// Bodies that move on joints of the URDF.
+  [[nodiscard]] const std::vector<SceneBody>& movers() const { return movers_; }
 
  private:
   void readPose(SceneBody& body) {
@@ -233,6 +237,55 @@ class BodyReader {
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
     ballast_m_ = urdf->ballast_m;
+    if (!urdf->movers.empty() && !body.fixed) {
+      t_.fail("fixed",
+              fmt::format("is false, and the URDF's link '{}' moves on a joint: its root "
+                          "stands in the world",
+                          printable(urdf->movers.front().name)),
+              "set fixed = true");
+    }
+    for (UrdfMover& mover : urdf->movers) addMover(body, std::move(mover), path.string());
+  }
+
+  /// A body that moves on a joint of a fixed URDF, under the name "<body>/<link>".
+  void addMover(const SceneBody& root, UrdfMover mover, const std::string& path) {
+    SceneBody body;
+    body.name = root.name + "/" + mover.name;
+    const auto note = [&](std::string problem, std::string remedy) {
+      notices_.push_back({path, 0, fmt::format("link[{}]", mover.name), "", std::move(problem),
+                          std::move(remedy)});
+    };
+    if (mover.shapes.empty()) {
+      note("moves on a joint and has no collider: it is left out", "give it a <collision>");
+      return;
+    }
+    body.friction = root.friction;
+    body.color = root.color;
+    body.pose = root.pose * mover.in_root;
+    body.shapes = std::move(mover.shapes);
+    body.joint = mover.joint;
+    // 0 is where the body stands: of a range elsewhere, its nearest end.
+    const double start = std::clamp(0.0, body.joint->least, body.joint->most);
+    body.pose = poseOn(*body.joint, body.pose, start);
+    body.joint->least -= start, body.joint->most -= start;
+    MassProperties m;
+    if (mover.inertial) {
+      m = *mover.inertial;
+    } else {
+      double volume_m3 = 0.0;
+      for (const Shape& shape : body.shapes) volume_m3 += moments(shape).volume_m3;
+      m = uniformDensity(body.shapes, kWood_kg_m3 * volume_m3);
+      note(fmt::format("has no <inertial>: {:.3g} kg, at {} kg/m³", m.mass_kg, kWood_kg_m3),
+           "give it one");
+    }
+    if (mover.inertial) judgeInertial(body, m);
+    body.mass_kg = m.mass_kg;
+    body.com_m = m.com_m;
+    body.inertia_kg_m2 = m.inertia_kg_m2;
+    if (body.joint->dry_friction == 0.0) {
+      note("moves without dry friction: it opens at a touch", "give its joint <dynamics friction>");
+    }
+    movers_.push_back(std::move(body));
   }
 
   void readSoft(SceneBody& body) {
@@ -367,6 +420,7 @@ class BodyReader {
   bool urdf_wrong_ = false;  ///< its mass is then unknown
   std::vector<std::string> assets_;
   Diagnostics notices_;
+  std::vector<SceneBody> movers_;
 };
 
 void reportSameNames(const SceneModel& scene, std::vector<BodyReader>& readers) {
@@ -403,6 +457,34 @@ void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) 
         fmt::format("the first {} are watched and recorded: put it before fixed bodies, or set "
                     "fixed = true",
                     kMaxBodies));
+  }
+}
+
+/// Bodies that move on joints of URDFs follow the others. They are apart from what they meet.
+void addMovers(SceneModel& scene, std::vector<BodyReader>& readers) {
+  const std::size_t others = scene.bodies.size();
+  for (BodyReader& reader : readers) {
+    for (const SceneBody& mover : reader.movers()) {
+      for (std::size_t i = 0; i < others; ++i) {
+        const SceneBody& other = scene.bodies[i];
+        if (mover.passes(other) || !readers[i].placed() || !reader.placed()) continue;
+        const double depth_m = -separation(mover, other);
+        if (!(depth_m > kTouch_m)) continue;
+        readers[i].table().fail(
+            "position_m",
+            fmt::format("'{}' starts {:.3g} mm inside '{}'", other.name, 1e3 * depth_m, mover.name),
+            "move one of them; touching within 0.1 mm is allowed");
+      }
+      if (scene.bodies.size() >= std::size_t{kMaxBodies}) {
+        reader.table().fail(
+            "file",
+            fmt::format("'{}' is body {} of the scene, and moves", printable(mover.name),
+                        scene.bodies.size() + 1),
+            fmt::format("a scene with URDFs that move has {} bodies at most", kMaxBodies));
+        return;
+      }
+      scene.bodies.push_back(mover);
+    }
   }
 }
 
@@ -491,6 +573,7 @@ Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) 
   }
   reportSameNames(scene, readers);
 
+  addMovers(scene, readers);
   Diagnostics faults = file.finish();
   for (const BodyReader& reader : readers) {
     faults.insert(faults.end(), reader.urdfFaults().begin(), reader.urdfFaults().end());

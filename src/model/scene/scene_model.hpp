@@ -49,13 +49,13 @@ struct SceneBody {
   /// [m].
   double soft_m = 0.0;
   std::string color = "#3B6FD1";  ///< for pictures and pages, #RRGGBB
-  /// Of a body that moves on one joint to the world. It does not meet fixed bodies: its range says
-  /// where it ends.
+  /// Of a body that moves on one joint to the world. It meets the hand and free bodies: its range
+  /// says where it ends.
   std::optional<SceneJoint> joint;
 
-  /// True where the two never meet: a body on a joint and one that is fixed.
+  /// True where the two never meet: bodies on joints, each other and fixed ones.
   [[nodiscard]] bool passes(const SceneBody& other) const {
-    return (joint && other.fixed) || (fixed && other.joint);
+    return (joint && (other.fixed || other.joint)) || (fixed && other.joint);
   }
 };
 

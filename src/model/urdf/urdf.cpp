@@ -348,6 +348,9 @@ struct Link {
   std::optional<MassProperties> inertial;  ///< in the link's frame
   int parent = -1;                         ///< index of the parent link; -1 for the root
   Pose in_parent;
+  const XMLElement* inertial_element = nullptr;  ///< of a link that has mass
+  std::optional<SceneJoint> joint;               ///< to the parent, movable; in the link's frame
+  const XMLElement* joint_element = nullptr;
 };
 
 /// What is wrong with an XML text, in words.
@@ -396,6 +399,7 @@ class Reader {
     }
     judgeColliders();
     if (faults_.all().empty()) checkTree();
+    if (faults_.all().empty()) checkCarried();
     if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
     return merged();
   }
@@ -512,9 +516,7 @@ class Reader {
     }
     const XMLElement* i = e.FirstChildElement("inertial");
     const bool frame = number == 0 && i != nullptr && isMassless(*i);
-    if (i != nullptr && use_ == UrdfUse::kShapesAndMass && !frame) {
-      link.inertial = readInertial(*i, key + ".inertial");
-    }
+    if (i != nullptr && !frame) link.inertial_element = i;
     links_.push_back(std::move(link));
   }
 
@@ -592,12 +594,6 @@ class Reader {
     const std::string name = faults_.text(e, "name", "joint");
     const std::string key = fmt::format("joint[{}]", name);
     const std::string type = faults_.text(e, "type", key);
-    if (!type.empty() && type != "fixed") {
-      faults_.add(
-          &e, key + ".type", type,
-          fmt::format("the joint '{}' is movable: articulated objects are not supported yet", name),
-          "must be fixed");
-    }
     const int parent = joined(e, "parent", key);
     const int child = joined(e, "child", key);
     const Pose pose = faults_.origin(e, key);
@@ -610,6 +606,99 @@ class Reader {
     }
     links_[child].parent = parent;
     links_[child].in_parent = pose;
+    links_[child].joint_element = &e;
+    if (!type.empty() && type != "fixed") links_[child].joint = readMovable(e, key, name, type);
+  }
+
+  /// A revolute, continuous or prismatic joint. A range that does not hold 0 begins at its end that
+  /// is nearest to 0.
+  SceneJoint readMovable(const XMLElement& e, const std::string& key, const std::string& name,
+                         const std::string& type) {
+    SceneJoint joint;
+    if (type != "revolute" && type != "continuous" && type != "prismatic") {
+      faults_.add(&e, key + ".type", type,
+                  fmt::format("the joint '{}' moves in a way that is not supported", name),
+                  "must be fixed, revolute, continuous or prismatic");
+      return joint;
+    }
+    if (const XMLElement* mimic = e.FirstChildElement("mimic")) {
+      faults_.add(mimic, key + ".mimic", "",
+                  fmt::format("the joint '{}' ({}) follows another joint", name, type),
+                  "take <mimic> out, or make the joint fixed");
+    }
+    if (type == "prismatic") joint.type = SceneJoint::Type::kSlide;
+    joint.axis = Eigen::Vector3d::UnitX();
+    if (const XMLElement* axis = e.FirstChildElement("axis")) {
+      const std::size_t before = faults_.all().size();
+      const std::vector<double> v = faults_.numbers(*axis, "xyz", key + ".axis", 3);
+      joint.axis = {v[0], v[1], v[2]};
+      if (faults_.all().size() == before && !(joint.axis.norm() > 1e-6)) {
+        faults_.add(axis, key + ".axis.xyz", axis->Attribute("xyz"), "has no direction",
+                    "give a direction, e.g. 0 0 1");
+      }
+      joint.axis.normalize();
+    }
+    if (type != "continuous") readLimit(e, key, joint);
+    if (const XMLElement* dynamics = e.FirstChildElement("dynamics")) {
+      joint.viscous_friction = notNegative(*dynamics, "damping", key + ".dynamics");
+      joint.dry_friction = notNegative(*dynamics, "friction", key + ".dynamics");
+    }
+    return joint;
+  }
+
+  void readLimit(const XMLElement& e, const std::string& key, SceneJoint& joint) {
+    const XMLElement* limit = e.FirstChildElement("limit");
+    if (limit == nullptr) {
+      faults_.add(&e, key + ".limit", "", "is missing",
+                  "give <limit lower=\"...\" upper=\"...\"/>");
+      return;
+    }
+    const auto end = [&](const char* name) {
+      if (limit->Attribute(name) == nullptr) return 0.0;  // as URDF says
+      return faults_.numbers(*limit, name, key + ".limit", 1).front();
+    };
+    joint.least = end("lower"), joint.most = end("upper");
+    if (joint.least < joint.most) return;
+    const bool empty = joint.least == joint.most;
+    faults_.add(limit, key + ".limit", fmt::format("{} .. {}", joint.least, joint.most),
+                empty ? "is empty" : "is reversed",
+                empty ? "give lower < upper, or make the joint fixed" : "give lower < upper");
+  }
+
+  /// An attribute that may be left out; 0 then, and after a fault.
+  double notNegative(const XMLElement& e, const char* attribute, const std::string& key) {
+    if (e.Attribute(attribute) == nullptr) return 0.0;
+    const double value = faults_.numbers(e, attribute, key, 1).front();
+    if (value >= 0.0) return value;
+    faults_.add(&e, key + "." + attribute, e.Attribute(attribute), "is negative", "must be >= 0");
+    return 0.0;
+  }
+
+  /// Index of the link whose movable joint carries a link; -1: the root body does.
+  [[nodiscard]] int carrierOf(int link) const {
+    while (link >= 0 && !links_[link].joint) link = links_[link].parent;
+    return link;
+  }
+
+  /// Joints at what a joint carries are refused; then inertials of what has a mass are read.
+  void checkCarried() {
+    for (Link& link : links_) {
+      const int below = link.joint ? carrierOf(link.parent) : -1;
+      if (below >= 0) {
+        const char* name = link.joint_element->Attribute("name");
+        faults_.add(link.joint_element, fmt::format("joint[{}]", name),
+                    link.joint_element->Attribute("type"),
+                    fmt::format("the joint '{}' is at the link '{}', which moves itself: chains of "
+                                "joints are not supported",
+                                name, links_[link.parent].name),
+                    "make one of the two joints fixed");
+      }
+      const bool moves = carrierOf(linkIndex(link.name)) >= 0;
+      if (link.inertial_element != nullptr && (moves || use_ == UrdfUse::kShapesAndMass)) {
+        link.inertial =
+            readInertial(*link.inertial_element, fmt::format("link[{}].inertial", link.name));
+      }
+    }
   }
 
   /// Index of the link that a joint's <parent> or <child> names; -1, and a fault, without one.
@@ -654,20 +743,39 @@ class Reader {
     body.mesh_files = meshes_.files;
     body.notices = faults_.notices();
     body.friction = friction_;
-    for (const Link& link : links_) {
-      Pose in_root = link.in_parent;
-      for (int i = link.parent; i >= 0; i = links_[i].parent)
-        in_root = links_[i].in_parent * in_root;
+    std::vector<int> mover_of(links_.size(), -1);
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (!links_[i].joint) continue;
+      mover_of[i] = static_cast<int>(body.movers.size());
+      UrdfMover& mover = body.movers.emplace_back();
+      mover.name = links_[i].name;
+      mover.joint = *links_[i].joint;
+      mover.in_root = poseBelow(static_cast<int>(i), -1);
+    }
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      const Link& link = links_[i];
+      const int carrier = carrierOf(static_cast<int>(i));
+      const Pose in_body = poseBelow(static_cast<int>(i), carrier);
+      UrdfMover* mover = carrier >= 0 ? &body.movers[mover_of[carrier]] : nullptr;
       for (Shape shape : link.shapes) {
-        shape.in_body = in_root * shape.in_body;
-        body.shapes.push_back(std::move(shape));
+        shape.in_body = in_body * shape.in_body;
+        (mover != nullptr ? mover->shapes : body.shapes).push_back(std::move(shape));
       }
       if (!link.inertial) continue;
-      const MassProperties m = moved(*link.inertial, in_root);
-      if (link.shapes.empty()) body.ballast_m.push_back(m.com_m);
-      body.inertial = body.inertial ? combined(*body.inertial, m) : m;
+      const MassProperties m = moved(*link.inertial, in_body);
+      if (mover == nullptr && link.shapes.empty()) body.ballast_m.push_back(m.com_m);
+      auto& inertial = mover != nullptr ? mover->inertial : body.inertial;
+      inertial = inertial ? combined(*inertial, m) : m;
     }
     return body;
+  }
+
+  /// Pose of a link's frame in that of a link above it; -1: in the root's.
+  [[nodiscard]] Pose poseBelow(int link, int above) const {
+    Pose pose;
+    for (int i = link; i >= 0 && i != above; i = links_[i].parent)
+      pose = links_[i].in_parent * pose;
+    return pose;
   }
 
   UrdfFaults faults_;

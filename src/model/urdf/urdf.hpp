@@ -17,8 +17,18 @@ class MeshLoadTime;  // model/mesh/mesh_file.hpp
 /// What a body takes from a URDF.
 enum class UrdfUse { kShapes, kShapesAndMass };
 
-/// A URDF as one rigid body, in the frame of its root link.
+/// What a movable joint of a URDF carries: one rigid body.
+struct UrdfMover {
+  std::string name;                        ///< of its link
+  Pose in_root;                            ///< of its link's frame, in the root link's, at q = 0
+  SceneJoint joint;                        ///< in the frame of its link
+  std::vector<Shape> shapes;               ///< in the frame of its link
+  std::optional<MassProperties> inertial;  ///< the same
+};
+
+/// A URDF as one rigid body, in the frame of its root link, and what moves on joints to it.
 struct UrdfBody {
+  std::vector<UrdfMover> movers;           ///< then the root stands in the world
   std::vector<Shape> shapes;               ///< every collision element of every link
   std::vector<std::string> mesh_files;     ///< paths of the meshes it names
   Diagnostics notices;                     ///< what differs from the file, or is not applied
@@ -32,8 +42,10 @@ struct UrdfBody {
 /// of its caps. Mesh names are relative to the URDF, absolute, "file://", or "package://name/..."
 /// or "model://name/...", which are searched for in the folders above the URDF; with "%20" or
 /// backslashes, too. Links without a collider are frames; with an inertial, ballast.
+/// Revolute, continuous and prismatic joints at the root body carry bodies of their own.
 ///
-/// @return every fault at once, with line and element: movable joints, no collider, impossible
+/// @return every fault at once, with line and element: joints of other types, joints at what
+/// another joint carries, no collider, impossible
 /// inertials, meshes that make no collider (meshCollider()), meshes that take longer than
 /// MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);

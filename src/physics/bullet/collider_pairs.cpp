@@ -27,8 +27,9 @@ bool meetsHand(BulletBody::Meets meets, bool palm) {
 
 /// As SceneBody::passes().
 bool passes(const btRigidBody& a, const btRigidBody& b) {
-  return (jointOf(a) != nullptr && b.getInvMass() == 0.0) ||
-         (jointOf(b) != nullptr && a.getInvMass() == 0.0);
+  const auto stands = [](const btRigidBody& body) { return body.getInvMass() == 0.0; };
+  const bool a_on_joint = jointOf(a) != nullptr, b_on_joint = jointOf(b) != nullptr;
+  return (a_on_joint && (b_on_joint || stands(b))) || (b_on_joint && stands(a));
 }
 
 bool meetsBodies(BulletBody::Meets meets) {
