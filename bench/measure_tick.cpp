@@ -61,11 +61,14 @@ Prepared squeezeInBar(int ticks_before, const RigOptions& options) {
   return {orThrow(buildRig(std::move(models), std::move(aim), options)), ticks_before};
 }
 
-/// The bar played by its virtual patient.
-Prepared playBar(std::uint64_t seed, const RigOptions& options) {
-  Models models = orThrow(loadModels(barFiles()));
+/// An exercise played by its virtual patient.
+Prepared play(const std::string& exercise, std::uint64_t seed, int ticks_before,
+              const RigOptions& options) {
+  ModelFiles files = barFiles();
+  files.exercise = WHOLEHAND_SOURCE_DIR "/config/exercises/" + exercise + ".toml";
+  Models models = orThrow(loadModels(files));
   auto player = makeExercisePlayer(models, seed);
-  return {orThrow(buildRig(std::move(models), std::move(player), options)), 0};
+  return {orThrow(buildRig(std::move(models), std::move(player), options)), ticks_before};
 }
 
 /// The hand at rest among the paper's four objects, which it does not touch.
@@ -113,9 +116,12 @@ Prepared prepare(const std::string& scene, const RigOptions& options) {
   if (scene == "near") return restAmongFour(options);
   if (scene.rfind("hold-", 0) == 0) return holdObject(scene.substr(5), options);
   if (scene.rfind("pile-", 0) == 0) return pressOnPile(std::stoi(scene.substr(5)), options);
-  if (scene.rfind("play-", 0) == 0) return playBar(std::stoull(scene.substr(5)), options);
+  if (scene == "drawer") return play(scene, 1, 4000, options);  // its bar is grasped and pulled
+  if (scene.rfind("play-", 0) == 0) {
+    return play("cocktail-bar", std::stoull(scene.substr(5)), 0, options);
+  }
   throw std::runtime_error("scene \"" + scene +
-                           "\" is none of approach, squeeze, near, hold-cube, hold-cylinder, "
+                           "\" is none of approach, squeeze, near, drawer, hold-cube, hold-cylinder, "
                            "hold-sphere, hold-disk, pile-BALLS, play-SEED");
 }
 

@@ -29,6 +29,7 @@ SCENES = {
     "squeeze": "the bar, a dispenser squeezed through its walls",
     "hold-cube": "a cube grasped, lifted and held",
     "hold-cylinder": "a cylinder grasped, lifted and held",
+    "drawer": "a drawer's bar grasped and pulled",
     "pile-100": "100 balls in a pile, the hand presses on them and sways",
 }
 # What ./check counts: nothing touched, and a grip through the bar's walls. By how much the counts of two
@@ -195,8 +196,9 @@ def page(data):
              "`BodyRows` of [ADR 42](adr/0042-bodies-that-rest.md).", "",
              "| scene | baseline | now | ratio |", "|---|---:|---:|---:|"]
     for scene, text in SCENES.items():
-        before, now = total(data["baseline"][scene]), total(data["counts"][scene])
-        lines.append(f"| `{scene}`: {text} | {before:,} | {now:,} | {now / before:.2f} |")
+        before, now = total(data["baseline"].get(scene, {})), total(data["counts"][scene])
+        against = f"{before:,} | {now:,} | {now / before:.2f}" if before else f"| {now:,} |"
+        lines.append(f"| `{scene}`: {text} | {against} |")
     lines += ["", "## By stage, now", "",
               "| stage | " + " | ".join(f"`{s}`" for s in SCENES) + " |", "|---|" + "---:|" * len(SCENES)]
     for stage in [*(s for s, _ in STAGES), REST]:
