@@ -279,6 +279,19 @@ TEST(PowerCut, DiskFullAtEveryWrite_IsRefusedByName_NothingIsHalfDone) {
     EXPECT_NE(everything(), before) << request.path;
   }
   b.finish(visit);
+  // What was erased is erased, also where there is no room to pack the rest.
+  const std::int64_t gone = b.addPatient("GONE");
+  for (int writes = 0; writes < 100; ++writes) {
+    disk.writes_left = writes;
+    b.post(fmt::format("/api/patients/{}/erase", gone), {{"code", "GONE"}});
+    disk.writes_left = -1;
+    const bool answered = b.status == 200;
+    EXPECT_EQ(b.get(fmt::format("/api/patients/{}", gone)).contains("refused"), answered);
+    if (answered) break;
+    ASSERT_LT(writes, 99);
+  }
+  b.clinic->backUpIfDue();
+  EXPECT_EQ(textOf(b.database() + "-wal").find("GONE"), std::string::npos);
   // A visit that was refused is open nowhere, or everywhere.
   for (int writes = 0; writes < 100; ++writes) {
     disk.writes_left = writes;
