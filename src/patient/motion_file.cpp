@@ -162,6 +162,8 @@ class Reader {
   void row(std::string_view line);
   std::optional<double> number(const std::string& cell, std::size_t place);
   void checkTime(double time_s, std::string_view cell);
+  /// Refuses what is no motion, as what it is where that is known.
+  void refuse(std::string problem);
   void checkWhole();
   void checkValues();
   void checkPace();
@@ -189,6 +191,12 @@ void Reader::fault(std::string key, std::string_view value, std::string problem,
   }
   faults_.push_back(
       {motion_.path, line_, std::move(key), shown(value), std::move(problem), std::move(remedy)});
+}
+
+void Reader::refuse(std::string problem) {
+  const auto foreign = foreignFileAt(motion_.path);
+  fault("", "", foreign ? foreign->problem : std::move(problem),
+        foreign ? foreign->remedy : kGiveMotion);
 }
 
 void Reader::column(const std::string& name, std::size_t place) {
@@ -231,7 +239,7 @@ void Reader::column(const std::string& name, std::size_t place) {
 bool Reader::header(std::string_view line) {
   const std::vector<Cell> names = cells(line);
   if (std::string why = noHeader(names); !why.empty()) {
-    fault("", "", std::move(why), kGiveMotion);
+    refuse(std::move(why));
     return false;
   }
   is_read_.resize(names.size());
@@ -266,7 +274,7 @@ bool Reader::header(std::string_view line) {
 
 bool Reader::line(std::string_view text) {
   if (holdsControl(text)) {
-    fault("", "", "is not a CSV text: it holds bytes that no text has", kGiveMotion);
+    refuse("is not a CSV text: it holds bytes that no text has");
     return false;
   }
   if (!header_.empty()) {
@@ -416,10 +424,6 @@ Expected<MotionFile> Reader::read() {
   const std::filesystem::file_status status = std::filesystem::status(motion_.path, error);
   if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) {
     fault("", "", "is not a file", kGiveMotion);  // /dev/zero never ends
-    return faults_;
-  }
-  if (const auto foreign = foreignFileAt(motion_.path)) {
-    fault("", "", foreign->problem, foreign->remedy);
     return faults_;
   }
   std::ifstream file(motion_.path);

@@ -149,7 +149,7 @@ class Decompose(AppTest):
             "text.obj": ("nothing at all\n", "", ""),
             "empty.stl": ("", "empty", ""),
             "part.xyz": (obj(points, faces), "not of a supported format", "OBJ"),
-            "far.obj": (obj([(1e3 * x, 1e3 * y, 1e3 * z) for x, y, z in points], faces), "across", "scale = 0.001"),
+            "far.obj": (obj([(1e3 * x, 1e3 * y, 1e3 * z) for x, y, z in points], faces), "across", "scale times 0.001"),
             "many.obj": (obj(points, faces * 1700), "triangles", "simplify"),
         }
         for name, (text, problem, remedy) in faulty.items():

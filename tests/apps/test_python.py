@@ -147,7 +147,7 @@ class ClientTest(Connected):
     def test_no_program_is_reported_with_the_remedy(self):
         with self.assertRaisesRegex(Lost, "no program answers at ws://127.0.0.1:1/ws.*wholehand run"):
             Client("127.0.0.1:1")
-        with self.assertRaisesRegex(Lost, "400"):
+        with self.assertRaisesRegex(ValueError, "role = 'dancer': must be therapist, player or watcher"):
             Client(self.address, role="dancer")
 
     def test_asyncio_hears_events_by_name(self):

@@ -382,6 +382,45 @@ TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
                    "announces 12 triangles and holds 10"));
 }
 
+TEST(ForeignMesh, PlyWithMoreValuesThanItsHeadNames_IsReadByLines) {
+  const Folder folder;
+  std::string rows;
+  for (const Vector3d& p : boxCorners()) rows += fmt::format("{} {} {} 255\n", p.x(), p.y(), p.z());
+  for (const Eigen::Vector3i& t : kBoxFaces) {
+    rows += fmt::format("3 {} {} {} 2 1 1\n", t[0], t[1], t[2]);
+  }
+  const std::string path = folder.write(
+      "c.ply",
+      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 12\nproperty list uchar int vertex_index\nend_header\n" +
+          rows);
+  expectBox(path, Affine3d::Identity(), 1e-9);
+  EXPECT_TRUE(says(format(orThrow(loadMeshCollider(path, Vector3d::Ones())).notices),
+                   "has more values in line 10 than its head names"));
+}
+
+TEST(ForeignMesh, Polygons_AreFansOrCutAtTheirEars) {
+  const Folder folder;
+  // An arrow head as prism of 10 mm: the square of 40 mm less a triangle of 40 x 20 mm.
+  const std::string corners =
+      "v 0 0 {0}\nv 0.02 0.02 {0}\nv 0.04 0 {0}\nv 0.04 0.04 {0}\nv 0 0.04 {0}\n";
+  const std::string arrow =
+      fmt::format(fmt::runtime(corners), 0.0) + fmt::format(fmt::runtime(corners), 0.01) +
+      "f 5 4 3 2 1\nf 6 7 8 9 10\nf 1 2 7 6\nf 2 3 8 7\nf 3 4 9 8\nf 4 5 10 9\n"
+      "f 5 1 6 10\n";
+  const MeshSurface prism = orThrow(readMesh(folder.write("a.obj", arrow))).surface;
+  EXPECT_NEAR(signedVolume(prism), (0.04 * 0.04 - 0.04 * 0.02 / 2.0) * 0.01, 1e-15);
+  for (const Eigen::Vector3i& t : prism.triangles) {  // none lies outside, folded
+    const Vector3d middle = (prism.points[t[0]] + prism.points[t[1]] + prism.points[t[2]]) / 3.0;
+    EXPECT_GE(middle.y() + 1e-12, std::min(middle.x(), 0.04 - middle.x()));
+  }
+  // Four corners that are not in one plane: the fan from the first.
+  const MeshSurface bent =
+      orThrow(readMesh(folder.write("b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 1\nv 0 1 0\nf 1 2 3 4\n")))
+          .surface;
+  EXPECT_EQ(bent.triangles, (std::vector<Eigen::Vector3i>{{0, 1, 2}, {0, 2, 3}}));
+}
+
 TEST(ForeignMesh, QuantisedGlb_IsRead) {
   // Corners as unsigned shorts, of which the node makes metres, as KHR_mesh_quantization has it.
   const auto quantised = [](const char* normalized, double scale) {

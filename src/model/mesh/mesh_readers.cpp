@@ -31,6 +31,18 @@ Vector3d polygonNormal(const MeshSurface& surface, const std::vector<int>& corne
   return sum;
 }
 
+/// True when every corner sticks out: the fan from its first corner is the polygon, and what other
+/// programs make of four corners that are not in one plane.
+bool isConvex(const MeshSurface& surface, const std::vector<int>& corners, const Vector3d& normal) {
+  const std::size_t n = corners.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector3d& here = surface.points[corners[i]];
+    const Vector3d in = here - surface.points[corners[(i + n - 1) % n]];
+    if (normal.dot(in.cross(surface.points[corners[(i + 1) % n]] - here)) < 0.0) return false;
+  }
+  return true;
+}
+
 /// True when the corner `i` sticks out, and no other corner lies in its triangle.
 bool isEar(const MeshSurface& surface, const std::vector<int>& corners, std::size_t i,
            const Vector3d& normal) {
@@ -109,6 +121,7 @@ std::string_view withoutByteOrderMark(std::string_view text) {
 void addPolygon(MeshSurface& surface, const std::vector<int>& corners) {
   std::vector<int> left = corners;
   const Vector3d normal = left.size() > 3 ? polygonNormal(surface, left) : Vector3d::Zero();
+  if (isConvex(surface, left, normal)) return addFan(surface, left);
   while (left.size() > 3 && left.size() <= kMostEars) {
     std::size_t ear = 0;
     while (ear < left.size() && !isEar(surface, left, ear, normal)) ++ear;

@@ -65,7 +65,8 @@ class MeshWords {
 /// Text without a byte order mark of UTF-8. @throws UnreadableMesh for UTF-16
 [[nodiscard]] std::string_view withoutByteOrderMark(std::string_view text);
 
-/// Appends a flat polygon as triangles, by cutting ears; a polygon that folds over itself as a fan.
+/// Appends a polygon as triangles: a fan from its first corner; where it is not convex, by cutting
+/// ears.
 /// @pre every corner is an index of surface.points
 void addPolygon(MeshSurface& surface, const std::vector<int>& corners);
 /// Appends a strip of triangles, every second one turned, or a fan about the first corner.

@@ -151,6 +151,11 @@ class PlyReader {
       if (indices && element.name == "tristrips") addStrips();
     }
     if (element.name == "vertex") file_.surface.points.push_back(corner);
+    // In text, each row has a line of its own.
+    if (format_ == PlyFormat::kText && !words_.restOfLine().empty() && file_.notices.empty()) {
+      file_.notices.push_back(fmt::format(
+          "has more values in line {} than its head names, which are ignored", words_.line()));
+    }
   }
 
   std::vector<int> corners() const {

@@ -336,7 +336,7 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
     faults.push_back(std::move(fault));
     return std::nullopt;
   }
-  if (std::optional<Diagnostic> foreign = foreignFile(*text, "")) {
+  if (std::optional<Diagnostic> foreign = foreignFile(text->substr(0, 4096), "")) {
     foreign->file = path;
     foreign->code = DiagnosticCode::kSyntax;
     faults.push_back(std::move(*foreign));

@@ -252,7 +252,7 @@ fs::path meshPath(const std::string& name, const fs::path& urdf) {
   std::replace(slashes.begin(), slashes.end(), '\\', '/');
   fs::path tried;
   for (const std::string& form : {name, unescaped(name), slashes, unescaped(slashes)}) {
-    if (const fs::path found = foundMesh(form, folder, tried); !found.empty()) return found;
+    if (fs::path found = foundMesh(form, folder, tried); !found.empty()) return found;
   }
   return tried;
 }
