@@ -72,6 +72,12 @@ interface Near extends Guide {
   wanted: boolean;
 }
 
+/** The person moves what is held along its joint; across it the hand stays at the grip. */
+function alongJoint(said: Guide, grip: Triple, away: Triple): Guide {
+  const across = (key: 'y' | 'z'): number | undefined => (Math.abs(away[key]) > 0.5 * Math.hypot(away.x, away.y, away.z) ? undefined : grip[key]);
+  return { pace: 1, stretch: said.stretch, mayClose: true, y: across('y'), z: across('z') };
+}
+
 /**
  * Turns wishes into the aim, one position per device axis: where the person wants the hand to be. It is never
  * outside the axes' ranges, never faster than `speed_m_s`, never farther ahead than `leash_m`.
@@ -180,7 +186,7 @@ export class AimModel {
     const help: Near = carries ? { pace: 1, stretch: 0, mayClose: true, at: goal, wanted: true } : this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
     const wanted = asksToSqueeze(wish.squeeze);
     this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
-    const away = help.at === undefined ? undefined : seen.awayFromUse?.[help.at];
+    const away = help.at === undefined || seen.onJoint ? undefined : seen.awayFromUse?.[help.at];
     const carried = away !== undefined && (holds ?? !isInPlace(away));
     const force = !away ? seen : { ...seen, ...(carried ? holdZone(seen.squeezeLow_n) : useZone(seen.squeezeLow_n, seen.squeezeHigh_n)) };
     this.thumbShare = approach(this.thumbShare, away ? CARRYING_THUMB : 1, dt_s);
@@ -270,6 +276,8 @@ export class AimModel {
     // An open hand is meant to touch the target once it is at the grip, not while something keeps it away.
     const arrived = Math.hypot(hand.x - grip.x, hand.y - grip.y) <= ARRIVED_M;
     const wanted = asked.x >= 0 && said.x !== undefined && (arrived || this.squeezePart > 0);
+    const led = seen.onJoint && this.squeezePart > 0.02 ? seen.awayFromUse?.[at] : undefined;
+    if (led) return { ...alongJoint(said, grip, led), at, wanted };
     return { ...said, mayClose: goal === undefined ? said.mayClose : said.mayClose && said.channel !== undefined, at, wanted };
   }
 

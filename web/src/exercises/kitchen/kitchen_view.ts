@@ -22,6 +22,8 @@ const SLAB_M = 0.03;
 const BEECH = '#d9b98c';
 /** The picture looks at what is so far under the worktop of something built in [m]. */
 const LOOK_UNDER_M = 0.24;
+/** Beyond a handle's ends there is room for its cue [m]. */
+const CUE_M = 0.05;
 
 export class KitchenView implements ExerciseView {
   readonly root = new Group();
@@ -50,9 +52,8 @@ export class KitchenView implements ExerciseView {
       this.program.add(piece);
     });
     for (const body of usedBodies(task)) {
-      const piece = this.pieces.get(body)!, p = frontOf(scene.bodies[body]!), at = p?.inBody?.positionM, h = p?.halfExtentsM;
-      const ghost = makeGhost(piece, at && h ? { at: new Vector3(at.x, at.y, at.z), half: new Vector3(h.x, h.y, h.z) } : undefined);
-      piece.add(...makeContents(scene.bodies[body]!, this.shop).children);
+      const piece = this.pieces.get(body)!, ghost = makeGhost(piece, scene.bodies[body]!, frontOf(scene.bodies[body]!));
+      piece.add(makeContents(scene.bodies[body]!, this.shop));
       ghosts.set(body, ghost);
       this.program.add(ghost);
     }
@@ -64,7 +65,7 @@ export class KitchenView implements ExerciseView {
 
   placement(state: WorldStateT | undefined): { place: CameraPlace; outline: Vector3[] } {
     if (state) this.place ??= this.furnish(state);
-    return { place: this.place ?? { ...DEFAULT_PLACE, right: this.scene.rightHand }, outline: outlineOfScene(this.scene, state) };
+    return { place: this.place ?? { ...DEFAULT_PLACE, right: this.scene.rightHand }, outline: this.outline(state) };
   }
 
   placeBehind(): void { /* Nothing here turns with the picture. */ }
@@ -92,6 +93,19 @@ export class KitchenView implements ExerciseView {
   railZ(): undefined { return undefined; }
 
   anchors(): Anchors { return { goal: undefined, target: this.target?.clone() }; }
+
+  /** The hand, and handles now and where they are to be. */
+  private outline(state: WorldStateT | undefined): Vector3[] {
+    if (!state) return [];
+    const now = this.task.steps[this.values.get(state, 'instruction')], q = this.values.get(state, 'joint_q');
+    const handles = this.task.steps.flatMap(({ body, to }) => {
+      const placed = placedOf(state.bodies[body]), joint = jointOf(this.task, body), { at_m, length_m } = handleOf(this.scene.bodies[body]!);
+      if (!placed) return [];
+      const there = joint && to !== undefined ? moved(placed, joint, to - (now?.body === body ? q : 0)) : placed;
+      return [-1, 1].map((end) => toThree(pointOf(there, { ...at_m, z: at_m.z + end * (length_m / 2 + CUE_M) })));
+    });
+    return [...outlineOfScene({ capsules: this.scene.capsules, bodies: [] }, { links: state.links, bodies: [] }), ...handles];
+  }
 
   /** Builds what stands around the bodies, where they are at first. */
   private furnish(state: WorldStateT): CameraPlace {

@@ -61,7 +61,7 @@ export class KitchenPlay implements Play {
 
   prompt(state: WorldStateT): Prompt {
     const step = this.now(state);
-    return { title: this.plain.prompt(state).title, more: step ? text(`more.${step.verb}`) : '' };
+    return { title: this.plain.prompt(state).title, more: step ? text(`more.${step.verb}`) : '', urgent: step?.to !== undefined };
   }
 
   donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: text('done.effort') }; }

@@ -153,7 +153,7 @@ export function makeRow(front: Extent, around: Extent, worktop: Extent, color: s
       fill([near_x + thick + 0.004, y0 - GAP_M, around.low[2]], [near_x + thick + 0.02, y1 + GAP_M, under_z], shade, 0.001);
     }
   }
-  fill([front.high[0] + 0.3, around.low[1], around.low[2]], [front.high[0] + 0.31, around.high[1], under_z], shade, 0.001);
+  fill([front.high[0] + 0.3, around.low[1], around.low[2] - 0.5], [front.high[0] + 0.31, around.high[1], under_z], shade, 0.001);
   fill([near_x + PLINTH_M, -WALL.width_m / 2, around.low[2] - 0.6], [near_x + PLINTH_M + 0.02, WALL.width_m / 2, around.low[2] - GAP_M], shade, 0.001);
   return root;
 }
