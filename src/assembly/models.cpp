@@ -127,6 +127,9 @@ AxisPosition restPose(const Models& models) {
 Intention intentionOf(const Models& models, std::vector<std::string>* sentences) {
   const AxisPosition rest = restPose(models);
   if (!models.motion) return Intention::throughWaypoints({{0.0, rest}});
+  if (sentences != nullptr) {
+    for (const Diagnostic& notice : models.motion->notices) sentences->push_back(format(notice));
+  }
   return Intention::fromMotion(*models.motion, models.patient.motion, models.device, rest,
                                sentences);
 }

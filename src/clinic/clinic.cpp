@@ -64,6 +64,21 @@ Json parsed(const std::string& body) {
   return json;
 }
 
+/// What the page says before a clinic begins: an empty folder may be a disk that is not mounted.
+Json folderFacts(const std::string& folder) {
+  std::error_code error;
+  const fs::path path = fs::absolute(folder, error);
+  bool empty = true;
+  for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
+    // What this process has made itself.
+    const std::string name = it->path().filename().string();
+    const bool own = name == "lock" || name.starts_with("clinic.db") ||
+                     ((name == "hands" || name == "backups") && fs::is_empty(it->path(), error));
+    empty = empty && own;
+  }
+  return {{"path", path.lexically_normal().string()}, {"empty", empty}};
+}
+
 /// True when a path is of a route; '#' stands for a number.
 bool matches(std::string_view path, std::string_view pattern, std::vector<std::int64_t>& ids) {
   ids.clear();
@@ -114,6 +129,11 @@ const std::vector<Clinic::Route>& Clinic::routes() {
       {"POST", "/api/patients/#/visits", A::kShown, K::kStation, &Clinic::beginVisit},
       {"POST", "/api/guest_visits", A::kShown, K::kStation, &Clinic::beginGuestVisit},
       {"GET", "/api/visits/open", A::kSigned, K::kRead, &Clinic::openVisit},
+      {"GET", "/api/visits/#", A::kSigned, K::kRead, &Clinic::visit},
+      {"PUT", "/api/notes/#", A::kSigned, K::kSession, &Clinic::putNote},
+      {"GET", "/api/sessions", A::kShown, K::kRead, &Clinic::sessions},
+      {"POST", "/api/sessions/give", A::kShown, K::kWrite, &Clinic::giveSessions},
+      {"DELETE", "/api/sessions/#", A::kShown, K::kWrite, &Clinic::deleteSession},
       {"POST", "/api/visits/#/item", A::kSigned, K::kStation, &Clinic::nextItem},
       {"POST", "/api/visits/#/finish", A::kSigned, K::kStation, &Clinic::finishVisit},
       {"POST", "/api/visits/#/notes", A::kSigned, K::kWrite, &Clinic::noteVisit},
@@ -331,12 +351,14 @@ Json Clinic::state(Call&) {
   const char* clinic = is_new ? "new" : "locked";
   Json backup = {{"last_us", last_backup_us_}, {"folder", options_.backups}};
   if (!backup_problem_.empty()) backup["problem"] = backup_problem_;
-  return {{"clinic", key_ ? "open" : clinic},
-          {"tiles", std::move(tiles)},
-          {"station", {{"heard", station_.scene().heard}}},
-          {"visit", db_->number("SELECT id FROM visit WHERE state = 'open'")},
-          {"backup", std::move(backup)},
-          {"version", 1}};
+  Json out = {{"clinic", key_ ? "open" : clinic},
+              {"tiles", std::move(tiles)},
+              {"station", {{"heard", station_.scene().heard}}},
+              {"visit", db_->number("SELECT id FROM visit WHERE state = 'open'")},
+              {"backup", std::move(backup)},
+              {"version", 1}};
+  if (is_new) out["folder"] = folderFacts(options_.folder);
+  return out;
 }
 
 Json Clinic::init(Call& call) {
@@ -365,7 +387,9 @@ Json Clinic::init(Call& call) {
     log(account, "began the clinic");
     call.transaction->commit();
     call.transaction.reset();
-    return {{"recovery_code", code}, {"token", newSession(account)}, {"account", account}};
+    Json signed_in = sessionOf(account);
+    signed_in["recovery_code"] = code;
+    return signed_in;
   } catch (...) {
     key_.reset();
     std::error_code ignored;
@@ -408,6 +432,15 @@ Json Clinic::lockClinic(Call&) {
   key_.reset();
   sessions_.clear();
   return Json::object();
+}
+
+std::string Clinic::browserKey(std::int64_t account) const {
+  return key_->derived(fmt::format("browser {}", account));
+}
+
+Json Clinic::sessionOf(std::int64_t account) {
+  return {
+      {"token", newSession(account)}, {"account", account}, {"browser_key", browserKey(account)}};
 }
 
 std::string Clinic::newSession(std::int64_t account) {
@@ -478,7 +511,7 @@ Json Clinic::signIn(Call& call) {
   const auto id = account->get<std::int64_t>();
   checkPin(id, call.body);
   tryToLog(id, "signed in");
-  return {{"token", newSession(id)}, {"account", id}};
+  return sessionOf(id);
 }
 
 Json Clinic::signOut(Call& call) {
@@ -494,7 +527,7 @@ Json Clinic::hide(Call& call) {
 Json Clinic::show(Call& call) {
   checkPin(call.session.account, call.body);
   sessions_[call.session_id].hidden = false;
-  return Json::object();
+  return {{"browser_key", browserKey(call.session.account)}};
 }
 
 std::int64_t Clinic::insertAccount(const Json& tile, const std::string& prefix) {

@@ -78,8 +78,9 @@ class Clinic {
   };
   struct SeenFile {
     std::int64_t size = 0, modified_ns = 0;
-    std::int64_t since_us = 0;  ///< steady clock: unchanged since
-    bool known = false;         ///< the database has it as it is
+    std::int64_t due_us = 0;  ///< steady clock: it is measured from then on
+    int failed = 0;           ///< times, as it is
+    bool known = false;       ///< the database has it as it is
   };
   using Lock = std::unique_lock<std::mutex>;
   struct Call {
@@ -121,6 +122,9 @@ class Clinic {
   Json show(Call& call);
   Json tile(Call& call);
   std::int64_t insertAccount(const Json& tile, const std::string& prefix);
+  /// Seals what an account's browser keeps; nobody else is given it.
+  [[nodiscard]] std::string browserKey(std::int64_t account) const;
+  [[nodiscard]] Json sessionOf(std::int64_t account);
   std::string newSession(std::int64_t account);
   void checkPin(std::int64_t account, const Json& body);
   void refuseWhileWaiting(const Tries& tries) const;
@@ -152,6 +156,8 @@ class Clinic {
   [[nodiscard]] Json patientJson(std::int64_t id);
   [[nodiscard]] Json patientRows(std::string_view find, std::int64_t only);
   [[nodiscard]] Json notesOf(const char* column, std::int64_t id, bool hidden);
+  [[nodiscard]] std::int64_t takeVisitNumber();
+  void logOpened(const Call& call, std::int64_t patient);
   void checkPatient(std::int64_t id);
   void checkNoOpenVisit(std::int64_t patient);
 
@@ -166,14 +172,26 @@ class Clinic {
   Json pain(Call& call);
   Json moveVisit(Call& call);
   Json deleteVisit(Call& call);
+  Json visit(Call& call);
+  Json putNote(Call& call);
+  Json sessions(Call& call);
+  Json giveSessions(Call& call);
+  Json deleteSession(Call& call);
   Json startVisit(Call& call, std::optional<std::int64_t> patient, const std::string& side,
                   const Plan& plan);
   [[nodiscard]] VisitRow visitRow(std::int64_t id);
   [[nodiscard]] VisitRow visitOf(const Call& call);
+  [[nodiscard]] VisitRow visitFor(const Call& call, std::int64_t id);
   [[nodiscard]] Json visitJson(std::int64_t id, bool hidden);
+  [[nodiscard]] static Json trialsIn(Statement rows, const Plan& plan);
   [[nodiscard]] Json trialsOf(std::int64_t visit, const Plan& plan);
   [[nodiscard]] VisitOrder orderOf(const VisitRow& visit, std::int64_t item);
-  [[nodiscard]] Parameters limitsOf(const std::optional<std::int64_t>& patient);
+  [[nodiscard]] Parameters limitsOf(const std::optional<std::int64_t>& patient,
+                                    const Json& changed = Json::object());
+  [[nodiscard]] Json inForce(const VisitOrder& order) const;
+  void keepSettings(VisitRow& visit);
+  void closeVisit(std::int64_t account, VisitRow visit, const std::string& state);
+  void takeBackSettings(const VisitRow& visit);
   void chooseHand(VisitRow& visit);
   void refuseWhileOpen();
   void ask(Call& call, const std::function<StationReply()>& order);
@@ -181,7 +199,11 @@ class Clinic {
                               const Parameters& limits) const;
   [[nodiscard]] Parameters readParameters(const Json& values, const std::string& field) const;
   void insertNote(Call& call, std::optional<std::int64_t> patient,
-                  std::optional<std::int64_t> visit);
+                  std::optional<std::int64_t> visit, std::optional<std::int64_t> id = {});
+  std::int64_t insertVisit(std::int64_t patient, std::int64_t account, const std::string& side,
+                           std::int64_t began_us, std::int64_t ended_us, const std::string& state);
+  /// Removes recordings once the change is committed; those that are left stand in the answer.
+  void removeRecordings(Call& call, std::vector<std::string> recordings);
 
   // trials.cpp
   void storeMeasures(const std::string& name, const SeenFile& file, const std::optional<Json>& json,
@@ -214,5 +236,8 @@ class Clinic {
 /// A plan as the pages have it.
 [[nodiscard]] Json toJson(const Plan& plan);
 [[nodiscard]] Plan planFrom(const std::string& json);
+/// The plan without effort limits above those of the person.
+[[nodiscard]] Plan capped(Plan plan, const Parameters& limits);
+[[nodiscard]] bool isEffortLimit(const std::string& parameter);
 
 }  // namespace wholehand::clinic

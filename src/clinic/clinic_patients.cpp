@@ -102,6 +102,20 @@ Plan planFrom(const std::string& json) {
   return plan;
 }
 
+bool isEffortLimit(const std::string& parameter) {
+  return parameter.starts_with("effort_limit_");
+}
+
+Plan capped(Plan plan, const Parameters& limits) {
+  for (PlanItem& item : plan) {
+    for (auto& [name, value] : item.parameters) {
+      const auto limit = limits.find(name);
+      if (isEffortLimit(name) && limit != limits.end()) value = std::min(value, limit->second);
+    }
+  }
+  return plan;
+}
+
 // The station's bounds of what it has, else the shipped ones.
 Parameters Clinic::readParameters(const Json& values, const std::string& field) const {
   Parameters out;
@@ -153,7 +167,7 @@ Plan Clinic::readPlan(const Json& items, const std::string& field, const Paramet
                        fmt::format("{} has no parameter {}", item.exercise, name));
       }
       const auto limit = limits.find(name);
-      if (!name.starts_with("effort_limit_") || limit == limits.end()) continue;
+      if (!isEffortLimit(name) || limit == limits.end()) continue;
       if (value > limit->second) {
         throw badValue(fmt::format("{}.parameters.{}", at, name),
                        fmt::format("{} = {} is above the person's limit, {}; raise that first",
@@ -344,11 +358,15 @@ Json Clinic::changePatient(Call& call) {
 Json Clinic::patient(Call& call) {
   const std::int64_t id = call.ids.at(0);
   Json out = patientJson(id);
-  Session& session = sessions_[call.session_id];
-  if (session.opened_patient != id && tryToLog(call.session.account, "opened", id)) {
-    session.opened_patient = id;
-  }
+  logOpened(call, id);
   return out;
+}
+
+void Clinic::logOpened(const Call& call, std::int64_t patient) {
+  Session& session = sessions_[call.session_id];
+  if (session.opened_patient != patient && tryToLog(call.session.account, "opened", patient)) {
+    session.opened_patient = patient;
+  }
 }
 
 Json Clinic::notesOf(const char* column, std::int64_t id, bool hidden) {
@@ -431,17 +449,18 @@ Json Clinic::patientJson(std::int64_t id) {
   Json today = out["plan"];
   bool found_last = false;
   Statement rows = db_->query(
-      "SELECT id, state, began_us, plan FROM visit WHERE patient = ? ORDER BY began_us DESC, id "
+      "SELECT id, began_us, plan FROM visit WHERE patient = ? ORDER BY began_us DESC, id "
       "DESC",
       id);
   while (rows.step()) {
     visits.push_back(visitJson(rows.integer(0), false));
-    const bool last = !found_last && rows.text(1) != "no_show";
-    if (!last) continue;
+    // The last visit's items, unless the plan was changed since. A no-show has none.
+    const Plan items = planFrom(rows.text(2));
+    if (found_last || items.empty()) continue;
     found_last = true;
-    // The last visit's items, unless the plan was changed since.
-    Json items = Json::parse(rows.text(3));
-    if (rows.integer(2) >= row.integer(7) && !items.empty()) today = std::move(items);
+    if (rows.integer(1) < row.integer(7)) continue;
+    const bool offered = presets_->forceOf(row.text(4)) != nullptr;
+    today = toJson(offered ? capped(items, limitsOf(id)) : items);
   }
   out["curves"] = curvesOf(visits);
   out["visits"] = std::move(visits);
@@ -474,7 +493,8 @@ Json Clinic::mergePatients(Call& call) {
   checkPatient(id);
   checkPatient(other);
   checkNoOpenVisit(other);
-  db_->change("UPDATE visit SET patient = ? WHERE patient = ?", id, other);
+  // What the other's visits have changed is not this row's to give back.
+  db_->change("UPDATE visit SET patient = ?, before = '{}' WHERE patient = ?", id, other);
   db_->change("UPDATE note SET patient = ? WHERE patient = ?", id, other);
   db_->change("UPDATE patient SET version = version + 1 WHERE id = ?", id);
   db_->change("DELETE FROM patient WHERE id = ?", other);
@@ -513,18 +533,13 @@ Json Clinic::noShow(Call& call) {
   if (at_us < 0 || at_us > now_us + kDay_us) {
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
-  const std::int64_t visit = db_->number("SELECT next_visit FROM clinic");
-  db_->run("UPDATE clinic SET next_visit = next_visit + 1");
-  db_->change(
-      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
-      " offset_min, state, plan, item) VALUES (?, ?, ?, '', '', '', ?, ?, ?, 'no_show', '[]', 0)",
-      visit, id, call.session.account, at_us, at_us, clock_.offset_min(at_us));
+  const std::int64_t visit = insertVisit(id, call.session.account, "", at_us, at_us, "no_show");
   log(call.session.account, "noted a no-show", id, visit);
   return visitJson(visit, false);
 }
 
 void Clinic::insertNote(Call& call, std::optional<std::int64_t> patient,
-                        std::optional<std::int64_t> visit) {
+                        std::optional<std::int64_t> visit, std::optional<std::int64_t> id) {
   const std::string text = textOr(call.body, "text", kLongestNote, true);
   const std::string kind =
       call.body.contains("kind") ? textOr(call.body, "kind", kLongestKind) : std::string("text");
@@ -540,8 +555,9 @@ void Clinic::insertNote(Call& call, std::optional<std::int64_t> patient,
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
   db_->change(
-      "INSERT INTO note (patient, visit, account, at_us, kind, text) VALUES (?, ?, ?, ?, ?, ?)",
-      patient, visit, call.session.account, at_us, kind, Blob{seal("note", text)});
+      "INSERT INTO note (id, patient, visit, account, at_us, kind, text) VALUES (?, ?, ?, ?, ?, ?,"
+      " ?)",
+      id, patient, visit, call.session.account, at_us, kind, Blob{seal("note", text)});
 }
 
 Json Clinic::notePatient(Call& call) {

@@ -1,11 +1,14 @@
+#include "clinic/backup.hpp"
 #include "clinic/clinic.hpp"
-#include "clinic/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <system_error>
+#include <utility>
 
 /// Visits: opened and closed on the station, noted, moved.
 namespace wholehand::clinic {
@@ -15,11 +18,27 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 /// So long a difference between station and database is an order on its way.
 constexpr std::int64_t kApart_us = 10 * kSecond_us;
 constexpr int kMostPain = 10;
+constexpr std::int64_t kLastNote = (std::int64_t{1} << 48) - 1;
+constexpr double kRounding = 1e-6;  // of single precision on the wire
 
 std::string sideOf(const Json& body) {
   const Json side = body.value("side", Json());
   if (side != "right" && side != "left") throw badValue("side", "side must be right or left");
   return side;
+}
+
+/// What Clinic::trialsIn() reads.
+constexpr std::string_view kTrialColumns =
+    "SELECT item, recording, began_us, state, why, measures, id FROM trial";
+constexpr int kMostSessions = 100;
+
+/// "right" or "left", the end of every hand's name; empty: another.
+std::string sideOfHand(const Json& measures) {
+  const std::string hand = measures.value("hand", "");
+  for (const char* side : {"right", "left"}) {
+    if (hand.ends_with(std::string("-") + side)) return side;
+  }
+  return {};
 }
 
 }  // namespace
@@ -28,15 +47,16 @@ struct Clinic::VisitRow {
   std::int64_t id = 0, account = 0, began_us = 0, ended_us = 0, item = 0;
   int offset_min = 0;
   std::optional<std::int64_t> patient;
-  std::string side, hand, hand_file, state, plan_json;
+  std::string side, hand, hand_file, state;
   Plan plan;
   Json pain_before, pain_after;
+  Json in_force = Json::object(), changed = Json::object(), before = Json::object();
 };
 
 Clinic::VisitRow Clinic::visitRow(std::int64_t id) {
   Statement row = db_->query(
       "SELECT patient, account, side, hand, hand_file, began_us, ended_us, offset_min, state, plan,"
-      " item, pain_before, pain_after FROM visit WHERE id = ?",
+      " item, pain_before, pain_after, in_force, changed, before FROM visit WHERE id = ?",
       id);
   if (!row.step()) throw notFound(fmt::format("there is no visit {}", id));
   VisitRow visit;
@@ -50,38 +70,44 @@ Clinic::VisitRow Clinic::visitRow(std::int64_t id) {
   visit.ended_us = row.integer(6);
   visit.offset_min = static_cast<int>(row.integer(7));
   visit.state = row.text(8);
-  visit.plan_json = row.text(9);
-  visit.plan = planFrom(visit.plan_json);
+  visit.plan = planFrom(row.text(9));
   visit.item = row.integer(10);
   if (!row.isNull(11)) visit.pain_before = row.integer(11);
   if (!row.isNull(12)) visit.pain_after = row.integer(12);
+  visit.in_force = Json::parse(row.text(13));
+  visit.changed = Json::parse(row.text(14));
+  visit.before = Json::parse(row.text(15));
   return visit;
 }
 
 /// The visit of a request. While names are hidden, only the one that is open.
 Clinic::VisitRow Clinic::visitOf(const Call& call) {
-  VisitRow visit = visitRow(call.ids.at(0));
+  return visitFor(call, call.ids.at(0));
+}
+Clinic::VisitRow Clinic::visitFor(const Call& call, std::int64_t id) {
+  VisitRow visit = visitRow(id);
   if (call.session.hidden && visit.state != "open") {
     throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
   }
   return visit;
 }
 
-Json Clinic::trialsOf(std::int64_t visit, const Plan& plan) {
+/// @param rows with the columns kTrialColumns
+Json Clinic::trialsIn(Statement rows, const Plan& plan) {
   Json trials = Json::array();
-  Statement rows = db_->query(
-      "SELECT item, recording, began_us, state, why, measures FROM trial WHERE visit = ?"
-      " ORDER BY began_us, id",
-      visit);
   while (rows.step()) {
     const Json m = Json::parse(rows.text(5));
     const auto item = static_cast<std::size_t>(rows.integer(0));
     const bool planned = item < plan.size();
-    trials.push_back({{"item", item},
+    const Json recording = m.value("recording", Json::object());
+    trials.push_back({{"id", rows.integer(6)},
+                      {"item", item},
                       {"exercise", m.value("exercise", Json(planned ? plan[item].exercise : ""))},
                       {"level", m.value("level", Json(planned ? plan[item].level : 0))},
                       {"recording", rows.text(1)},
                       {"began_us", rows.integer(2)},
+                      {"duration_s", recording.value("duration_s", Json())},
+                      {"side", sideOfHand(m)},
                       {"active_s", m.value("active_s", Json())},
                       {"helped_share", m.value("helped_share", Json())},
                       {"results", m.value("results", Json::array())},
@@ -95,6 +121,12 @@ Json Clinic::trialsOf(std::int64_t visit, const Plan& plan) {
   return trials;
 }
 
+Json Clinic::trialsOf(std::int64_t visit, const Plan& plan) {
+  return trialsIn(
+      db_->query(std::string(kTrialColumns) + " WHERE visit = ? ORDER BY began_us, id", visit),
+      plan);
+}
+
 Json Clinic::visitJson(std::int64_t id, bool hidden) {
   const VisitRow v = visitRow(id);
   return {{"id", v.id},
@@ -105,7 +137,8 @@ Json Clinic::visitJson(std::int64_t id, bool hidden) {
           {"offset_min", v.offset_min},
           {"state", v.state},
           {"account", v.account},
-          {"plan", Json::parse(v.plan_json)},
+          {"plan", toJson(v.plan)},
+          {"changed", v.changed},
           {"item", v.item},
           {"next_item", v.item + 1},
           {"hand", v.hand.empty() ? v.hand_file : v.hand},
@@ -115,15 +148,16 @@ Json Clinic::visitJson(std::int64_t id, bool hidden) {
           {"pain_after", v.pain_after}};
 }
 
-/// Force preset, then the person's own; what the station has narrower bounds for is clamped.
-Parameters Clinic::limitsOf(const std::optional<std::int64_t>& patient) {
+/// Force preset, then the person's own, then what was set in the open visit; what the station has
+/// narrower bounds for is clamped.
+Parameters Clinic::limitsOf(const std::optional<std::int64_t>& patient, const Json& changed) {
   std::string preset = presets_->force.front().id;
-  Parameters own;
+  Parameters own = changed.get<Parameters>();
   if (patient) {
     Statement row = db_->query("SELECT preset, parameters FROM patient WHERE id = ?", *patient);
     if (!row.step()) throw notFound(fmt::format("there is no patient {}", *patient));
     preset = row.text(0);
-    own = Json::parse(row.text(1)).get<Parameters>();
+    own.merge(Json::parse(row.text(1)).get<Parameters>());
   }
   const ForcePreset* force = presets_->forceOf(preset);
   if (force == nullptr) throw badValue("preset", "the patient's preset is no longer offered");
@@ -138,7 +172,8 @@ Parameters Clinic::limitsOf(const std::optional<std::int64_t>& patient) {
 }
 
 VisitOrder Clinic::orderOf(const VisitRow& visit, std::int64_t item) {
-  const PlanItem& now = visit.plan.at(item);
+  const Parameters limits = limitsOf(visit.patient, visit.changed);
+  const PlanItem now = capped(visit.plan, limits).at(item);
   const ExerciseFacts* facts = presets_->exercise(now.exercise);
   if (facts == nullptr) throw badValue("item", now.exercise + " is no longer one of ours");
   VisitOrder order{static_cast<std::uint64_t>(visit.id),
@@ -152,16 +187,100 @@ VisitOrder Clinic::orderOf(const VisitRow& visit, std::int64_t item) {
   const auto has = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  const Parameters limits = limitsOf(visit.patient);
   for (const auto& [name, value] : limits) {
     if (has(presets_->device, name) || has(facts->parameters, name)) order.parameters[name] = value;
   }
-  for (const auto& [name, value] : now.parameters) {
-    const auto limit = limits.find(name);
-    const bool capped = limit != limits.end() && name.starts_with("effort_limit_");
-    order.parameters[name] = capped ? std::min(value, limit->second) : value;
-  }
+  for (const auto& [name, value] : now.parameters) order.parameters[name] = value;
   return order;
+}
+
+/// What the station will have: an item that follows raises no limit that was lowered.
+Json Clinic::inForce(const VisitOrder& order) const {
+  Parameters values = order.parameters;
+  const StationScene scene = station_.scene();
+  for (auto& [name, value] : values) {
+    const auto now = scene.values.find(name);
+    const bool goes_on = scene.visit == order.visit && now != scene.values.end();
+    if (goes_on && isEffortLimit(name)) value = std::min(value, now->second);
+  }
+  return {{"parameters", values}, {"help", order.help}, {"level", order.level}};
+}
+
+/// Keeps with the open visit what was set at the station since the last look: the item's, where it
+/// names a parameter, else the person's.
+void Clinic::keepSettings(VisitRow& visit) {
+  const StationScene scene = station_.scene();
+  const bool same = scene.visit == static_cast<std::uint64_t>(visit.id) && scene.item == visit.item;
+  if (!same || !visit.in_force.contains("parameters")) return;
+  PlanItem& item = visit.plan.at(visit.item);
+  const Parameters limits = limitsOf(visit.patient, visit.changed);
+  Json& known = visit.in_force["parameters"];
+  const Json before = visit.in_force;
+  for (const auto& [name, value] : scene.values) {
+    const auto first = scene.initial.find(name);
+    if (first == scene.initial.end() || !presets_->bounds.contains(name)) continue;
+    const double was = known.value(name, first->second);
+    if (std::abs(value - was) <= kRounding * std::abs(was)) continue;
+    known[name] = value;
+    const auto limit = limits.find(name);
+    const bool above = isEffortLimit(name) && limit != limits.end() && value > limit->second;
+    const bool items = item.parameters.contains(name);
+    if (items) item.parameters[name] = value;
+    if (!items || above) visit.changed[name] = value;
+  }
+  if (scene.exercise == item.exercise) {
+    if (!scene.help.empty() && scene.help != visit.in_force["help"]) {
+      visit.in_force["help"] = item.help = scene.help;
+    }
+    if (scene.level != visit.in_force["level"]) {
+      visit.in_force["level"] = item.level = scene.level;
+    }
+  }
+  if (visit.in_force == before) return;
+  Transaction transaction(*db_);
+  db_->change("UPDATE visit SET plan = ?, in_force = ?, changed = ? WHERE id = ?",
+              toJson(visit.plan).dump(), visit.in_force.dump(), visit.changed.dump(), visit.id);
+  transaction.commit();
+}
+
+/// Ends a visit: what was set in it is the person's from now on.
+void Clinic::closeVisit(std::int64_t account, VisitRow visit, const std::string& state) {
+  db_->change("UPDATE visit SET state = ?, ended_us = ? WHERE id = ?",
+              visit.patient ? state : std::string("guest"),
+              std::max(clock_.now_us(), visit.began_us), visit.id);
+  if (!visit.patient || visit.changed.empty()) return;
+  Statement row = db_->query("SELECT parameters, plan FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  Json own = Json::parse(row.text(0));
+  for (const auto& [name, value] : visit.changed.items()) {
+    if (own.contains(name) && own[name] == value) continue;
+    if (!visit.before.contains(name)) visit.before[name] = own.value(name, Json());
+    own[name] = value;
+  }
+  db_->change("UPDATE visit SET before = ? WHERE id = ?", visit.before.dump(), visit.id);
+  db_->change("UPDATE patient SET parameters = ?, version = version + 1 WHERE id = ?", own.dump(),
+              *visit.patient);
+  // An item above a limit that was lowered would be refused at the next change of the person.
+  db_->change("UPDATE patient SET plan = ? WHERE id = ?",
+              toJson(capped(planFrom(row.text(1)), limitsOf(visit.patient))).dump(),
+              *visit.patient);
+  log(account, "kept settings", *visit.patient, visit.id, visit.changed.dump());
+}
+
+/// Gives the person back what the visit has changed, unless it was changed again: the visit was
+/// another's.
+void Clinic::takeBackSettings(const VisitRow& visit) {
+  if (!visit.patient || visit.before.empty()) return;
+  Statement row = db_->query("SELECT parameters FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  Json own = Json::parse(row.text(0));
+  for (const auto& [name, value] : visit.before.items()) {
+    if (own.value(name, Json()) != visit.changed.at(name)) continue;
+    own[name] = value;
+    if (value.is_null()) own.erase(name);
+  }
+  db_->change("UPDATE patient SET parameters = ?, version = version + 1 WHERE id = ?", own.dump(),
+              *visit.patient);
 }
 
 /// A shipped hand of this size, or a file of the visit's own.
@@ -214,6 +333,23 @@ void Clinic::ask(Call& call, const std::function<StationReply()>& order) {
   }
 }
 
+std::int64_t Clinic::takeVisitNumber() {
+  db_->run("UPDATE clinic SET next_visit = next_visit + 1");
+  return db_->number("SELECT next_visit - 1 FROM clinic");
+}
+
+/// A visit without a plan, which is over. @return its number
+std::int64_t Clinic::insertVisit(std::int64_t patient, std::int64_t account,
+                                 const std::string& side, std::int64_t began_us,
+                                 std::int64_t ended_us, const std::string& state) {
+  const std::int64_t id = takeVisitNumber();
+  db_->change(
+      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
+      " offset_min, state, plan, item) VALUES (?, ?, ?, ?, '', '', ?, ?, ?, ?, '[]', 0)",
+      id, patient, account, side, began_us, ended_us, clock_.offset_min(began_us), state);
+  return id;
+}
+
 Json Clinic::startVisit(Call& call, std::optional<std::int64_t> patient, const std::string& side,
                         const Plan& plan) {
   if (plan.empty()) throw badValue("plan", "a visit has at least one item");
@@ -225,16 +361,16 @@ Json Clinic::startVisit(Call& call, std::optional<std::int64_t> patient, const s
   visit.plan = plan;
   // The row is on the disk before the station knows its number: no recording is without one.
   begin(call);
-  visit.id = db_->number("SELECT next_visit FROM clinic");
-  db_->run("UPDATE clinic SET next_visit = next_visit + 1");
+  visit.id = takeVisitNumber();
   chooseHand(visit);
   const VisitOrder order = orderOf(visit, 0);
   const std::int64_t now_us = clock_.now_us();
   db_->change(
       "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
-      " offset_min, state, plan, item) VALUES (?, ?, ?, ?, ?, ?, ?, 0, ?, 'open', ?, 0)",
+      " offset_min, state, plan, item, in_force) VALUES (?, ?, ?, ?, ?, ?, ?, 0, ?, 'open', ?, 0,"
+      " ?)",
       visit.id, patient, call.session.account, side, visit.hand, visit.hand_file, now_us,
-      clock_.offset_min(now_us), toJson(plan).dump());
+      clock_.offset_min(now_us), toJson(plan).dump(), inForce(order).dump());
   log(call.session.account, "asked for a visit", patient.value_or(0), visit.id);
   call.transaction->commit();
   call.transaction.reset();
@@ -283,7 +419,7 @@ Json Clinic::openVisit(Call& call) {
 }
 
 Json Clinic::nextItem(Call& call) {
-  const VisitRow visit = visitOf(call);
+  VisitRow visit = visitOf(call);
   if (visit.state != "open" && visit.state != "unfinished") {
     throw Refused{409,
                   "changed",
@@ -298,19 +434,23 @@ Json Clinic::nextItem(Call& call) {
     throw badValue("item", fmt::format("item must be one of 0 to {}", items - 1));
   }
   const auto k = item.get<std::int64_t>();
+  keepSettings(visit);
   const VisitOrder order = orderOf(visit, k);
+  const Json in_force = inForce(order);
   ask(call, [&] { return station_.open(order); });
   begin(call);
   // Another console may have finished it meanwhile: then nothing changes, and the station is told.
-  db_->change("UPDATE visit SET item = ?, state = 'open', ended_us = 0 WHERE id = ? AND state = ?",
-              k, visit.id, visit.state);
+  db_->change(
+      "UPDATE visit SET item = ?, in_force = ?, state = 'open', ended_us = 0 WHERE id = ? AND state"
+      " = ?",
+      k, in_force.dump(), visit.id, visit.state);
   log(call.session.account, "began an item", visit.patient.value_or(0), visit.id,
       std::to_string(k));
   return visitJson(visit.id, call.session.hidden);
 }
 
 Json Clinic::finishVisit(Call& call) {
-  const VisitRow visit = visitOf(call);
+  VisitRow visit = visitOf(call);
   const Json state = call.body.value("state", Json());
   if (state != "done" && state != "unfinished") {
     throw badValue("state", "state must be done or unfinished");
@@ -322,14 +462,13 @@ Json Clinic::finishVisit(Call& call) {
                   {},
                   {{"now", visitJson(visit.id, call.session.hidden)}}};
   }
+  keepSettings(visit);
   // A station that is not there has nothing open; lookAtStation() closes it when it comes back.
   if (visit.state == "open" && station_.scene().heard) {
     ask(call, [&] { return station_.close(static_cast<std::uint64_t>(visit.id)); });
   }
   begin(call);
-  db_->change("UPDATE visit SET state = ?, ended_us = ? WHERE id = ?",
-              visit.patient ? state.get<std::string>() : std::string("guest"),
-              std::max(clock_.now_us(), visit.began_us), visit.id);
+  closeVisit(call.session.account, visit, state.get<std::string>());
   log(call.session.account, "finished a visit", visit.patient.value_or(0), visit.id, state);
   return visitJson(visit.id, call.session.hidden);
 }
@@ -338,6 +477,49 @@ Json Clinic::noteVisit(Call& call) {
   const VisitRow visit = visitOf(call);
   insertNote(call, {}, visit.id);
   return visitJson(visit.id, call.session.hidden);
+}
+
+/// A note whose number the page has drawn: new, or the same again with its text of now.
+Json Clinic::putNote(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  const auto owner = [&](const char* key) -> std::optional<std::int64_t> {
+    const Json given = call.body.value(key, Json());
+    if (given.is_null()) return {};
+    if (!given.is_number_integer()) throw badValue(key, fmt::format("{} is no number", key));
+    return given.get<std::int64_t>();
+  };
+  std::optional<std::int64_t> patient = owner("patient"), visit = owner("visit");
+  if (id < 1 || id > kLastNote) throw badValue("", "a note has a number of 1 to 2^48 - 1");
+  if (patient && visit) throw badValue("visit", "a note is a visit's or a patient's, not both");
+  begin(call);
+  Statement row =
+      db_->query("SELECT patient, visit, account, at_us, kind FROM note WHERE id = ?", id);
+  if (row.step()) {
+    const auto other = [&](int column, const std::optional<std::int64_t>& given) {
+      return given && (row.isNull(column) || row.integer(column) != *given);
+    };
+    if (other(0, patient) || other(1, visit) || row.integer(2) != call.session.account) {
+      throw Refused{
+          409, "changed", "this number is a note of another visit, patient or account", {}};
+    }
+    patient = visit = {};
+    if (!row.isNull(0)) patient = row.integer(0);
+    if (!row.isNull(1)) visit = row.integer(1);
+    call.body.emplace("at_us", row.integer(3));
+    call.body.emplace("kind", row.text(4));
+    db_->change("DELETE FROM note WHERE id = ?", id);
+  }
+  if (visit) {
+    (void)visitFor(call, *visit);
+  } else if (!patient) {
+    throw notFound(fmt::format("there is no note {}: name its visit or patient", id));
+  } else if (call.session.hidden) {
+    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+  } else {
+    checkPatient(*patient);
+  }
+  insertNote(call, patient, visit, id);
+  return notesOf("id", id, call.session.hidden).at(0);
 }
 
 Json Clinic::pain(Call& call) {
@@ -368,11 +550,87 @@ Json Clinic::moveVisit(Call& call) {
   if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
   const auto patient = to.get<std::int64_t>();
   checkPatient(patient);
-  db_->change("UPDATE visit SET patient = ?, state = ? WHERE id = ?", patient,
-              visit.state == "guest" ? std::string("done") : visit.state, visit.id);
+  takeBackSettings(visit);
+  db_->change("UPDATE visit SET patient = ?, state = ?, changed = '{}', before = '{}' WHERE id = ?",
+              patient, visit.state == "guest" ? std::string("done") : visit.state, visit.id);
   log(call.session.account, "moved a visit", patient, visit.id,
       fmt::format("from {}", visit.patient.value_or(0)));
   return visitJson(visit.id, false);
+}
+
+Json Clinic::visit(Call& call) {
+  const VisitRow visit = visitOf(call);
+  if (visit.patient && !call.session.hidden) logOpened(call, *visit.patient);
+  return visitJson(visit.id, call.session.hidden);
+}
+
+void Clinic::removeRecordings(Call& call, std::vector<std::string> recordings) {
+  call.after.emplace_back([this, &call, files = ErasedFiles{std::move(recordings), {}}] {
+    const auto left = removeFiles(options_.folder, options_.recordings, files);
+    call.answer.body = Json({{"recordings_left", left}}).dump();
+  });
+}
+
+Json Clinic::sessions(Call&) {
+  const std::int64_t all = db_->number("SELECT COUNT(*) FROM trial WHERE visit IS NULL");
+  return {{"sessions",
+           trialsIn(db_->query(std::string(kTrialColumns) +
+                                   " WHERE visit IS NULL ORDER BY began_us DESC, id DESC LIMIT ?",
+                               kMostSessions),
+                    {})},
+          {"more", std::max(all - kMostSessions, std::int64_t{0})}};
+}
+
+/// Makes sessions that were recorded outside of a visit the trials of a new one.
+Json Clinic::giveSessions(Call& call) {
+  const Json to = call.body.value("patient", Json());
+  if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
+  const auto patient = to.get<std::int64_t>();
+  checkPatient(patient);
+  const Json ids = call.body.value("sessions", Json());
+  const bool numbers =
+      ids.is_array() && !ids.empty() && ids.size() <= kMostSessions &&
+      std::all_of(ids.begin(), ids.end(), [](const Json& id) { return id.is_number_integer(); });
+  if (!numbers) throw badValue("sessions", "sessions is no list of numbers of sessions");
+  std::int64_t began_us = std::numeric_limits<std::int64_t>::max(), ended_us = 0;
+  std::string side;
+  for (const Json& id : ids) {
+    const Json one =
+        trialsIn(db_->query(std::string(kTrialColumns) +
+                                " WHERE id = ? AND visit IS NULL AND state = 'measured'",
+                            id.get<std::int64_t>()),
+                 {});
+    if (one.empty()) {
+      throw Refused{409, "changed",
+                    fmt::format("session {} was given or deleted meanwhile", id.dump()),
+                    "sessions"};
+    }
+    const std::int64_t at_us = one[0]["began_us"];
+    began_us = std::min(began_us, at_us);
+    const Json lasted = one[0]["duration_s"];
+    const double lasted_s = lasted.is_number() ? lasted.get<double>() : 0.0;
+    ended_us = std::max(ended_us, at_us + static_cast<std::int64_t>(lasted_s * 1e6));
+    side = one[0]["side"];
+  }
+  const std::int64_t visit =
+      insertVisit(patient, call.session.account, side, began_us, ended_us, "done");
+  for (const Json& id : ids) {
+    db_->change("UPDATE trial SET visit = ?, why = '' WHERE id = ?", visit, id.get<std::int64_t>());
+  }
+  log(call.session.account, "gave sessions", patient, visit, ids.dump());
+  return visitJson(visit, false);
+}
+
+Json Clinic::deleteSession(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  Statement row = db_->query("SELECT recording FROM trial WHERE id = ? AND visit IS NULL", id);
+  if (!row.step()) {
+    throw Refused{409, "changed", "this session was given or deleted meanwhile", {}};
+  }
+  removeRecordings(call, {row.text(0)});
+  db_->change("DELETE FROM trial WHERE id = ?", id);
+  log(call.session.account, "deleted a session", 0, 0, row.text(0));
+  return Json::object();
 }
 
 Json Clinic::deleteVisit(Call& call) {
@@ -385,10 +643,10 @@ Json Clinic::deleteVisit(Call& call) {
                   {{"now", visitJson(visit.id, false)}}};
   }
   if (visit.state == "open") refuseWhileOpen();
-  db_->change(
-      "UPDATE trial SET visit = NULL, state = 'ignored', why = 'of a deleted guest visit'"
-      " WHERE visit = ?",
-      visit.id);
+  std::vector<std::string> recordings;
+  Statement rows = db_->query("SELECT recording FROM trial WHERE visit = ?", visit.id);
+  while (rows.step()) recordings.push_back(rows.text(0));
+  removeRecordings(call, std::move(recordings));
   db_->change("DELETE FROM visit WHERE id = ?", visit.id);
   log(call.session.account, "deleted a guest visit", 0, visit.id);
   return Json::object();
@@ -418,22 +676,24 @@ void Clinic::lookAtStation() {
       const std::int64_t now_us = clock_.steady_us();
       if (scene.visit == open) {
         apart_since_us_ = 0;
+        if (open != 0) {
+          VisitRow visit = visitRow(static_cast<std::int64_t>(open));
+          keepSettings(visit);
+        }
       } else if (apart_since_us_ == 0) {
         apart_since_us_ = std::max<std::int64_t>(now_us, 1);
       } else if (now_us - apart_since_us_ >= kApart_us) {
         apart_since_us_ = 0;
         if (open != 0) {  // the station began anew, or the last change did not reach the disk
           Transaction transaction(*db_);
-          db_->change(
-              "UPDATE visit SET state = CASE WHEN patient IS NULL THEN 'guest' ELSE"
-              " 'unfinished' END, ended_us = MAX(began_us, ?) WHERE state = 'open'",
-              clock_.now_us());
+          closeVisit(0, visitRow(static_cast<std::int64_t>(open)), "unfinished");
           log(0, "the station has this visit no longer", 0, static_cast<std::int64_t>(open));
           transaction.commit();
         }
         close = scene.visit;
       }
     } catch (const DatabaseError&) {  // the next look tries again
+    } catch (const Refused&) {
     }
   }
   if (close != 0) (void)station_.close(close);  // nobody's limits stay in force

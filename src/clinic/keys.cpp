@@ -103,6 +103,13 @@ std::string_view Key::bytes() const {
   return {reinterpret_cast<const char*>(bytes_.get()), kKey_bytes};
 }
 
+std::string Key::derived(std::string_view purpose) const {
+  std::string out(kKey_bytes, '\0');
+  crypto_generichash(bytesOf(out), out.size(), bytesOf(purpose), purpose.size(), bytes_.get(),
+                     kKey_bytes);
+  return toHex(out);
+}
+
 std::string Key::seal(std::string_view kind, std::string_view text) const {
   std::string plain(kind);
   plain += '\0';

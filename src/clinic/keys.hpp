@@ -31,6 +31,8 @@ class Key {
   [[nodiscard]] std::optional<std::string> open(std::string_view kind,
                                                 std::string_view sealed) const;
   [[nodiscard]] std::string_view bytes() const;
+  /// Another key, for one purpose: 64 hexadecimal digits that say nothing of this one.
+  [[nodiscard]] std::string derived(std::string_view purpose) const;
 
  private:
   Key();

@@ -12,8 +12,13 @@ struct StationScene {
   bool heard = false;  ///< connected, and a scene came
   std::uint64_t visit = 0;
   std::uint32_t item = 0;
+  std::string exercise;
+  int level = 0;
   std::string recording;                                ///< being written; empty: none
   std::map<std::string, std::array<double, 2>> bounds;  ///< of live parameters, in their own unit
+  std::map<std::string, double> initial;                ///< what one has that nobody has set
+  std::map<std::string, double> values;                 ///< present ones; empty: none came yet
+  std::string help;                                     ///< as in VisitOrder; empty: unsaid
 };
 
 /// OpenVisit of protocol/wholehand.fbs.

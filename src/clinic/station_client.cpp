@@ -45,6 +45,12 @@ fb::Help helpOf(const std::string& word) {
   return word == "some" ? fb::Help::Some : fb::Help::None;
 }
 
+std::string wordOf(fb::Help help) {
+  if (help == fb::Help::Unsaid) return {};
+  if (help == fb::Help::Full) return "full";
+  return help == fb::Help::Some ? "some" : "none";
+}
+
 /// The number that a file states: 0.02 crosses the wire in single precision.
 double asWritten(float value) {
   return std::stod(fmt::format("{}", value));
@@ -155,16 +161,30 @@ class StationClient::Link {
     } else if (const fb::Scene* scene = message->payload_as_Scene()) {
       StationScene now;
       now.heard = true;
+      now.exercise = textOf(scene->exercise_name());
+      now.level = scene->level();
       now.visit = scene->visit();
       now.item = scene->visit_item();
       now.recording = textOf(scene->recording());
+      names_.clear();
       if (scene->parameters() != nullptr) {
         for (const fb::Parameter* p : *scene->parameters()) {
-          now.bounds[textOf(p->name())] = {asWritten(p->lower()), asWritten(p->upper())};
+          const std::string name = textOf(p->name());
+          names_.push_back(name);
+          now.bounds[name] = {asWritten(p->lower()), asWritten(p->upper())};
+          now.initial[name] = asWritten(p->initial());
         }
       }
       const std::lock_guard lock(mutex_);
       scene_ = std::move(now);
+    } else if (const fb::WorldState* state = message->payload_as_WorldState()) {
+      // The values of a scene's parameters come after it, in its order.
+      if (state->parameters() == nullptr || state->parameters()->size() != names_.size()) return;
+      const std::lock_guard lock(mutex_);
+      for (std::size_t i = 0; i < names_.size(); ++i) {
+        scene_.values[names_[i]] = asWritten(state->parameters()->Get(static_cast<unsigned>(i)));
+      }
+      scene_.help = wordOf(state->help());
     }
   }
 
@@ -202,7 +222,8 @@ class StationClient::Link {
   std::unique_ptr<Socket> socket_;
   beast::flat_buffer buffer_;
   std::deque<std::vector<std::uint8_t>> outgoing_;
-  mutable std::mutex mutex_;  ///< guards the following
+  std::vector<std::string> names_;  ///< of the scene's parameters, in the order of their values
+  mutable std::mutex mutex_;        ///< guards the following
   std::condition_variable heard_;
   StationScene scene_;
   std::uint32_t last_id_ = 0;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <sys/stat.h>
@@ -15,7 +16,11 @@ namespace wholehand::clinic {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kSettled_us = 2'000'000;  // a file that is written to changes more often
+constexpr std::int64_t kSecond_us = 1'000'000;
+constexpr std::int64_t kSettled_us = 2 * kSecond_us;  // one that is written to changes more often
+/// What failed is tried again: the memory, the disk or the program may be there again.
+constexpr std::int64_t kAgain_us = 30 * kSecond_us, kLongestAgain_us = 3600 * kSecond_us;
+constexpr int kMostDoublings = 7;
 constexpr std::size_t kLongestReason = 300;
 constexpr std::uint64_t kOutput_bytes = 1 << 20;
 
@@ -50,7 +55,27 @@ std::int64_t integerOf(const Json& json, const char* key) {
   return value.is_number_integer() ? value.get<std::int64_t>() : 0;
 }
 
-Outcome judged(Database& db, const Json& json) {
+bool isVisit(Database& db, std::int64_t id) {
+  return db.number("SELECT COUNT(*) FROM visit WHERE id = ?", id) != 0;
+}
+
+/// Of one that cannot be read: its name says whose it is, if it has still the station's.
+Outcome failed(Database& db, const std::string& name, const std::string& why) {
+  constexpr std::string_view kWord = "-visit-";
+  constexpr std::size_t kMostDigits = 16;
+  Outcome out;
+  out.state = "failed";
+  out.why = why;
+  const std::size_t word = name.find(kWord);
+  if (word == std::string::npos) return out;
+  const std::string rest = name.substr(word + kWord.size());
+  const std::string digits = rest.substr(0, rest.find_first_not_of("0123456789"));
+  if (digits.empty() || digits.size() > kMostDigits) return out;
+  if (isVisit(db, std::stoll(digits))) out.visit = std::stoll(digits);
+  return out;
+}
+
+Outcome judged(Database& db, const std::string& name, const Json& json) {
   Outcome out;
   const Json recording = json.value("recording", Json::object());
   out.sha256 = recording.value("sha256", "");
@@ -59,18 +84,21 @@ Outcome judged(Database& db, const Json& json) {
   out.item = integerOf(json, "item");
   out.measures = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   const std::int64_t visit = integerOf(json, "visit");
-  if (visit == 0) {
-    out.state = "ignored";
-    out.why = "was recorded outside of a visit";
-  } else if (db.number("SELECT COUNT(*) FROM visit WHERE id = ?", visit) == 0) {
+  if (visit != 0 && !isVisit(db, visit)) {
     out.state = "ignored";
     out.why = fmt::format("visit {} is not of this clinic, or was erased", visit);
-  } else {
-    out.visit = visit;
-    const bool ticks = integerOf(recording, "ticks") > 0;
-    out.state = ticks ? "measured" : "failed";
-    if (!ticks) out.why = "the recording has no tick";
+    return out;
   }
+  if (visit != 0) {
+    out.visit = visit;
+  } else {
+    // Recorded outside of a visit; it may have been given to one.
+    const std::int64_t given = db.number("SELECT visit FROM trial WHERE recording = ?", name);
+    if (given != 0) out.visit = given;
+  }
+  const bool ticks = integerOf(recording, "ticks") > 0;
+  out.state = ticks ? "measured" : "failed";
+  if (!ticks) out.why = "the recording has no tick";
   return out;
 }
 
@@ -95,16 +123,14 @@ void Clinic::storeMeasures(const std::string& name, const SeenFile& file,
                            const std::optional<Json>& json, const std::string& why) {
   const Lock lock(mutex_);
   if (!db_) return;
-  Outcome out;
-  out.state = "failed";
-  out.why = why;
-  if (json) out = judged(*db_, *json);
   Transaction transaction(*db_);
-  if (out.visit && !out.sha256.empty()) {
+  Outcome out = json ? judged(*db_, name, *json) : failed(*db_, name, why);
+  if (!out.sha256.empty() && out.state != "ignored") {
     // The same recording under another name: renamed, or a copy.
     Statement same = db_->query(
-        "SELECT id, recording FROM trial WHERE sha256 = ? AND visit = ? AND recording <> ?",
-        out.sha256, *out.visit, name);
+        "SELECT id, recording, visit FROM trial WHERE sha256 = ? AND recording <> ? AND state <>"
+        " 'ignored'",
+        out.sha256, name);
     if (same.step()) {
       std::error_code error;
       if (fs::exists(fs::path(options_.recordings) / same.text(1), error)) {
@@ -112,6 +138,7 @@ void Clinic::storeMeasures(const std::string& name, const SeenFile& file,
         out.why = "is a copy of " + same.text(1);
         out.visit.reset();
       } else {
+        if (!same.isNull(2)) out.visit = same.integer(2);
         db_->change("DELETE FROM trial WHERE id = ?", same.integer(0));
       }
     }
@@ -122,8 +149,6 @@ void Clinic::storeMeasures(const std::string& name, const SeenFile& file,
 
 /// Recordings that the table has and the folder has not.
 void Clinic::noteMissing(std::set<std::string> present) {
-  const std::string path = station_.scene().recording;
-  if (!path.empty()) present.insert(fs::path(path).filename().string());
   const Lock lock(mutex_);
   if (present == present_) return;
   Transaction transaction(*db_);
@@ -145,6 +170,15 @@ void Clinic::noteMissing(std::set<std::string> present) {
         " 'measured' THEN state ELSE 'failed' END WHERE id = ?",
         id);
   }
+  std::vector<std::string> nobodys;
+  Statement rows = db_->query("SELECT recording FROM trial WHERE visit IS NULL");
+  while (rows.step()) {
+    if (!present.contains(rows.text(0))) nobodys.push_back(rows.text(0));
+  }
+  for (const std::string& name : nobodys) {
+    db_->change("DELETE FROM trial WHERE recording = ?", name);
+    files_.erase(name);
+  }
   transaction.commit();
   present_ = std::move(present);
 }
@@ -159,9 +193,12 @@ void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()
     const std::vector<Found> found = recordingsOf(options_.recordings);
     std::set<std::string> present;
     for (const Found& file : found) present.insert(file.name);
+    const std::string written = fs::path(station_.scene().recording).filename().string();
+    if (!written.empty()) present.insert(written);
     std::error_code error;
     if (fs::is_directory(options_.recordings, error)) noteMissing(present);
     for (const Found& file : found) {
+      if (file.name == written) continue;
       SeenFile seen;
       {
         const Lock lock(mutex_);
@@ -173,9 +210,9 @@ void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()
               "SELECT 1 FROM trial WHERE recording = ? AND size = ? AND modified_ns = ? AND state "
               "IN ('measured', 'ignored') AND why <> 'the recording is gone'",
               file.name, file.size, file.modified_ns);
-          known = {file.size, file.modified_ns, now_us, row.step()};
+          known = {file.size, file.modified_ns, now_us + kSettled_us, 0, row.step()};
         }
-        if (known.known || now_us - known.since_us < kSettled_us) continue;
+        if (known.known || now_us < known.due_us) continue;
         seen = known;
       }
       std::string why;
@@ -184,7 +221,10 @@ void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()
       if (stop && stop()) return;
       storeMeasures(file.name, seen, json, why);
       const Lock lock(mutex_);
-      files_[file.name].known = true;
+      SeenFile& known = files_[file.name];
+      known.known = json.has_value();
+      known.due_us = clock_.steady_us() + std::min(kAgain_us << known.failed, kLongestAgain_us);
+      known.failed = std::min(known.failed + 1, kMostDoublings);
     }
   } catch (const DatabaseError&) {  // the next look finds what this one missed
   } catch (const Json::exception&) {
@@ -229,10 +269,7 @@ Expected<std::string> rebuildTrials(const std::string& folder, const std::string
     for (const Found& file : found) {
       std::string why;
       const auto json = measure((fs::path(recordings) / file.name).string(), why);
-      Outcome out;
-      out.state = "failed";
-      out.why = why;
-      if (json) out = judged(db, *json);
+      const Outcome out = json ? judged(db, file.name, *json) : failed(db, file.name, why);
       ++(out.state == "measured" ? measured : others);
       Transaction transaction(db);
       store(db, file, out);

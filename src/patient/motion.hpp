@@ -17,13 +17,17 @@ struct MotionFile {
   std::vector<std::string> columns;          ///< without time_s, unit suffix removed: "x", ...
   std::vector<double> time_s;                ///< strictly increasing, any start
   std::vector<std::vector<double>> samples;  ///< one row per time, one value per column
+  Diagnostics notices;                       ///< columns that are ignored, and a pace of minutes
 };
 
 /// Reads and checks a motion file: not empty, equal row lengths, finite values within ±1000,
-/// strictly increasing time of at most an hour, known unit suffixes, known axes, no duplicate
-/// column. Known axes are the nine usual ones and, with `device`, its own; the unit must be that of
-/// the device's axis. Empty lines and lines that start with # are skipped. Reports every fault at
-/// once (the first 20). Not real-time safe.
+/// strictly increasing time of at most an hour, no duplicate column, no rotation beyond 4π rad.
+/// With `device`: no value farther from the first than ten times its axis's range, no step faster
+/// than ten times its speed. Known axes are the nine usual ones and, with `device`, its own; their
+/// unit must be that of the device's axis; columns of other names are ignored, with a notice.
+/// Values may be quoted (RFC 4180), and a first column without a name numbers the rows. Empty lines
+/// and lines that start with # are skipped. Reports every fault at once (the first 20). Not
+/// real-time safe.
 [[nodiscard]] Expected<MotionFile> loadMotionFile(const std::string& path,
                                                   const DeviceModel* device = nullptr);
 

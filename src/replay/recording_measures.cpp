@@ -1,6 +1,7 @@
 #include "replay/recording_measures.hpp"
 
 #include "core/sha256.hpp"
+#include "replay/recorded_scene.hpp"
 #include "replay/therapy_facts.hpp"
 #include "telemetry/recording.hpp"
 
@@ -94,6 +95,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
         {"began_utc", meta.created_utc},
         {"complete", ticks == reader.size() && !viewed->unreadable_from_tick &&
                          reader.outline().missing == 0}}},
+      {"hand", embeddedName(meta, "hand")},
       {"visit", meta.clinic_visit},
       {"item", meta.clinic_item},
       {"exercise", meta.exercise},

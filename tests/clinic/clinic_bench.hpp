@@ -1,12 +1,13 @@
 #pragma once
 
 #include "clinic/clinic.hpp"
+#include "support/folder.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -14,6 +15,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wholehand::clinic {
@@ -34,49 +36,49 @@ class FakeClock final : public Clock {
   int offset = 60;
 };
 
-/// Obeys, or does what a test says.
+/// Obeys as the real one does, or does what a test says.
 class FakeStation final : public Station {
  public:
   [[nodiscard]] StationScene scene() const override { return now; }
   [[nodiscard]] StationReply open(const VisitOrder& order) override {
     orders.push_back(order);
     if (meanwhile) meanwhile();
-    if (reply.what == StationReply::What::kAccepted) {
-      now.visit = order.visit;
-      now.item = order.item;
+    if (reply.what != StationReply::What::kAccepted) return reply;
+    const Parameters before = std::exchange(now.values, now.initial);
+    for (const auto& [name, value] : order.parameters) {
+      // The next item of a visit raises no limit that was lowered.
+      const bool goes_on = now.visit == order.visit && isEffortLimit(name) && before.contains(name);
+      now.values[name] = goes_on ? std::min(value, before.at(name)) : value;
     }
+    now.visit = order.visit;
+    now.item = order.item;
+    now.exercise = order.exercise;
+    now.level = order.level;
+    now.help = order.help;
     return reply;
   }
   [[nodiscard]] StationReply close(std::uint64_t visit) override {
     closed.push_back(visit);
-    if (reply.what == StationReply::What::kAccepted) now.visit = 0;
+    if (reply.what != StationReply::What::kAccepted) return reply;
+    now.visit = 0;
+    now.values = now.initial;
     return reply;
   }
-  StationScene now{true,
-                   0,
-                   0,
-                   "",
-                   {{"effort_limit_hand_tip_n", {1.0, 10.0}}, {"effort_limit_arm_n", {2.0, 20.0}}}};
+  StationScene now = [] {
+    StationScene scene;
+    scene.heard = true;
+    scene.bounds = {{"effort_limit_hand_tip_n", {1.0, 10.0}}, {"effort_limit_arm_n", {2.0, 20.0}}};
+    scene.initial = {{"effort_limit_hand_tip_n", 3.0},
+                     {"effort_limit_arm_n", 6.0},
+                     {"damping_full_n", 5.0},
+                     {"level_ratio", 1.0}};
+    scene.values = scene.initial;
+    return scene;
+  }();
   StationReply reply{StationReply::What::kAccepted, ""};
   std::vector<VisitOrder> orders;
   std::vector<std::uint64_t> closed;
   std::function<void()> meanwhile;
-};
-
-/// A folder that goes with the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "clinic-XXXXXX").string();
-    path = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string path;
 };
 
 inline std::string textOf(const std::string& path) {
@@ -106,10 +108,10 @@ inline Json planOf(int items = 1) {
 /// A clinic whose first tile is signed in.
 struct Bench {
   explicit Bench(bool begun = true) {
-    options.folder = folder.path + "/clinic";
+    options.folder = folder.path() + "/clinic";
     options.config = std::string(WHOLEHAND_SOURCE_DIR) + "/config";
-    options.recordings = folder.path + "/recordings";
-    options.backups = folder.path + "/backups";
+    options.recordings = folder.path() + "/recordings";
+    options.backups = folder.path() + "/backups";
     options.cost = {1, 8192};
     std::filesystem::create_directory(options.recordings);
     start();
@@ -163,7 +165,7 @@ struct Bench {
   }
   std::string database() const { return options.folder + "/clinic.db"; }
 
-  TemporaryFolder folder;
+  test::Folder folder;
   FakeClock clock;
   FakeStation station;
   ClinicOptions options;

@@ -82,7 +82,8 @@ TEST(Durability, CanaryName_InNoFile_NoCsv_NoLog) {
          {{"name", "Tile of " + canary}, {"colour", "#aa0000"}, {"pin", "73519462"}});
   b.finish(visit);
   ASSERT_TRUE(backUp(b.options.folder, b.options.backups + "/b.db").ok());
-  const std::string all = allBytesOf(b.folder.path) + b.raw("GET", "/api/export/all.csv", "").body +
+  const std::string all = allBytesOf(b.folder.path()) +
+                          b.raw("GET", "/api/export/all.csv", "").body +
                           b.raw("GET", fmt::format("/api/export/patient/{}.csv", id), "").body;
   for (const char* secret :
        {"Xanthippe", "Quaxenberg", "987654321987", "1931-07-19", "73519462", "correct horse"}) {
@@ -118,7 +119,7 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.h5"));
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.json"));
   // A second folder, which knows of the erasure only by the list beside the backup.
-  for (const std::string& folder : {b.options.folder, b.folder.path + "/second"}) {
+  for (const std::string& folder : {b.options.folder, b.folder.path() + "/second"}) {
     b.clinic.reset();
     const auto restored = restoreBackup(backup, folder);
     ASSERT_TRUE(restored.ok()) << format(restored.errors());
@@ -143,8 +144,8 @@ TEST(Durability, Backup_IsComparedAndRead_DamagedOneIsRefused) {
   std::string bytes = textOf(backup);
   bytes.resize(bytes.size() / 2);
   std::ofstream(backup, std::ios::binary) << bytes;
-  EXPECT_FALSE(restoreBackup(backup, b.folder.path + "/second").ok());
-  EXPECT_FALSE(std::filesystem::exists(b.folder.path + "/second/clinic.db"));
+  EXPECT_FALSE(restoreBackup(backup, b.folder.path() + "/second").ok());
+  EXPECT_FALSE(std::filesystem::exists(b.folder.path() + "/second/clinic.db"));
   b.clock.now = b.clock.now + 40 * kDay_us;
   b.clinic->backUpIfDue();
   EXPECT_EQ(b.get("/api/state")["backup"]["last_us"], b.clock.now);
@@ -227,10 +228,10 @@ TEST(Durability, TheLogOnlyGrows_AndSaysWhoDidWhat) {
 }
 
 TEST(Durability, SecondProcessOfAFolder_IsRefused) {
-  const TemporaryFolder folder;
-  const auto first = FolderLock::take(folder.path);
+  const test::Folder folder;
+  const auto first = FolderLock::take(folder.path());
   ASSERT_TRUE(first.ok());
-  EXPECT_FALSE(FolderLock::take(folder.path).ok());
+  EXPECT_FALSE(FolderLock::take(folder.path()).ok());
 }
 
 }  // namespace

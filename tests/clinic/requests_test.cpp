@@ -36,6 +36,12 @@ TEST(Requests, EachRole_IsAnsweredAsWritten) {
                                  {"POST", "/api/patients/1/erase", kLocked, kOut, kHidden},
                                  {"POST", "/api/guest_visits", kLocked, kOut, kHidden},
                                  {"GET", "/api/visits/open", kLocked, kOut, kNo},
+                                 {"GET", "/api/visits/OPEN", kLocked, kOut, kNo},
+                                 {"GET", "/api/visits/DONE", kLocked, kOut, kHidden},
+                                 {"GET", "/api/sessions", kLocked, kOut, kHidden},
+                                 {"POST", "/api/sessions/give", kLocked, kOut, kHidden},
+                                 {"DELETE", "/api/sessions/1", kLocked, kOut, kHidden},
+                                 {"PUT", "/api/notes/1", kLocked, kOut, kNo},
                                  {"POST", "/api/visits/OPEN/item", kLocked, kOut, kNo},
                                  {"POST", "/api/visits/OPEN/notes", kLocked, kOut, kNo},
                                  {"POST", "/api/visits/OPEN/pain", kLocked, kOut, kNo},
@@ -98,6 +104,57 @@ TEST(Requests, NamesHiddenAfterFiveMinutes_OpenVisitStaysUsable) {
   EXPECT_EQ(b.get("/api/patients")["open"].size(), 1U);
 }
 
+TEST(Requests, NoteOfAKnownNumber_SentAgain_IsOneNote) {
+  Bench b;
+  const std::int64_t a = b.addPatient("P-001"), other = b.addPatient("P-002");
+  const std::int64_t visit = b.beginVisit(a);
+  const std::string path = "/api/notes/187649984473770";
+  const auto put = [&](const Json& body) { return b.ask("PUT", path, body, ""); };
+  EXPECT_EQ(put({{"text", "of nothing"}})["refused"], "not_found");
+  Json body = {{"visit", visit}, {"kind", "text"}, {"text", "cue"}, {"at_us", kNoon_us}};
+  EXPECT_EQ(put(body), put(body));  // the first answer was lost
+  EXPECT_EQ(b.status, 200);
+  EXPECT_EQ(put({{"text", "cue given"}})["at_us"], kNoon_us);
+  b.restart();
+  const auto notes = [&] { return b.get(fmt::format("/api/visits/{}", visit))["notes"]; };
+  ASSERT_EQ(notes().size(), 1U);
+  EXPECT_EQ(notes()[0]["text"], "cue given");
+  for (const Json& owner : {Json{{"patient", a}}, Json{{"patient", other}}, Json{{"visit", 1}}}) {
+    body = owner;
+    body["text"] = "another's";
+    EXPECT_EQ(put(body)["refused"], "changed") << body;
+  }
+  b.post("/api/accounts", {{"name", "B. Huber"}, {"colour", "#aa0000"}, {"pin", "5678"}});
+  const std::string first = b.token;
+  b.token = b.post("/api/sign_in", {{"account", 2}, {"pin", "5678"}})["token"];
+  EXPECT_EQ(put({{"text", "another account's"}})["refused"], "changed");
+  b.token = first;
+  EXPECT_EQ(notes()[0]["text"], "cue given");
+  b.post("/api/hide");
+  EXPECT_EQ(put({{"visit", visit}, {"text", "cue given, twice"}})["text"], "");  // hidden
+  EXPECT_EQ(b.status, 200);
+  b.finish(visit);
+  EXPECT_EQ(put({{"text", "late"}})["refused"], "hidden");
+  b.post("/api/show", {{"pin", "1234"}});
+  EXPECT_EQ(notes()[0]["text"], "cue given, twice");
+  EXPECT_EQ(b.ask("PUT", "/api/notes/281474976710656", {{"patient", a}, {"text", "x"}})["refused"],
+            "bad_value");
+  EXPECT_EQ(b.ask("PUT", "/api/notes/7", {{"patient", a}, {"text", "calls"}})["text"], "calls");
+}
+
+TEST(Requests, BeforeTheFirstStart_TheFolderIsNamed_AndWhetherItIsEmpty) {
+  Bench b(false);
+  for (int i = 0; i < 2; ++i, b.restart(false)) {  // what the process made itself is nothing
+    const Json folder = b.get("/api/state")["folder"];
+    EXPECT_EQ(folder["path"], b.options.folder);
+    EXPECT_EQ(folder["empty"], true);
+  }
+  std::ofstream(b.options.folder + "/letter.txt") << "not ours";
+  EXPECT_EQ(b.get("/api/state")["folder"]["empty"], false);
+  b.begin();
+  EXPECT_FALSE(b.get("/api/state").contains("folder"));
+}
+
 TEST(Requests, AThousandTriesAtAPin_FewAreJudged) {
   Bench b;
   int judged = 0;
@@ -115,6 +172,20 @@ TEST(Requests, AThousandTriesAtAPin_FewAreJudged) {
   EXPECT_EQ(b.refused("/api/sign_in", {{"account", 1}, {"pin", "1234"}}), "too_many_tries");
   b.clock.pass(3600 * kSecond_us);
   EXPECT_NE(b.post("/api/sign_in", {{"account", 1}, {"pin", "1234"}}).value("token", ""), "");
+}
+
+TEST(Requests, BrowsersKey_SameAfterARestart_AnotherForEachAccount) {
+  Bench b;
+  const auto key_of = [&](int account, const char* pin) {
+    return b.post("/api/sign_in", {{"account", account}, {"pin", pin}}).value("browser_key", "");
+  };
+  b.post("/api/accounts", {{"name", "B. Huber"}, {"colour", "#aa0000"}, {"pin", "5678"}});
+  const std::string first = key_of(1, "1234"), second = key_of(2, "5678");
+  EXPECT_EQ(first.size(), 64U);
+  EXPECT_NE(first, second);
+  b.restart(false), b.post("/api/unlock", {{"pass_phrase", "correct horse"}});
+  EXPECT_EQ(key_of(1, "1234"), first);
+  EXPECT_EQ(key_of(2, "1234"), "");
 }
 
 TEST(Requests, PhraseAndRecoveryCode_EachOpens_MistypedIsSaid) {

@@ -22,7 +22,11 @@ struct FakeMeasures {
   static Json of(std::int64_t visit, const std::string& sha256, double score, int ticks = 1000) {
     return {{"measures", 1},
             {"recording",
-             {{"sha256", sha256}, {"ticks", ticks}, {"began_utc", "2026-11-28T12:00:05Z"}}},
+             {{"sha256", sha256},
+              {"ticks", ticks},
+              {"duration_s", 60.0},
+              {"began_utc", "2026-11-28T12:00:05Z"}}},
+            {"hand", "man-p50-left"},
             {"visit", visit},
             {"item", 0},
             {"exercise", "cocktail-bar"},
@@ -86,12 +90,12 @@ TEST(Visits, ShippedHandWithinHalfAMillimetre_IsUsed) {
 }
 
 TEST(Visits, EverySizeOffered_IsAHandFile) {
-  const TemporaryFolder folder;
+  const test::Folder folder;
   const std::string hands = std::string(WHOLEHAND_SOURCE_DIR) + "/config/hands";
   for (const double length_m : {0.150, 0.1825, 0.215}) {
     for (const double breadth_m : {0.05, 0.085, 0.12}) {
       const auto written =
-          writeHandFile(hands, folder.path + "/v.toml", "v", "left", length_m, breadth_m);
+          writeHandFile(hands, folder.path() + "/v.toml", "v", "left", length_m, breadth_m);
       EXPECT_TRUE(written.ok()) << format(written.ok() ? Diagnostics{} : written.errors());
     }
   }
@@ -234,6 +238,105 @@ TEST(Visits, StationHoldsAVisitThatIsOver_ItIsClosedThere) {
   EXPECT_EQ(b.station.closed, std::vector<std::uint64_t>{77});
 }
 
+Json personOf(Bench& b, std::int64_t id) {
+  return b.get(fmt::format("/api/patients/{}", id));
+}
+
+TEST(Settings, WhatATherapistSetsInAVisit_IsWhatTheNextBeginsWith) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001");  // gentle: 3 N, 6 N
+  Json plan = planOf(2);
+  plan[0]["parameters"] = {{"effort_limit_hand_tip_n", 2.0}, {"damping_full_n", 4.0}};
+  const std::string visits = fmt::format("/api/patients/{}/visits", id);
+  const std::int64_t first = b.post(visits, {{"side", "right"}, {"plan", plan}})["id"];
+  Parameters& now = b.station.now.values;
+  now["effort_limit_arm_n"] = 8.0;  // raised by a press
+  now["damping_full_n"] = 7.0;      // of the item
+  b.station.now.help = "none";
+  b.clinic->lookAtStation();
+  b.restart();  // nothing is lost with the process
+  b.post(fmt::format("/api/visits/{}/item", first), {{"item", 1}});
+  EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 8.0);
+  EXPECT_EQ(now["effort_limit_hand_tip_n"], 2.0);  // the item's lower limit stays in the visit
+  now["level_ratio"] = 1.25;
+  now["effort_limit_arm_n"] = 7.0;
+  b.station.now.level = 2;
+  EXPECT_EQ(personOf(b, id)["parameters"], Json::object());  // until the visit is closed
+  b.finish(first);
+  EXPECT_EQ(b.status, 200);
+  const Json person = personOf(b, id);
+  // The lower limit at the fingertips was the item's, not the person's.
+  EXPECT_EQ(person["parameters"], (Json{{"effort_limit_arm_n", 7.0}, {"level_ratio", 1.25}}));
+  EXPECT_EQ(person["visits"][0]["changed"], person["parameters"]);
+  EXPECT_EQ(person["today"][0]["help"], "none");
+  EXPECT_EQ(person["today"][0]["parameters"]["damping_full_n"], 7.0);
+  EXPECT_EQ(person["today"][1]["level"], 2);
+  b.post(visits, {{"side", "right"}, {"plan", person["today"]}});
+  ASSERT_EQ(b.status, 200);
+  const VisitOrder& next = b.station.orders.back();
+  EXPECT_EQ(next.parameters, (Parameters{{"effort_limit_arm_n", 7.0},
+                                         {"effort_limit_hand_tip_n", 2.0},
+                                         {"damping_full_n", 7.0}}));
+  EXPECT_EQ(next.help, "none");
+}
+
+TEST(Settings, WithoutAVisit_OrOfAnother_AreNobodys) {
+  Bench b;
+  const std::int64_t a = b.addPatient("P-001"), other = b.addPatient("P-002");
+  b.station.now.values["effort_limit_arm_n"] = 15.0;  // at the console
+  b.clinic->lookAtStation();
+  const std::int64_t visit = b.beginVisit(a);
+  EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 6.0);
+  b.finish(visit);
+  b.station.now.values["effort_limit_arm_n"] = 15.0;
+  b.clinic->lookAtStation();
+  const std::int64_t guest = b.post("/api/guest_visits", {{"side", "right"}})["id"];
+  b.station.now.values["effort_limit_arm_n"] = 9.0;
+  b.finish(guest);
+  b.post(fmt::format("/api/visits/{}/move", guest), {{"patient", other}});
+  for (const std::int64_t id : {a, other}) {
+    EXPECT_EQ(personOf(b, id)["parameters"], Json::object());
+  }
+}
+
+TEST(Settings, VisitOfTheWrongPerson_GivesItsSettingsBack_AndTheRightOneNone) {
+  Bench b;
+  Json body = patientOf("P-001");
+  body["parameters"] = {{"effort_limit_arm_n", 5.0}};
+  const std::int64_t wrong = b.post("/api/patients", body)["id"], right = b.addPatient("P-002");
+  const std::int64_t visit = b.beginVisit(wrong);
+  b.station.now.values["effort_limit_arm_n"] = 12.0;
+  b.station.now.values["damping_full_n"] = 2.0;
+  b.finish(visit);
+  EXPECT_EQ(personOf(b, wrong)["parameters"],
+            (Json{{"effort_limit_arm_n", 12.0}, {"damping_full_n", 2.0}}));
+  b.post(fmt::format("/api/visits/{}/move", visit), {{"patient", right}});
+  EXPECT_EQ(personOf(b, wrong)["parameters"], (Json{{"effort_limit_arm_n", 5.0}}));
+  EXPECT_EQ(personOf(b, right)["parameters"], Json::object());
+}
+
+TEST(Settings, LimitThatWasLowered_CapsThePlan_StationThatIsGoneKeepsIt) {
+  Bench b;
+  Json body = patientOf("P-001");
+  body["plan"] = planOf(2);
+  body["plan"][0]["parameters"] = {{"effort_limit_arm_n", 6.0}};
+  const std::int64_t id = b.post("/api/patients", body)["id"];
+  const std::int64_t visit = b.post(fmt::format("/api/patients/{}/visits", id),
+                                    {{"side", "right"}, {"plan", body["plan"]}})["id"];
+  b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}});
+  b.station.now.values["effort_limit_arm_n"] = 4.0;
+  b.clinic->lookAtStation();
+  b.station.now.visit = 0;  // the program was killed
+  for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
+  Json person = personOf(b, id);
+  EXPECT_EQ(person["visits"][0]["state"], "unfinished");
+  EXPECT_EQ(person["parameters"], (Json{{"effort_limit_arm_n", 4.0}}));
+  EXPECT_EQ(person["plan"][0]["parameters"]["effort_limit_arm_n"], 4.0);
+  EXPECT_EQ(person["today"][0]["parameters"]["effort_limit_arm_n"], 4.0);
+  b.ask("PUT", fmt::format("/api/patients/{}", id), person);
+  EXPECT_EQ(b.status, 200);
+}
+
 TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
   Bench b;
   FakeMeasures measures;
@@ -301,7 +404,7 @@ TEST(Trials, ForeignTruncatedEmptyCopiedRenamedDeleted_AreSaid) {
     return row.step() ? row.text(0) : "";
   };
   EXPECT_EQ(why("foreign.h5"), "ignored: visit 12345 is not of this clinic, or was erased");
-  EXPECT_EQ(why("none.h5"), "ignored: was recorded outside of a visit");
+  EXPECT_EQ(why("none.h5"), "measured: ");  // of nobody yet
   EXPECT_EQ(why("broken.h5"), "failed: is truncated");
   EXPECT_EQ(why("empty.h5"), "failed: the recording has no tick");
   const std::string kept = why("ours.h5") == "measured: " ? "ours.h5" : "copy.h5";
@@ -319,6 +422,148 @@ TEST(Trials, ForeignTruncatedEmptyCopiedRenamedDeleted_AreSaid) {
   measures.says["broken.h5"] = FakeMeasures::of(visit, "ee", 1);
   look(b, measures);
   EXPECT_EQ(trials().size(), 3U);
+}
+
+// Each is named where a therapist looks: in its visit's list, or among the sessions of nobody.
+TEST(Trials, EveryKindOfBadRecording_IsNamedInAList) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
+  const std::string stem = fmt::format("20261128-120005-visit-{}-bar-level-1", visit);
+  const auto named = [&](const Json& list) {
+    std::map<std::string, std::string> out;
+    for (const Json& trial : list) out[trial["recording"]] = trial["why"];
+    return out;
+  };
+  record(b, stem + ".h5", "half a recor");              // truncated: its name says whose it is
+  record(b, stem + "-2.h5");                            // deleted later
+  record(b, stem + "-3.h5");                            // without a tick
+  record(b, "20261128-120005-visit-77-bar.h5", "cut");  // of no visit here
+  record(b, "foreign.h5");
+  record(b, "written.h5");
+  b.station.now.recording = "written.h5";
+  measures.says = {{stem + "-2.h5", FakeMeasures::of(visit, "aa", 1)},
+                   {stem + "-3.h5", FakeMeasures::of(visit, "bb", 1, 0)},
+                   {"foreign.h5", FakeMeasures::of(12345, "cc", 1)},
+                   {"written.h5", FakeMeasures::of(visit, "dd", 1)}};
+  b.clinic->lookAtStation();
+  look(b, measures);
+  std::filesystem::remove(b.options.recordings + "/" + stem + "-2.h5");
+  look(b, measures);
+  using Named = std::map<std::string, std::string>;
+  EXPECT_EQ(named(b.get(fmt::format("/api/visits/{}", visit))["trials"]),
+            (Named{{stem + ".h5", "is truncated"},
+                   {stem + "-2.h5", "the recording is gone"},
+                   {stem + "-3.h5", "the recording has no tick"},
+                   {"written.h5", ""}}));
+  EXPECT_EQ(named(b.get("/api/sessions")["sessions"]),
+            (Named{{"20261128-120005-visit-77-bar.h5", "is truncated"},
+                   {"foreign.h5", "visit 12345 is not of this clinic, or was erased"}}));
+  // Put back, and written to its end: nothing is lost.
+  record(b, stem + "-2.h5");
+  b.station.now.recording = "";
+  look(b, measures);
+  const Json trials = b.get(fmt::format("/api/visits/{}", visit))["trials"];
+  EXPECT_EQ(std::count_if(trials.begin(), trials.end(),
+                          [](const Json& t) { return t["state"] == "measured"; }),
+            2);
+}
+
+TEST(Trials, WhatFailed_IsTriedAgainWhileTheProcessRuns) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
+  record(b, "a.h5");
+  int tries = 0;
+  bool memory_is_back = false;
+  const Measure measure = [&](const std::string&, std::string& why) -> std::optional<Json> {
+    ++tries;
+    if (memory_is_back) return FakeMeasures::of(visit, "aa", 5.0);
+    why = "out of memory";
+    return {};
+  };
+  const auto pass = [&](int seconds) {
+    for (int s = 0; s < seconds; s += 4, b.clock.pass(4 * kSecond_us)) {
+      b.clinic->lookAtRecordings(measure, {});
+    }
+  };
+  pass(3600);
+  EXPECT_GE(tries, 4);
+  EXPECT_LE(tries, 8);  // twice as long each time: 30 s, 60 s, ..., 1920 s
+  memory_is_back = true;
+  pass(3700);
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"][0]["state"], "measured");
+  const int then = tries;
+  pass(3700);
+  EXPECT_EQ(tries, then);
+}
+
+TEST(Sessions, RecordedWhileTheRecordsWereGone_AreGivenOrDeleted) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t id = b.addPatient("P-001"), earlier = b.beginVisit(id, 2);
+  b.finish(earlier);
+  b.clinic.reset();
+  for (const char* name : {"a.h5", "b.h5", "c.h5"}) {
+    record(b, name);
+    measures.says[name] = FakeMeasures::of(0, name, 5.0);
+  }
+  record(b, "c.json");
+  measures.says["b.h5"]["recording"]["began_utc"] = "2026-11-28T12:10:05Z";
+  b.restart();
+  look(b, measures);
+  const Json list = b.get("/api/sessions")["sessions"];
+  ASSERT_EQ(list.size(), 3U);
+  EXPECT_EQ(list[0]["recording"], "b.h5");  // the newest first
+  std::map<std::string, std::int64_t> number;
+  for (const Json& session : list) number[session["recording"]] = session["id"];
+  const Json gift = {{"patient", id}, {"sessions", {number["a.h5"], number["b.h5"]}}};
+  const Json visit = b.post("/api/sessions/give", gift);
+  ASSERT_EQ(b.status, 200) << visit;
+  EXPECT_EQ(visit["state"], "done");
+  EXPECT_EQ(visit["side"], "left");
+  EXPECT_EQ(visit["began_us"], kNoon_us + 5 * kSecond_us);
+  EXPECT_EQ(visit["ended_us"], kNoon_us + 665 * kSecond_us);
+  EXPECT_EQ(visit["trials"].size(), 2U);
+  EXPECT_EQ(b.refused("/api/sessions/give", gift), "changed");
+  EXPECT_EQ(personOf(b, id)["today"].size(), 2U);  // of the visit that had a plan
+  b.ask("DELETE", fmt::format("/api/sessions/{}", number["c.h5"]));
+  EXPECT_EQ(b.status, 200);
+  EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/c.h5"));
+  EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/c.json"));
+  EXPECT_EQ(b.get("/api/sessions")["sessions"], Json::array());
+  b.clinic.reset();  // the recordings name no visit; the gift stays
+  ASSERT_TRUE(rebuildTrials(b.options.folder, b.options.recordings, measures.measure()).ok());
+  std::filesystem::rename(b.options.recordings + "/a.h5", b.options.recordings + "/z.h5");
+  measures.says["z.h5"] = measures.says["a.h5"];
+  b.restart();
+  look(b, measures);
+  const Json kept = b.get(fmt::format("/api/visits/{}", visit["id"].get<std::int64_t>()));
+  ASSERT_EQ(kept["trials"].size(), 2U);
+  for (const Json& trial : kept["trials"]) EXPECT_EQ(trial["state"], "measured") << trial;
+}
+
+TEST(Sessions, VisitThatIsOpenWhenTheProcessDies_GoesOn) {
+  Bench b;
+  const std::int64_t visit = b.beginVisit(b.addPatient("P-001"), 2);
+  b.restart();
+  for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["id"], visit);
+  EXPECT_TRUE(b.station.closed.empty());
+  EXPECT_EQ(b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}})["item"], 1);
+}
+
+TEST(Sessions, DeletedGuest_LeavesNoRecording) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t guest = b.post("/api/guest_visits", {{"side", "left"}})["id"];
+  b.finish(guest);
+  record(b, "a.h5");
+  measures.says["a.h5"] = FakeMeasures::of(guest, "aa", 5.0);
+  look(b, measures);
+  b.ask("DELETE", fmt::format("/api/visits/{}", guest));
+  EXPECT_EQ(b.status, 200);
+  EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.h5"));
 }
 
 TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
@@ -340,8 +585,8 @@ TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
 }
 
 TEST(Trials, Child_ItsReasonIsKept_ItsTimeIsLimited) {
-  const TemporaryFolder folder;
-  const std::string program = folder.path + "/measures";
+  const test::Folder folder;
+  const std::string program = folder.path() + "/measures";
   std::ofstream(program) << "#!/bin/sh\ncase $2 in *good*) echo '{\"measures\":1}';; *) echo \"$2: "
                             "no tick\" >&2; exit 2;; esac\n";
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);

@@ -126,12 +126,12 @@ TEST(FingerCushions, AxisWithoutAWall_LetsItGo) {
   EXPECT_NEAR(travel[0], 0.1 * std::exp(-1.0), 2e-4);  // air_s
 }
 
-struct Fault {
+struct CushionFault {
   std::string find, with, key, says;
 };
 
 TEST(BottleFile, EveryFault_NamesKeyValueAndRemedy) {
-  const std::vector<Fault> faults = {
+  const std::vector<CushionFault> faults = {
       {"viscosity_pa_s = 2.0", "viscosity_pa_s = 0.0", "bottle.viscosity_pa_s", "(0, 1000] Pa·s"},
       {"viscosity_pa_s = 2.0", "viscosity_pa_s = nan", "bottle.viscosity_pa_s", "nan"},
       {"nozzle_radius_m = 0.002", "nozzle_radius_m = -0.002", "bottle.nozzle_radius_m", "-0.002"},
@@ -143,7 +143,7 @@ TEST(BottleFile, EveryFault_NamesKeyValueAndRemedy) {
       {"[bottle]", "[bottel]", "bottel", "did you mean bottle?"},
       {"nozzle_radius_m = 0.002", "nozzle_radius_m = 0.02", "bottle", "not felt"},
   };
-  for (const Fault& fault : faults) {
+  for (const CushionFault& fault : faults) {
     SCOPED_TRACE(fault.find + " -> " + fault.with);
     const Folder folder;
     folder.write("scenes/squeeze-to-level.toml",

@@ -5,6 +5,9 @@
 #include "model/device_model.hpp"
 #include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/mesh/mesh_file.hpp"
+#include "model/mesh_samples.hpp"
 #include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"
 #include "model/scene/scene_model.hpp"
@@ -117,6 +120,18 @@ FuzzTarget exerciseTarget() {
   });
 }
 
+/// A mesh of that kind, read in this process, and its collider.
+FuzzTarget meshTarget(const std::string& ending) {
+  std::vector<std::string> good;
+  for (const auto& [kind, bytes] : meshSamples()) {
+    if (kind == ending) good.push_back(bytes);
+  }
+  return fileTarget("mesh-" + ending, good, "a." + ending, [](const std::string& path) {
+    const Expected<MeshFile> file = readMeshHere(path);
+    return file ? faultsOf(meshCollider(*file)) : file.errors();
+  });
+}
+
 std::string firstLines(const std::string& text, std::size_t bytes) {
   return text.substr(0, text.rfind('\n', std::min(text.size() - 1, bytes)) + 1);
 }
@@ -143,6 +158,10 @@ std::vector<FuzzTarget> fileTargets() {
                  "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
       fileTarget("urdf", {bytesOfFile(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
                  [](const std::string& p) { return faultsOf(loadUrdf(p)); })};
+  for (const char* ending : {"stl", "obj", "ply", "dae", "glb"}) {
+    targets.push_back(meshTarget(ending));
+    targets.back().sampled = 100;
+  }
   for (FuzzTarget& target : targets) {
     if (target.name.starts_with("toml-")) target.full = 20'000;
   }

@@ -20,8 +20,8 @@ struct FuzzTarget {
   int sampled = 60;   ///< inputs otherwise
 };
 
-[[nodiscard]] std::vector<FuzzTarget> fileTargets();       ///< TOML of every kind, CSV, URDF
-[[nodiscard]] std::vector<FuzzTarget> messageTargets();    ///< WebSocket, UDP, HTTP, meshes
+[[nodiscard]] std::vector<FuzzTarget> fileTargets();     ///< TOML of every kind, CSV, URDF, meshes
+[[nodiscard]] std::vector<FuzzTarget> messageTargets();  ///< WebSocket, UDP, HTTP, meshes
 [[nodiscard]] std::vector<FuzzTarget> recordingTargets();  ///< black box, recordings
 
 /// What HDF5 has read of a recording; one of recordingTargets().

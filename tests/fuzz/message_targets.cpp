@@ -100,8 +100,9 @@ std::string enterHttp(const std::string& target) {
 }
 
 std::string enterMeshHandOver(const std::string& bytes) {
-  const Expected<MeshSurface> mesh = decodeMesh(bytes);
-  if (!mesh) return "";
+  const Expected<MeshFile> file = decodeMesh(bytes);
+  if (!file) return "";
+  const MeshSurface* mesh = &file->surface;
   for (const Eigen::Vector3i& t : mesh->triangles) {
     if (t.minCoeff() < 0 || t.maxCoeff() >= static_cast<int>(mesh->points.size())) {
       return "a corner that is no point";
@@ -111,9 +112,11 @@ std::string enterMeshHandOver(const std::string& bytes) {
 }
 
 std::vector<std::string> goodMeshes() {
-  MeshSurface mesh;
-  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  MeshFile mesh;
+  mesh.surface.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.part = {0, 0, 0, 1};
+  mesh.notices = {"has a skin"};
+  mesh.surface.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   return {encodeMesh(mesh), encodeMesh(Diagnostic{"", 0, "", "", "is broken", "repair it"})};
 }
 

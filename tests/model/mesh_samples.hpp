@@ -71,7 +71,43 @@ inline std::vector<std::pair<std::string, std::string>> meshSamples() {
 <p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries>
 <library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
-  return {{"stl", stl}, {"stl", ascii + "endsolid t\n"}, {"obj", obj}, {"glb", glb}, {"dae", dae}};
+  const auto ply = [](const char* format, const std::string& rows) {
+    return std::string("ply\nformat ") + format +
+           " 1.0\ncomment a tetrahedron\nelement vertex 4\nproperty float x\nproperty float y\n"
+           "property float z\nelement face 4\nproperty list uchar int "
+           "vertex_indices\nend_header\n" +
+           rows;
+  };
+  std::string text, little, big;
+  const auto put = [&](auto value) {
+    std::string bytes = littleEndian(value);
+    little += bytes;
+    big += std::string(bytes.rbegin(), bytes.rend());
+  };
+  for (const auto& c : corners) {
+    for (const float x : c) {
+      put(x);
+      text += std::to_string(x) + " ";
+    }
+    text += "\n";
+  }
+  for (const auto& face : faces) {
+    put(std::uint8_t{3});
+    text += "3";
+    for (const int i : face) {
+      put(std::int32_t{i});
+      text += " " + std::to_string(i);
+    }
+    text += "\n";
+  }
+  return {{"stl", stl},
+          {"stl", ascii + "endsolid t\n"},
+          {"obj", obj},
+          {"glb", glb},
+          {"dae", dae},
+          {"ply", ply("ascii", text)},
+          {"ply", ply("binary_little_endian", little)},
+          {"ply", ply("binary_big_endian", big)}};
 }
 
 }  // namespace wholehand::test

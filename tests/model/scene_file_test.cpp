@@ -135,34 +135,33 @@ TEST(SceneFile, FixedUrdf_MayHaveAnyInertial) {
   EXPECT_TRUE(says(format(moving.errors()), "link[a].inertial.mass.value = 0: is not positive"));
 }
 
-TEST(SceneFile, FrictionOfAUrdf_IsNamedUnlessTheSceneGivesOne) {
+TEST(SceneFile, FrictionOfAUrdf_IsAppliedUnlessTheSceneGivesOne) {
   const Folder folder;
-  const auto load = [&](const std::string& friction, const std::string& more) {
-    folder.write(
-        "thing.urdf",
-        R"(<robot name="r"><link name="a">)" +
-            (friction.front() == 'c' ? "<contact><lateral_friction value=\"0.1\"/>"
-                                       "</contact>"
-                                     : std::string()) +
-            R"(<collision><geometry><sphere radius="0.02"/></geometry>
-      </collision></link>)" +
-            (friction.front() == 'g' ? "<gazebo reference=\"a\"><mu1>0.2</mu1></gazebo>" : "") +
-            "</robot>");
+  const auto load = [&](const std::string& contact, const std::string& gazebo,
+                        const std::string& more) {
+    folder.write("thing.urdf", R"(<robot name="r"><link name="a"><contact>)" + contact +
+                                   R"(</contact><collision><geometry><sphere radius="0.02"/>
+      </geometry></collision></link><gazebo reference="a">)" +
+                                   gazebo + "</gazebo></robot>");
     return orThrow(
         loadSceneFile(folder.write("s.toml", kHead + kUrdfBody + "mass_kg = 0.1\n" + more)));
   };
-  const SceneModel bullet = load("contact", "");
-  ASSERT_EQ(bullet.notices.size(), 1U);
-  const std::string said = format(bullet.notices[0]);
-  EXPECT_TRUE(says(said,
-                   "thing.urdf:1: link[a].contact.lateral_friction = 0.1: is not applied; "
-                   "the body's friction is 0.8"))
-      << said;
-  const SceneModel gazebo = load("gazebo", "");
-  ASSERT_EQ(gazebo.notices.size(), 1U);
-  EXPECT_TRUE(says(format(gazebo.notices[0]), "gazebo[a].mu1 = 0.2"));
-  EXPECT_TRUE(load("contact", "friction = 0.1\n").notices.empty());
-  EXPECT_TRUE(load("none", "").notices.empty());
+  const std::string lateral = "<lateral_friction value=\"0.1\"/>";
+  EXPECT_EQ(load(lateral, "", "").bodies[0].friction, 0.1);
+  EXPECT_EQ(load("", "<mu1>0.2</mu1><mu2>0.2</mu2>", "").bodies[0].friction, 0.2);
+  EXPECT_EQ(load(lateral, "", "friction = 0.3\n").bodies[0].friction, 0.3);
+  EXPECT_EQ(load("", "", "").bodies[0].friction, 0.8);
+  EXPECT_TRUE(load(lateral, "", "").notices.empty());
+  const auto noticed = [&](const std::string& contact, const std::string& gazebo) {
+    const SceneModel scene = load(contact, gazebo, "");
+    return scene.notices.size() == 1 ? format(scene.notices[0]) : "";
+  };
+  EXPECT_TRUE(says(noticed(lateral + "<rolling_friction value=\"0.01\"/>", ""),
+                   "thing.urdf:1: link[a].contact.rolling_friction = 0.01: is not applied"));
+  EXPECT_EQ(noticed("<rolling_friction value=\"0\"/>", ""), "");
+  EXPECT_TRUE(says(noticed(lateral, "<mu1>0.2</mu1>"),
+                   "gazebo[a].mu1 = 0.2: is not applied: the body has one friction, 0.1"));
+  EXPECT_TRUE(says(noticed("", "<mu1>100</mu1>"), "mu1 = 100: is too large: 2 is applied"));
 }
 
 // v = sqrt(2 g h): 15 m/s after 11.47 m, however thick the floor is.
@@ -263,7 +262,6 @@ TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
       {body + "shape = \"mesh\"\nfile = \"empty.stl\"\n", ":10: ", "is empty"},
       {body + "shape = \"mesh\"\nfile = \"flat.obj\"\n", ":10: ", "is flat"},
       {body + "shape = \"urdf\"\nfile = \"none.urdf\"\n", ":10: ", "none.urdf"},
-      {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:3: link[b]", "no collider"},
       {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:4: joint[lid].type", "movable"},
       {"[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\nposition_m = [0, 0, 0]\n",
        "mass_kg", "is missing"},

@@ -129,8 +129,8 @@ TEST(MotionFile, Rows_EachFaultNamesItsLineAndColumn) {
 }
 
 TEST(MotionFile, SeveralFaults_AreAllReportedAndCappedAtTwenty) {
-  const std::string faults = faultsOf("time_s,x_m,speed\n0,zero,0\n0,1,1\n2,2\n");
-  EXPECT_SAYS(faults, ":1: column 3 = speed");
+  const std::string faults = faultsOf("time_s,x_m,y_mm\n0,zero,0\n0,1,1\n2,2\n");
+  EXPECT_SAYS(faults, ":1: column 3 = y_mm");
   EXPECT_SAYS(faults, ":2: x_m = zero");
   EXPECT_SAYS(faults, ":3: time_s = 0");
   EXPECT_SAYS(faults, ":4: has 2 values");
@@ -151,6 +151,80 @@ TEST(MotionFile, DeviceOfItsOwnAxes_WidensWhatIsKnown) {
   EXPECT_SAYS(faultsOf("time_s,index_flexion_rad\n0,0\n1,1\n"), "is no known axis");
   EXPECT_SAYS(faultsOf("time_s,index_flexion_m\n0,0\n1,1\n", &device), "has the wrong unit");
   EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n1,1\n", &device), "moves no axis of the device sled");
+}
+
+/// Its notices, one a line.
+std::string noticesOf(const std::string& content, const DeviceModel* device = nullptr) {
+  return format(orThrow(loadMotionFile(written(content), device)).notices);
+}
+
+TEST(MotionFile, TablesOfOtherPrograms_AreRead) {
+  const MotionFile plain = orThrow(loadMotionFile(written("time_s,x_m\n0,1\n0.5,2\n")));
+  for (const char* content :
+       {"\"time_s\",\"x_m\"\n\"0\",\"1\"\n\"0.5\",\"2\"\n",              // RFC 4180
+        "\"\",\"time_s\",\"x_m\"\n\"1\",0,1\n\"2\",0.5,2\n",             // R: write.csv
+        "\"time_s\",\"x_m\"\n\"1\",0,1\n\"2\",0.5,2\n",                  // R: write.table
+        ",time_s,x_m\n0,0,1\n1,0.5,2\n",                                 // pandas
+        "time_s,frame_id,x_m\n0,\"base, link \"\"1\"\"\",1\n0.5,,2\n"})  // ROS
+  {
+    const MotionFile motion = orThrow(loadMotionFile(written(content)));
+    EXPECT_EQ(motion.columns, plain.columns) << content;
+    EXPECT_EQ(motion.time_s, plain.time_s) << content;
+    EXPECT_EQ(motion.samples, plain.samples) << content;
+  }
+}
+
+TEST(MotionFile, ColumnsOfNoKnownAxis_AreIgnoredAndNamed) {
+  const std::string notices =
+      noticesOf("seq,stamp,frame_id,time_s,x_m,elbow_flexion_rad\n1,7,map,0,0,9\n2,8,map,1,1,9\n");
+  EXPECT_SAYS(notices, ":1: column 1 = seq: has no known unit and is ignored");
+  EXPECT_SAYS(notices, "column 3 = frame_id");
+  EXPECT_SAYS(notices, "column 6 = elbow_flexion_rad: is no known axis and is ignored");
+  EXPECT_EQ(noticesOf("time_s,x_m\n0,0\n1,1\n"), "");
+}
+
+TEST(MotionFile, TimeWithoutItsUnit_IsNamed) {
+  EXPECT_SAYS(faultsOf("time,x\n0,0\n1,0.1\n"),
+              "time_s: is missing: the column time does not say its unit");
+  EXPECT_SAYS(faultsOf("time,x\n0,0\n1,0.1\n"), "column 2 = x: has no known unit");
+  EXPECT_SAYS(faultsOf("%time,x_m\n0,0\n1,0.1\n"), "the column %time does not say its unit");
+}
+
+TEST(MotionFile, ValuesOfAnotherUnit_AreNamed) {
+  const std::string degrees = "time_s,finger_flexion_rad\n0,10\n0.1,12.56\n0.2,12.57\n0.3,40\n";
+  EXPECT_SAYS(faultsOf(degrees), ":4: finger_flexion_rad = 12.57: is beyond two turns");
+  EXPECT_SAYS(faultsOf(degrees), "multiply degrees by");
+  DeviceModel device = sled();
+  device.axes[0].name = "x";
+  device.axes[0].kind = AxisKind::kTranslation;
+  device.axes[0].lower = -0.1;
+  device.axes[0].upper = 0.1;
+  device.axes[0].speed_limit = 0.5;
+  // Ten times the range is 2 m from the first row, wherever that is; ten times the speed, 5 m/s.
+  EXPECT_EQ(faultsOf("time_s,x_m\n0,7\n1,9\n", &device), "");
+  EXPECT_SAYS(
+      faultsOf("time_s,x_m\n0,7\n1,9.01\n", &device),
+      ":3: x_m = 9.01: is 2.01 m from the first row; the axis of sled has a range of 0.2 m");
+  EXPECT_EQ(faultsOf("time_s,x_m\n0,0\n0.01,0.049\n", &device), "");
+  EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n0.01,0.051\n", &device),
+              ":3: x_m = 0.051: is reached at 5.1 m/s; the axis of sled moves at 0.5 m/s at most");
+  EXPECT_EQ(faultsOf("time_s,x_m\n0,0\n0.01,0.051\n"), "");
+}
+
+TEST(MotionFile, MillisecondsAsSeconds_AreNamed) {
+  const auto at = [](double step_s) {
+    std::string text = "time_s,x_m\n";
+    for (int i = 0; i < 20; ++i) text += std::to_string(i * step_s) + ",0\n";
+    return noticesOf(text);
+  };
+  EXPECT_SAYS(at(10.0), "time_s: has a row every 10 s; if these are milliseconds, divide them");
+  EXPECT_EQ(at(0.01), "");
+}
+
+TEST(MotionFile, MotionOfAnotherProgram_IsNamedAsWhatItIs) {
+  EXPECT_SAYS(faultsOf("PathFileType\t4\t(X/Y/Z)\tm.trc\n"), "is TRC");
+  EXPECT_SAYS(faultsOf("HIERARCHY\nROOT Hips\n"), "bvh2csv");
+  EXPECT_SAYS(faultsOf(std::string("\x02\x50\0\0", 4)), "c3d2csv");
 }
 
 TEST(MotionFile, EveryRecordingOfTheProject_Loads) {

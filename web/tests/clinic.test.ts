@@ -1,4 +1,5 @@
 // What the clinic's page keeps, asks and shows, against records in memory.
+import { readdirSync, readFileSync } from 'node:fs';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ClinicApi, Refused, Silent } from '../src/clinic/api';
 import { Clinic, NAMES_FOR_MS } from '../src/clinic/clinic';
@@ -21,6 +22,8 @@ class Kept {
   getItem = (key: string): string | null => this.all.get(key) ?? null;
   setItem = (key: string, text: string): void => { this.all.set(key, text); };
   removeItem = (key: string): void => { this.all.delete(key); };
+  key = (i: number): string | null => [...this.all.keys()][i] ?? null;
+  get length(): number { return this.all.size; }
 }
 
 let fake: FakeClinic;
@@ -38,8 +41,9 @@ afterEach(() => { vi.useRealTimers(); });
 
 /** A page that is open, with an account that has signed in. */
 async function page(signed = true): Promise<Clinic> {
-  const clinic = new Clinic('127.0.0.1', () => session, () => local, () => now_ms, fake.fetch);
-  if (signed && clinic.api.token === '') clinic.signedIn(fake.signIn());
+  const kept = local;
+  const clinic = new Clinic('127.0.0.1', () => session, () => kept, () => now_ms, fake.fetch);
+  if (signed && clinic.api.token === '') await clinic.signedIn(fake.signIn());
   await clinic.look(fake.fetch);
   return clinic;
 }
@@ -77,6 +81,7 @@ describe('who may see names', () => {
     await clinic.look(fake.fetch);
     expect([clinic.stage, clinic.visitPatient, clinic.visit?.patient]).toEqual(['hidden', null, maria.id]);
     expect(JSON.stringify([clinic.state?.visit, clinic.visit, clinic.visitPatient])).not.toContain('Maria');
+    expect(session.getItem('wholehand.clinic.key')).toBeNull();
     // The next item is set up, too.
     const next = await clinic.api.send<Visit>('POST', `/api/visits/${clinic.visit!.id}/item`, { item: 1 });
     expect(next.item).toBe(1);
@@ -97,7 +102,7 @@ describe('who may see names', () => {
   it('stays signed in over a reload, and keeps nothing in the address', async () => {
     await page();
     expect((await page(false)).stage).toBe('in');
-    expect([...session.all.keys()].sort()).toEqual(['wholehand.clinic.account', 'wholehand.clinic.token']);
+    expect([...session.all.keys()].sort()).toEqual(['wholehand.clinic.account', 'wholehand.clinic.key', 'wholehand.clinic.token']);
   });
 
   it('says how many tries are left', async () => {
@@ -144,32 +149,56 @@ describe('one intent', () => {
   });
 });
 
+/** The texts of one account, as a tab that is opened anew finds them. */
+async function draftsOf(account: number, key = fake.signIn(account).browser_key): Promise<Drafts> {
+  const kept = local, drafts = new Drafts(() => kept);
+  await drafts.open(account, key);
+  return drafts;
+}
+
 describe('what is typed', () => {
-  it('is kept for the same account and patient only', () => {
-    const drafts = new Drafts(() => local);
-    drafts.account = 1;
+  it('is kept for the same account and patient only', async () => {
+    const drafts = await draftsOf(1);
     drafts.set('note', 12, 'of Maria');
-    const again = new Drafts(() => local);
-    again.account = 1;
+    await drafts.settled();
+    const again = await draftsOf(1);
     expect([again.get('note', 12), again.get('note', 13)]).toEqual(['of Maria', undefined]);
-    again.account = 2;
-    expect(again.get('note', 12)).toBeUndefined();
-    again.account = 0;
+    expect((await draftsOf(2)).get('note', 12)).toBeUndefined();
+    again.close();
     expect(again.get('note', 12)).toBeUndefined();
   });
 
-  it('is kept by the page where the browser keeps nothing', () => {
-    const drafts = new Drafts(() => ({ getItem: () => { throw new Error('denied'); }, setItem: () => { throw new Error('denied'); }, removeItem: () => { throw new Error('denied'); } }));
-    drafts.account = 1;
+  it('cannot be read in the browser, nor by another account’s key', async () => {
+    const drafts = await draftsOf(1);
     drafts.set('note', 12, 'of Maria');
+    await drafts.settled();
+    expect(local.all.size).toBe(1);
+    expect([...local.all].join()).not.toContain('Maria');
+    expect((await draftsOf(1, fake.signIn(2).browser_key)).get('note', 12)).toBeUndefined();
+    expect((await draftsOf(1)).get('note', 12)).toBe('of Maria');
+  });
+
+  it('is kept by the page where the browser keeps nothing, or the key is not known yet', async () => {
+    const denied = (): never => { throw new Error('denied'); };
+    const drafts = new Drafts(denied);
+    await drafts.open(1, fake.signIn(1).browser_key);
+    drafts.set('note', 12, 'of Maria');
+    await drafts.settled();
     expect(drafts.get('note', 12)).toBe('of Maria');
+    const early = await draftsOf(1, '');
+    early.set('note', 12, 'of Maria');
+    await early.settled();
+    expect(local.all.size).toBe(0);
+    await early.open(1, fake.signIn(1).browser_key);
+    await early.settled();
+    expect((await draftsOf(1)).get('note', 12)).toBe('of Maria');
   });
 
   it('is saved a second after the last key, once, and then as the same note', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
-    const { api, drafts } = await page();
+    const { outbox, drafts } = await page();
     vi.useFakeTimers();
-    const keeper = new NoteKeeper(api, drafts, `/api/patients/${maria.id}/notes`, 'note', maria.id);
+    const keeper = new NoteKeeper(outbox, drafts, { patient: maria.id }, 'note', maria.id);
     for (const text of ['T', 'Ti', 'Tired']) {
       keeper.type(text);
       await vi.advanceTimersByTimeAsync(SAVED_AFTER_MS - 10);
@@ -182,80 +211,73 @@ describe('what is typed', () => {
     await vi.advanceTimersByTimeAsync(SAVED_AFTER_MS + 50);
     expect(fake.notes.map(({ text }) => text)).toEqual(['Tired after 20 min']);
     expect(await keeper.done()).toBe(true);
-    expect([keeper.text, drafts.get('note', maria.id)]).toEqual(['', undefined]);
+    expect([keeper.text, drafts.get('note', maria.id), outbox.waiting]).toEqual(['', undefined, 0]);
   });
 
-  it('adds what came after as a note of its own where notes cannot be changed', async () => {
+  it('outlives records that are gone and a killed tab, and comes once', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
-    const { api, drafts } = await page();
-    const keeper = new NoteKeeper(api, drafts, `/api/patients/${maria.id}/notes`, 'note', maria.id);
-    keeper.type('Tired');
-    await keeper.save();
-    fake.instead = { path: /^\/api\/notes\//, answer: { status: 404, body: { refused: 'not_found', why: '' } } };
-    keeper.type('Tired after 20 min');
-    await keeper.save();
-    keeper.close();
-    expect(fake.notes.map(({ text }) => text)).toEqual(['Tired', 'after 20 min']);
-  });
-
-  it('outlives records that are gone, and comes once', async () => {
-    const maria = fake.add({ name: 'Maria Huber' });
-    const { api, drafts } = await page();
-    const keeper = new NoteKeeper(api, drafts, `/api/patients/${maria.id}/notes`, 'note', maria.id);
+    const clinic = await page();
     fake.gone = true;
+    const keeper = new NoteKeeper(clinic.outbox, clinic.drafts, { patient: maria.id }, 'note', maria.id);
     keeper.type('Asks for more');
     await keeper.save();
     expect([keeper.state, keeper.text, fake.notes.length]).toEqual(['waits', 'Asks for more', 0]);
     keeper.close();
-    // The tab was killed; the page is opened again.
+    await clinic.drafts.settled();
+    // The tab was killed. Another one knows nothing until somebody signs in; then the note is sent, though nobody opens its patient.
+    session.all.clear();
     fake.gone = false;
-    const again = new NoteKeeper(api, drafts, `/api/patients/${maria.id}/notes`, 'note', maria.id);
-    expect(again.text).toBe('Asks for more');
-    await again.save();
-    await again.save();
-    again.close();
-    expect(fake.notes.map(({ text }) => text)).toEqual(['Asks for more']);
+    const again = await page(false);
+    expect(again.outbox.waiting).toBe(0);
+    await again.signedIn(fake.signIn(2));
+    await again.outbox.flush();
+    expect(fake.notes).toHaveLength(0);
+    await again.signedIn(fake.signIn(1));
+    expect(new NoteKeeper(again.outbox, again.drafts, { patient: maria.id }, 'note', maria.id).text).toBe('Asks for more');
+    await again.outbox.flush();
+    await again.outbox.flush();
+    expect(fake.notes.map(({ text, patient }) => [text, patient])).toEqual([['Asks for more', maria.id]]);
   });
 });
 
 describe('marks and pain', () => {
-  it('wait for records that are gone, in their order', async () => {
+  it('wait for records that are gone, over a reload', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const clinic = await page();
     const visit = fake.open(maria.id, 'right', maria.plan);
     fake.gone = true;
     await clinic.outbox.add(`/api/visits/${visit.id}/notes`, { kind: 'tired', text: '', at_us: 1 });
-    await clinic.outbox.add(`/api/visits/${visit.id}/pain`, { when: 'before', value: 0 });
+    // The last answer counts.
+    for (const value of [7, 0]) await clinic.outbox.add(`/api/visits/${visit.id}/pain`, { when: 'before', value }, 'pain');
     expect(clinic.silentSince).toBeDefined();
-    expect(clinic.outbox.waiting).toHaveLength(2);
-    // Another page, later.
+    expect(clinic.outbox.waiting).toBe(2);
+    await clinic.drafts.settled();
     fake.gone = false;
     const later = await page(false);
-    await vi.waitFor(() => expect(later.outbox.waiting).toHaveLength(0));
+    await vi.waitFor(() => expect(later.outbox.waiting).toBe(0));
     expect(fake.notes.map(({ kind }) => kind)).toEqual(['tired']);
     expect(visit.pain_before).toBe(0);
   });
 
-  it('go nowhere under another account', async () => {
+  it('are not held up by a note that only the PIN lets through', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
     const clinic = await page();
-    fake.gone = true;
-    await clinic.outbox.add('/api/visits/1/notes', { kind: 'tired', text: '', at_us: 1 });
-    fake.gone = false;
-    clinic.signedIn({ token: clinic.api.token, account: 2 });
-    await clinic.outbox.flush();
-    expect([clinic.outbox.waiting.length, fake.notes.length]).toEqual([0, 0]);
-    clinic.drafts.account = 1;
-    expect(clinic.outbox.waiting).toHaveLength(1);
+    const visit = fake.open(maria.id, 'right', maria.plan);
+    await clinic.hide();
+    clinic.outbox.keep('note-7', { method: 'PUT', path: '/api/notes/7', body: { patient: maria.id, kind: 'text', text: 'Calls', at_us: 1 } });
+    await clinic.outbox.add(`/api/visits/${visit.id}/notes`, { kind: 'spasm', text: '', at_us: 1 });
+    expect([fake.notes.map(({ kind }) => kind), clinic.outbox.waiting]).toEqual([['spasm'], 1]);
+    await clinic.show('1234');
+    await vi.waitFor(() => expect(fake.notes.map(({ text }) => text)).toContain('Calls'));
   });
 
   it('are given back where the records will never take them', async () => {
-    const drafts = new Drafts(() => local);
-    drafts.account = 1;
+    const drafts = await draftsOf(1);
     const outbox = new Outbox({ send: () => Promise.reject(new Refused(404, 'not_found', 'gone')) }, drafts);
     const refused = vi.fn();
     outbox.onRefused = refused;
     await outbox.add('/api/visits/1/notes', { kind: 'next', text: 'Level 2', at_us: 1 });
-    expect(outbox.waiting).toHaveLength(0);
+    expect(outbox.waiting).toBe(0);
     expect(refused.mock.calls[0][0].body.text).toBe('Level 2');
   });
 
@@ -292,7 +314,7 @@ describe('a visit', () => {
   it('is compared with the last one in the same exercise and level', () => {
     const [before, now] = [visit(), visit()];
     fake.trial(before, 1, 30);
-    expect(besideLast(now.trials[0], before).map(({ before: other }) => other?.value)).toEqual([60, 2.4]);
+    expect(besideLast(now.trials[0], before).map(({ before: other }) => other?.value)).toEqual([60, 2.4, 30]);
     expect(besideLast({ ...now.trials[0], level: 2 }, before)[0].before).toBeUndefined();
     expect(besideLast(now.trials[0], undefined)[0].before).toBeUndefined();
   });
@@ -310,6 +332,28 @@ describe('a visit', () => {
   it('is found again by a page that is opened meanwhile', async () => {
     const opened = visit();
     expect((await page()).visit?.id).toBe(opened.id);
+  });
+});
+
+describe('sessions without a patient', () => {
+  it('become a visit of one, together', async () => {
+    const maria = fake.add({ name: 'Maria Huber' });
+    const { api } = await page();
+    fake.sessions = [7, 8].map((id) => ({ id, recording: `${id}.h5`, began_us: 1e15 + id, duration_s: 300, side: 'right', exercise: 'squeeze-to-level', level: 1, active_s: 200, helped_share: 0, results: [], state: 'measured' }));
+    await api.send('POST', '/api/sessions/give', { patient: maria.id, sessions: [7, 8] });
+    const { visits } = await api.get<Patient>(`/api/patients/${maria.id}`);
+    expect(visits.map(({ trials }) => trials.map(({ recording }) => recording))).toEqual([['7.h5', '8.h5']]);
+    await expect(api.send('POST', '/api/sessions/give', { patient: maria.id, sessions: [7] })).rejects.toMatchObject({ code: 'changed' });
+  });
+});
+
+describe('without records', () => {
+  it('the gentle limits are known to a tab that is opened anew', async () => {
+    await page();
+    session.all.clear();
+    fake.gone = true;
+    const later = await page(false);
+    expect([later.stage, later.gentle.effort_limit_hand_tip_n]).toEqual(['absent', 3]);
   });
 });
 
@@ -357,15 +401,15 @@ describe('records that do not answer', () => {
     expect([clinic.stage, clinic.visit !== null, clinic.visitPatient]).toEqual(['locked', true, null]);
     // What is marked meanwhile is kept under the same account.
     await clinic.outbox.add(`/api/visits/${clinic.visit!.id}/notes`, { kind: 'spasm', text: '', at_us: 1 });
-    expect(clinic.outbox.waiting).toHaveLength(1);
+    expect(clinic.outbox.waiting).toBe(1);
     await clinic.api.send('POST', '/api/unlock', { recovery_code: fake.code });
-    clinic.signedIn(await clinic.api.send('POST', '/api/sign_in', { account: 1, pin: '1234' }));
+    await clinic.signedIn(await clinic.api.send('POST', '/api/sign_in', { account: 1, pin: '1234' }));
     await vi.waitFor(() => expect(fake.notes.map(({ kind }) => kind)).toEqual(['spasm']));
   });
 });
 
 describe('addresses', () => {
-  it.each<Route>([{ at: 'patients' }, { at: 'new' }, { at: 'settings' }, { at: 'patient', patient: 7 }, { at: 'edit', patient: 7 }, { at: 'progress', patient: 7 }, { at: 'summary', patient: 7, visit: 9 }, { at: 'visit', visit: 9 }, { at: 'end', visit: 9 }])('carry numbers only: $at', (route) => {
+  it.each<Route>([{ at: 'patients' }, { at: 'new' }, { at: 'settings' }, { at: 'alone' }, { at: 'patient', patient: 7 }, { at: 'edit', patient: 7 }, { at: 'progress', patient: 7 }, { at: 'summary', patient: 7, visit: 9 }, { at: 'visit', visit: 9 }, { at: 'end', visit: 9 }])('carry numbers only: $at', (route) => {
     expect(routeOf(hashOf(route))).toEqual(route);
     expect(hashOf(route)).toMatch(/^#\/[a-z]+(\/\d+)?(\/[a-z]+)?(\/\d+)?$/);
   });
@@ -383,6 +427,16 @@ describe('texts', () => {
     const there = new Map(flat(other));
     expect([...there.keys()].sort()).toEqual(flat(en).map(([key]) => key).sort());
     for (const [key, words] of flat(en)) expect(places(there.get(key)!), key).toEqual(places(words));
+  });
+
+  it('call every result as the panel of its exercise does', () => {
+    const folder = new URL('../../config/exercises/', import.meta.url);
+    const results = readdirSync(folder).flatMap((file) => readFileSync(new URL(file, folder), 'utf8').split('[[panel.values]]').slice(1)).filter((value) => /^result = true/m.test(value.split(/^\[/m)[0]));
+    expect(results.length).toBeGreaterThan(3);
+    for (const value of results) {
+      const [, name] = /^name = "(\w+)"/m.exec(value)!;
+      for (const [language, texts] of Object.entries({ en, fr, de })) expect(texts.results[name], name).toBe(new RegExp(`${language} = "([^"]*)"`).exec(value)![1]);
+    }
   });
 
   it('say every code of a refusal', () => {

@@ -1,11 +1,13 @@
 // The records' process in memory, as pages see it: HTTP in, HTTP out. Nothing is encrypted, nothing is measured.
-import type { Item, Note, Patient, PatientRow, PatientText, Trial, Visit } from '../src/clinic/records';
+import type { Item, LooseSession, Note, Patient, PatientRow, PatientText, Trial, Visit } from '../src/clinic/records';
 
 export interface Answer { readonly status: number; readonly body: unknown }
 type Body = Readonly<Record<string, unknown>>;
 type Row = PatientText & { id: number; version: number };
 type Writable<T> = { -readonly [Key in keyof T]: T[Key] };
 
+/** 64 digits, of its own for each account. */
+const browserKey = (account: number): string => account.toString(16).padStart(64, '0');
 const refuse = (status: number, refused: string, why: string, more: Body = {}): Answer => ({ status, body: { refused, why, ...more } });
 const ok = (body: unknown): Answer => ({ status: 200, body });
 
@@ -32,6 +34,7 @@ export class FakeClinic {
   instead: { path: RegExp; answer: Answer } | undefined;
   patients: Row[] = [];
   visits: Writable<Visit>[] = [];
+  sessions: LooseSession[] = [];
   notes: (Note & { patient: number })[] = [];
   backup = { last_us: 0, folder: '/srv/backup' };
   asked: string[] = [];
@@ -55,7 +58,7 @@ export class FakeClinic {
   handle(method: string, path: string, headers: { get(name: string): string | null }, body: Body): Answer {
     this.asked.push(`${method} ${path}`);
     const key = headers.get('Idempotency-Key');
-    if (method !== 'GET' && !key) return refuse(400, 'bad_value', 'no Idempotency-Key');
+    if (method !== 'GET' && !key && !path.startsWith('/api/notes/')) return refuse(400, 'bad_value', 'no Idempotency-Key');
     const before = key ? this.answered.get(key) : undefined;
     if (before) return before;
     const answer = this.instead?.path.test(path) ? this.instead.answer : this.answer(method, path, headers.get('Authorization') ?? '', body);
@@ -63,11 +66,11 @@ export class FakeClinic {
     return answer;
   }
 
-  signIn(): { token: string; account: number } {
+  signIn(account = this.account || this.tiles[0].id): { token: string; account: number; browser_key: string } {
+    this.account = account;
     this.token = `token-${this.last += 1}`;
-    this.account = this.account || this.tiles[0].id;
     this.hidden = false;
-    return { token: this.token, account: this.account };
+    return { token: this.token, account, browser_key: browserKey(account) };
   }
 
   add(text: Partial<PatientText> & { readonly name: string }): Row {
@@ -91,7 +94,7 @@ export class FakeClinic {
     const [where, query = ''] = path.split('?');
     const route = `${method} ${where.replace(/\/\d+/g, '/N')}`;
     const [first] = (where.match(/\d+/g) ?? []).map(Number);
-    if (route === 'GET /api/state') return ok({ clinic: this.clinic, tiles: this.clinic === 'open' ? this.tiles.map(({ pin: _, ...tile }) => tile) : [], station: { heard: true }, visit: this.openVisit?.id ?? 0, backup: this.backup, version: 1 });
+    if (route === 'GET /api/state') return ok({ clinic: this.clinic, tiles: this.clinic === 'open' ? this.tiles.map(({ pin: _, ...tile }) => tile) : [], station: { heard: true }, folder: { path: '/media/records/clinic', empty: true }, visit: this.openVisit?.id ?? 0, backup: this.backup, version: 1 });
     if (route === 'POST /api/init') return this.init(body);
     if (route === 'POST /api/unlock') {
       if (body.pass_phrase !== this.phrase && body.recovery_code !== this.code) return refuse(403, 'wrong_phrase', 'wrong');
@@ -103,9 +106,9 @@ export class FakeClinic {
     if (authorization !== `Bearer ${this.token}` || this.token === '') return refuse(401, 'not_signed_in', 'no session');
     if (route === 'POST /api/show') {
       const { status, body: said } = this.pin(body, this.account, false);
-      return { status, body: status === 200 ? {} : said };
+      return { status, body: status === 200 ? { browser_key: browserKey(this.account) } : said };
     }
-    const ofVisit = /^(GET \/api\/visits\/open|POST \/api\/visits\/N\/(item|finish|notes|pain)|POST \/api\/(hide|sign_out|lock)|GET \/api\/presets)$/;
+    const ofVisit = /^(GET \/api\/visits\/open|POST \/api\/visits\/N\/(item|finish|notes|pain)|POST \/api\/(hide|sign_out|lock)|GET \/api\/presets|PUT \/api\/notes\/N)$/;
     if (this.hidden && !ofVisit.test(route)) return refuse(403, 'hidden', 'hidden');
     return this.inside(route, first, query, body);
   }
@@ -129,8 +132,11 @@ export class FakeClinic {
       case 'POST /api/patients/N/visits': return this.openVisit ? refuse(409, 'visit_open', 'open') : ok(this.open(id, body.side as Visit['side'], body.plan as Item[]));
       case 'POST /api/guest_visits': return this.openVisit ? refuse(409, 'visit_open', 'open') : ok(this.open(null, body.side as Visit['side'], PLAN));
       case 'GET /api/visits/open': return ok({ visit: this.openVisit ?? null, patient: this.openVisit && !this.hidden ? this.rowOf(this.openVisit.patient ?? 0) ?? null : null });
-      case 'POST /api/patients/N/notes': case 'POST /api/visits/N/notes': return this.note(body, visit, id);
-      case 'PUT /api/notes/N': this.notes = this.notes.map((note) => (note.id === id ? { ...note, text: String(body.text) } : note)); return ok(this.notes.find((note) => note.id === id));
+      case 'POST /api/visits/N/notes': return this.note(body, visit, this.last += 1);
+      case 'PUT /api/notes/N': return this.note(body, this.visits.find((other) => other.id === body.visit), id);
+      case 'GET /api/sessions': return ok({ sessions: this.sessions, more: 0 });
+      case 'POST /api/sessions/give': return this.give(Number(body.patient), body.sessions as number[]);
+      case 'DELETE /api/sessions/N': this.sessions = this.sessions.filter((other) => other.id !== id); return ok({ recordings_left: [] });
       case 'GET /api/export/patient/N.csv': case 'GET /api/export/all.csv': return { status: 200, body: 'code,day,active_min\r\nP-001,2026-11-02,14\r\n' };
       default: return visit ? this.ofVisit(route, visit, body) : refuse(404, 'not_found', `nothing at ${route}`);
     }
@@ -148,6 +154,15 @@ export class FakeClinic {
       case 'DELETE /api/visits/N': this.visits = this.visits.filter((other) => other !== visit); return ok({});
       default: return refuse(404, 'not_found', `nothing at ${route}`);
     }
+  }
+
+  private give(patient: number, ids: readonly number[]): Answer {
+    const given = this.sessions.filter(({ id }) => ids.includes(id));
+    if (given.length < ids.length) return refuse(409, 'changed', 'given meanwhile');
+    const visit = this.open(patient, given[0].side, given.map(({ exercise, level, duration_s }) => ({ exercise, level, minutes: duration_s / 60, help: 'full' as const })), 'done', given[0].began_us);
+    visit.trials = given.map((session, item) => ({ ...session, item }));
+    this.sessions = this.sessions.filter(({ id }) => !ids.includes(id));
+    return ok(visit);
   }
 
   private get openVisit(): Writable<Visit> | undefined { return this.visits.find(({ state }) => state === 'open'); }
@@ -186,9 +201,9 @@ export class FakeClinic {
   private whole(row: Row): Patient {
     const visits = this.visits.filter(({ patient }) => patient === row.id), notes = this.notes.filter(({ patient }) => patient === row.id);
     const done = visits.filter(({ trials }) => trials.length > 0);
-    const points = (of: (trial: Trial) => number) => done.map(({ began_us, trials }) => [began_us, of(trials.at(-1)!)] as const);
+    const points = (n: number) => done.flatMap(({ began_us, trials }) => trials.at(-1)!.results.slice(n, n + 1).map(({ value }) => [began_us, value] as const));
     return { ...row, visits, notes, today: done.at(-1)?.plan ?? row.plan, curves: [{ name: 'active_min', points: done.map((visit) => [visit.began_us, visit.trials.reduce((sum, { active_s }) => sum + (active_s ?? 0) / 60, 0)] as const) },
-      { name: 'score', points: points(({ results }) => results[0].value) }, { name: 'reach_s', points: points(({ results }) => results[1].value) }, { name: 'helped_share', points: [] }] };
+      { name: 'score', points: points(0) }, { name: 'reach_s', points: points(1) }, { name: 'helped_share', points: [] }] };
   }
 
   private check(body: Body, id: number): Answer | undefined {
@@ -205,9 +220,13 @@ export class FakeClinic {
     return wrong ?? ok(this.whole(row));
   }
 
-  private note({ kind = 'text', text = '', at_us = this.now_us() }: Body, visit: Visit | undefined, id: number): Answer {
-    const note = { id: this.last += 1, visit: visit?.id ?? 0, patient: visit ? visit.patient ?? 0 : id, at_us: Number(at_us), account: this.account, kind: String(kind), text: String(text) };
-    this.notes.push(note);
+  /** A note of known number replaces its text. */
+  private note(body: Body, visit: Visit | undefined, id: number): Answer {
+    const { kind = 'text', text = '', at_us = this.now_us() } = body;
+    const patient = visit ? visit.patient ?? 0 : Number(body.patient);
+    if (this.hidden && visit !== this.openVisit) return refuse(403, 'hidden', 'hidden');
+    const note = { id, visit: visit?.id ?? 0, patient, at_us: Number(at_us), account: this.account, kind: String(kind), text: String(text) };
+    this.notes = [...this.notes.filter((other) => other.id !== id), note];
     return ok(note);
   }
 }

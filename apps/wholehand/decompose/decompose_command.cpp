@@ -273,10 +273,10 @@ Expected<ClosedSurface> readSolid(const DecomposeOptions& o) {
   if (!fs::is_regular_file(o.mesh, error)) {
     return Diagnostic{o.mesh, 0, "", "", "there is no such file", "check the name"};
   }
-  Expected<MeshSurface> surface = readMesh(o.mesh);
-  if (!surface) return surface.errors();
-  for (Eigen::Vector3d& p : surface->points) p *= o.scale;
-  Expected<ClosedSurface> solid = closedSurface(surface->points, surface->triangles);
+  Expected<MeshFile> file = readMesh(o.mesh);
+  if (!file) return file.errors();
+  for (Eigen::Vector3d& p : file->surface.points) p *= o.scale;
+  Expected<ClosedSurface> solid = closedSurface(file->surface.points, file->surface.triangles);
   if (!solid) return meshFault(o.mesh, solid.errors().front());
   return solid;
 }

@@ -53,7 +53,7 @@ class Validation {
       if (kind == "device-check") add(readDailyCheck(file));
       if (kind == "clinic-presets") add(clinic::loadPresets(file));
       if (kind == "sweep") remark = checkSweep(file);
-      if (kind == "motion") add(loadMotionFile(file));
+      if (kind == "motion") remark = checkMotion(file);
       if (kind != "motion" && !kind.empty()) checkKind(file, kind);
       if (!faulty_device_.empty()) {
         std::printf("-   %-9s %s (not checked: correct %s first)\n", kind.c_str(),
@@ -171,9 +171,23 @@ class Validation {
   std::string checkScene(const std::string& file) {
     const auto scene = loadSceneFile(file);
     if (!add(scene)) return {};
-    std::string remark;
-    for (const Diagnostic& notice : scene->notices) remark += "    " + format(notice) + "\n";
-    return remark;
+    return noticed(scene->notices);
+  }
+
+  // Against the device among the arguments, if there is just one.
+  std::string checkMotion(const std::string& file) {
+    const std::string device_file = onlyOr("device", "");
+    const auto device = device_file.empty() || !named(device_file)
+                            ? Expected<DeviceModel>(Diagnostics{})
+                            : loadDeviceFile(device_file);
+    const auto motion = loadMotionFile(file, device ? &*device : nullptr);
+    return add(motion) ? noticed(motion->notices) : "";
+  }
+
+  static std::string noticed(const Diagnostics& notices) {
+    std::string lines;
+    for (const Diagnostic& notice : notices) lines += "    " + format(notice) + "\n";
+    return lines;
   }
 
   // Gains are valid only if the loop is stable, at 1 kHz.

@@ -46,6 +46,8 @@ class Lost(ConnectionError):
 @contextlib.asynccontextmanager
 async def connect(address="127.0.0.1:8080", role=None, token=None):
     """@param address host:port @param role therapist, player or watcher; None: says none @param token of another machine"""
+    if role not in (None, "therapist", "player", "watcher"):
+        raise ValueError(f"role = {role!r}: must be therapist, player or watcher, or None")
     where = f"ws://{address}/ws" + (f"?role={role}" if role else "")
     headers = {"Authorization": f"Bearer {token}"} if token else {}
     try:

@@ -97,7 +97,7 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
       hand(kHooked, kTurnedAside);
       break;
     case Phase::kLeave:
-      put(layout_.y, layout_.y >= 0 ? q_[layout_.y] - layout_.beside * kBeside_m : 0.0);
+      base(at_m.x(), beside_m, at_m.z());
       hand(kHooked, kTurnedAside);
       break;
     case Phase::kTouch:
@@ -105,6 +105,7 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
       hand(kHooked, kOpposed);
       break;
     case Phase::kOpen:
+      base(at_m.x(), at_m.y(), at_m.z());
       hand(kHooked, kTurnedAside);
       break;
     case Phase::kClose:

@@ -5,8 +5,9 @@
 namespace wholehand::kitchen {
 namespace {
 
-// What is to be taken or let go must be so for a moment: contacts come and go at first touch.
-constexpr double kMoment_s = 0.2;
+// What is to be taken or let go must be so for a moment: contacts come and go at first touch. A
+// grip that trembles counts as long as it does not open.
+constexpr double kMoment_s = 0.2, kOpens = 0.25;
 constexpr double kFree_n = 0.05;
 
 }  // namespace
@@ -49,7 +50,7 @@ bool TaskSteps::tick(const Seen& seen, double elapsed_s) noexcept {
   const double wanted_s = timed ? step.for_s : once ? 0.0 : kMoment_s;
   if (holds(step, seen)) {
     held_s_ += elapsed_s;
-  } else if (!timed) {
+  } else if (!timed && !(step.verb == Verb::kTake && seen.squeeze_n > kOpens * step.force_n)) {
     held_s_ = 0.0;
   }
   if (!(held_s_ > 0.0) || held_s_ < wanted_s) return false;

@@ -24,15 +24,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-Diagnostic flatFault() {
-  return {"",
-          0,
-          "",
-          "",
-          "is flat or degenerate: it encloses no volume",
-          "give a closed convex surface with a thickness"};
-}
-
 /// True when all points lie between two planes nearer than 1e-6 of their extent. Qhull would call
 /// some of these an internal error.
 bool isFlat(const std::vector<Vector3d>& points) {

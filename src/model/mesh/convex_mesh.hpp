@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,28 +25,30 @@ inline constexpr int kMaxMeshPoints = 1024;
 inline constexpr int kMaxMeshTriangles = 200'000;
 
 class MeshLoadTime;  // model/mesh/mesh_file.hpp
+struct MeshFile;     // model/mesh/mesh_file.hpp
 
 /// The collider of a mesh.
 struct MeshCollider {
-  Shape shape;
-  std::optional<Diagnostic>
-      notice;  ///< why and how `shape` differs from the mesh; empty: it does not
+  std::vector<Shape> shapes;  ///< one, or one for each convex part
+  Diagnostics notices;        ///< why and how `shapes` differ from the mesh; empty: they do not
 };
 
-/// As convexMesh(). A mesh that is not closed or not convex gets its convex hull (convexHull()),
-/// and a notice says how much larger in volume it is.
+/// As convexMesh(). A mesh that is not convex becomes one shape for each part, when every part (an
+/// object, group or solid of the file; else every connected piece) is convex; a hull 1 % larger
+/// than its part is, too. Otherwise its convex hull (convexHull()) takes its place. Of a hull
+/// beyond 2 kMaxMeshPoints triangles, kMaxMeshPoints corners are kept. Notices say how much the
+/// volume differs.
 ///
 /// @return the collider, or one Diagnostic with problem and remedy: no faces, no volume, not 0.001
-/// to 10 m across, more than kMaxMeshTriangles, a hull of more than 2 kMaxMeshPoints triangles.
-[[nodiscard]] Expected<MeshCollider> meshCollider(const std::vector<Eigen::Vector3d>& points_m,
-                                                  const std::vector<Eigen::Vector3i>& triangles);
+/// to 10 m across, more than kMaxMeshTriangles.
+[[nodiscard]] Expected<MeshCollider> meshCollider(const MeshFile& file);
 
-/// Reads a mesh file (STL, OBJ, DAE, GLB) and makes a collider of it. Coordinates times `scale` are
-/// metres; axes are taken as in the file (a DAE's up-axis tag is ignored). A child process
-/// (meshReaderProgram()) reads the file; without that program, this process does
-/// (docs/adr/0027-untrusted-files-in-children.md).
+/// Reads a mesh file (STL, OBJ, PLY, DAE, GLB) and makes a collider of it. Coordinates times
+/// `scale` are metres; axes are taken as in the file (the up axis of DAE and GLB is ignored, with a
+/// notice). A child process (meshReaderProgram()) reads the file; without that program, this
+/// process does (docs/adr/0027-untrusted-files-in-children.md).
 ///
-/// @return as meshCollider(), the path in problem and notice; also a Diagnostic when the file is
+/// @return as meshCollider(), the path in problem and notices; also a Diagnostic when the file is
 /// missing or unreadable.
 [[nodiscard]] Expected<MeshCollider> loadMeshCollider(const std::string& path,
                                                       const Eigen::Vector3d& scale);

@@ -16,6 +16,7 @@ using Eigen::Vector3i;
 namespace {
 
 constexpr double kMinSize_m = 1e-3, kMaxSize_m = 10.0;
+constexpr const char* kFlat = "is flat or degenerate: it encloses no volume";
 
 }  // namespace
 
@@ -24,6 +25,14 @@ Diagnostic meshFault(std::string problem, std::string remedy) {
   d.problem = std::move(problem);
   d.remedy = std::move(remedy);
   return d;
+}
+
+Diagnostic flatFault() {
+  return meshFault(kFlat, "give a closed convex surface with a thickness");
+}
+
+bool isFlatFault(const Diagnostic& fault) {
+  return fault.problem.ends_with(kFlat);
 }
 
 std::string place(const Vector3d& p) {
@@ -96,8 +105,13 @@ Vector3d areaVector(const WeldedMesh& mesh, const Vector3i& t) {
 
 std::optional<Diagnostic> sizeFault(const WeldedMesh& mesh) {
   if (mesh.size_m >= kMinSize_m && mesh.size_m <= kMaxSize_m) return std::nullopt;
-  return meshFault(fmt::format("is {:.4g} m across", mesh.size_m),
-                   "must be 0.001 to 10 m across; a mesh in millimetres needs scale = 0.001");
+  // Files are in metres or millimetres; a scale may stand for one that is in the other.
+  const double factor = mesh.size_m > kMaxSize_m ? 1e-3 : 1e3;
+  return meshFault(
+      fmt::format("is {:.4g} m across", mesh.size_m),
+      fmt::format("must be 0.001 to 10 m across; with its scale times {:g} it is "
+                  "{:.4g} m across{}",
+                  factor, factor * mesh.size_m, factor < 1.0 ? ", as a mesh in millimetres" : ""));
 }
 
 std::optional<Diagnostic> countFault(std::size_t triangles, int most, const char* remedy) {

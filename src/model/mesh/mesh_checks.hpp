@@ -25,6 +25,11 @@ struct WeldedMesh {
 
 [[nodiscard]] Diagnostic meshFault(std::string problem, std::string remedy);
 
+/// Fault of a mesh without volume, and whether a fault is that one, whatever names the mesh before
+/// it.
+[[nodiscard]] Diagnostic flatFault();
+[[nodiscard]] bool isFlatFault(const Diagnostic& fault);
+
 /// "(0.1, 0.2, 0.3) m"
 [[nodiscard]] std::string place(const Eigen::Vector3d& p);
 

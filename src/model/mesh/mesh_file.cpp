@@ -1,15 +1,11 @@
 #include "model/mesh/mesh_file.hpp"
 
 #include "core/printable.hpp"
+#include "model/foreign/foreign_file.hpp"
 #include "model/mesh/convex_mesh.hpp"
+#include "model/mesh/mesh_readers.hpp"
 #include "process/child_process.hpp"
 
-#include <assimp/BaseImporter.h>
-#include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/importerdesc.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +16,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <iterator>
+#include <fstream>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -45,44 +41,11 @@ Diagnostic fileFault(std::string problem, std::string remedy) {
   return d;
 }
 
-/// Appends a mesh's triangles; skips points and lines.
-void append(const aiMesh& mesh, MeshSurface& surface) {
-  const int first = static_cast<int>(surface.points.size());
-  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-    const aiVector3D& v = mesh.mVertices[i];
-    surface.points.emplace_back(static_cast<double>(v.x), static_cast<double>(v.y),
-                                static_cast<double>(v.z));
-  }
-  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
-    const aiFace& face = mesh.mFaces[i];
-    if (face.mNumIndices != 3) continue;
-    surface.triangles.emplace_back(first + static_cast<int>(face.mIndices[0]),
-                                   first + static_cast<int>(face.mIndices[1]),
-                                   first + static_cast<int>(face.mIndices[2]));
-  }
-}
-
-// The documented formats, whose readers are tested against damage. assimp has some fifty others,
-// and tries all of them on an unknown file.
-constexpr std::array<std::string_view, 4> kKinds = {"stl", "obj", "dae", "glb"};
+// The documented formats, whose readers are tested against damage.
+constexpr std::array<std::pair<std::string_view, MeshFile (*)(std::string_view)>, 5> kReaders = {
+    {{"stl", readStl}, {"obj", readObj}, {"ply", readPly}, {"dae", readDae}, {"glb", readGlb}}};
 constexpr std::uintmax_t kLargestFile_bytes = 64U << 20U;
-
-bool isKind(std::string_view ending) {
-  return std::find(kKinds.begin(), kKinds.end(), ending) != kKinds.end();
-}
-
-void keepDocumentedReaders(Assimp::Importer& importer) {
-  std::vector<Assimp::BaseImporter*> others;
-  for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
-    std::istringstream endings(importer.GetImporterInfo(i)->mFileExtensions);
-    const bool kept = std::any_of(std::istream_iterator<std::string>(endings), {}, isKind);
-    if (!kept) others.push_back(importer.GetImporter(i));
-  }
-  for (Assimp::BaseImporter* other : others) {
-    importer.UnregisterLoader(other);
-    delete other;  // NOLINT: what UnregisterLoader gives back is the caller's
-  }
-}
+constexpr const char* kExport = "export it as STL, OBJ, PLY, DAE or GLB";
 
 /// File extension: "stl" of "a/Mug.STL".
 std::string endingOf(const std::string& path) {
@@ -93,11 +56,10 @@ std::string endingOf(const std::string& path) {
   return ending;
 }
 
-/// assimp's error as text, with its own message in brackets.
-std::string unreadable(const Assimp::Importer& importer, const std::string& path) {
-  const std::string own = importer.GetErrorString();
-  return "the mesh file " + printable(path) + " holds no surface that can be read" +
-         (own.empty() ? "" : " (" + own + ")");
+auto* readerOf(std::string_view ending) {
+  const auto* const found = std::find_if(kReaders.begin(), kReaders.end(),
+                                         [&](const auto& r) { return r.first == ending; });
+  return found == kReaders.end() ? nullptr : found->second;
 }
 
 /// Errors that are evident without reading the file.
@@ -114,28 +76,34 @@ std::optional<Diagnostic> nameFault(const std::string& path) {
   if (std::filesystem::file_size(path, error) > kLargestFile_bytes) {
     return fileFault("the mesh file " + name + " is larger than 64 MB", "simplify the surface");
   }
-  if (const std::string ending = endingOf(path); !isKind(ending)) {
-    return fileFault("the mesh file " + name + " is not of a supported format: its name " +
-                         (ending.empty() ? "has no ending" : "ends in ." + printable(ending)),
-                     "export it as STL, OBJ, DAE or GLB");
+  const std::string ending = endingOf(path);
+  if (readerOf(ending) != nullptr) return std::nullopt;
+  if (const auto foreign = foreignFileAt(path)) {
+    return fileFault("the mesh file " + name + " " + foreign->problem, foreign->remedy);
   }
-  return std::nullopt;
+  return fileFault("the mesh file " + name + " is not of a supported format: its name " +
+                       (ending.empty() ? "has no ending" : "ends in ." + printable(ending)),
+                   kExport);
 }
 
 /// @param longest limit of the time to read the file
 Expected<MeshCollider> loadCollider(const std::string& path, const Eigen::Vector3d& scale,
                                     std::chrono::milliseconds longest) {
-  Expected<MeshSurface> surface = readMesh(path, longest);
-  if (!surface) return surface.errors();
-  for (Eigen::Vector3d& p : surface->points) p = scale.cwiseProduct(p);
+  Expected<MeshFile> file = readMesh(path, longest);
+  if (!file) return file.errors();
+  for (Eigen::Vector3d& p : file->surface.points) p = scale.cwiseProduct(p);
   const std::string mesh = "the mesh " + printable(path) + " ";
-  Expected<MeshCollider> collider = meshCollider(surface->points, surface->triangles);
+  Expected<MeshCollider> collider = meshCollider(*file);
   if (!collider) {
     Diagnostic d = collider.errors().front();
     d.problem = mesh + d.problem;
     return d;
   }
-  if (collider->notice) collider->notice->problem = mesh + collider->notice->problem;
+  for (Diagnostic& notice : collider->notices) notice.problem = mesh + notice.problem;
+  for (const std::string& notice : file->notices) {
+    collider->notices.push_back(
+        fileFault(mesh + notice, "turn or export it otherwise if it is wrong"));
+  }
   return collider;
 }
 
@@ -144,7 +112,8 @@ constexpr std::uint32_t kSurface = 0x31534857, kRefusal = 0x31524857;  // "WHS1"
 
 struct Head {
   std::uint32_t what = 0;
-  std::uint32_t first = 0, second = 0;  ///< points, triangles; bytes of the problem, of the remedy
+  /// Points, triangles, bytes of the notices; or bytes of the problem, of the remedy.
+  std::uint32_t first = 0, second = 0, third = 0;
 };
 
 Diagnostic fault(std::string problem, std::string remedy) {
@@ -162,11 +131,13 @@ void put(std::string& text, const T* values, std::size_t count) {
   text.append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
 
-Expected<MeshSurface> decodeSurface(const Head& head, std::string_view body) {
+Expected<MeshFile> decodeSurface(const Head& head, std::string_view body) {
   using Point = std::array<double, 3>;
   using Triangle = std::array<std::int32_t, 3>;
-  if (body.size() != head.first * sizeof(Point) + head.second * sizeof(Triangle)) return damaged();
-  MeshSurface mesh;
+  const std::size_t row = sizeof(Triangle) + sizeof(std::int32_t);
+  if (body.size() != head.first * sizeof(Point) + head.second * row + head.third) return damaged();
+  MeshFile file;
+  MeshSurface& mesh = file.surface;
   mesh.points.reserve(head.first);
   mesh.triangles.reserve(head.second);
   for (std::uint32_t i = 0; i < head.first; ++i, body.remove_prefix(sizeof(Point))) {
@@ -182,7 +153,15 @@ Expected<MeshSurface> decodeSurface(const Head& head, std::string_view body) {
     }
     mesh.triangles.emplace_back(t[0], t[1], t[2]);
   }
-  return mesh;
+  file.part.resize(head.second);
+  std::memcpy(file.part.data(), body.data(), head.second * sizeof(std::int32_t));
+  body.remove_prefix(head.second * sizeof(std::int32_t));
+  while (!body.empty()) {
+    const std::size_t end = std::min(body.find('\n'), body.size());
+    file.notices.emplace_back(body.substr(0, end));
+    body.remove_prefix(std::min(end + 1, body.size()));
+  }
+  return file;
 }
 
 /// Why a reader without a result ended.
@@ -245,26 +224,29 @@ Diagnostic MeshLoadTime::fault() const {
           "simplify the meshes that took longest, or name fewer meshes"};
 }
 
-Expected<MeshSurface> readMeshHere(const std::string& path) {
+Expected<MeshFile> readMeshHere(const std::string& path) {
   if (auto fault = nameFault(path)) return *fault;
-  Assimp::Importer importer;
-  keepDocumentedReaders(importer);
-  // Robotics exporters write z-up parts whatever the tag says: the tag must not rotate a collider.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene =
-      importer.ReadFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices);
-  if (scene == nullptr) {
-    return fileFault(
-        unreadable(importer, path),
-        // The OBJ reader skips numbers written as ".5".
-        "export it again as STL, OBJ (a digit before every decimal point), DAE or GLB");
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  const std::string name = "the mesh file " + printable(path) + " ";
+  try {
+    MeshFile file = readerOf(endingOf(path))(bytes.view());
+    if (file.surface.triangles.empty()) throw UnreadableMesh{"holds no triangle", kExport};
+    file.part.resize(file.surface.triangles.size());  // one part where the kind has none
+    std::sort(file.notices.begin(), file.notices.end());
+    file.notices.erase(std::unique(file.notices.begin(), file.notices.end()), file.notices.end());
+    return file;
+  } catch (const UnreadableMesh& why) {
+    // A file of another program under a name of ours.
+    const auto foreign = foreignFile(bytes.view().substr(0, 4096), "");
+    if (foreign && !foreign->problem.starts_with("is a mesh"))
+      return fileFault(name + foreign->problem, foreign->remedy);
+    return fileFault(name + why.problem, why.remedy);
   }
-  MeshSurface surface;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) append(*scene->mMeshes[i], surface);
-  return surface;
 }
 
-Expected<MeshSurface> readMesh(const std::string& path, std::chrono::milliseconds longest) {
+Expected<MeshFile> readMesh(const std::string& path, std::chrono::milliseconds longest) {
   if (auto fault = nameFault(path)) return *fault;
   const std::string reader = meshReaderProgram();
   return reader.empty() ? readMeshHere(path) : readMeshInChild(reader, path, longest);
@@ -295,34 +277,39 @@ std::string meshReaderProgram() {
   return {};
 }
 
-Expected<MeshSurface> readMeshInChild(const std::string& program, const std::string& path,
-                                      std::chrono::milliseconds longest) {
+Expected<MeshFile> readMeshInChild(const std::string& program, const std::string& path,
+                                   std::chrono::milliseconds longest) {
   const ChildLimits limits = {
       .time = longest, .memory_bytes = 1ULL << 30, .output_bytes = 256ULL << 20};
   const ChildResult child = runChild(program, {path}, limits);
   if (child.ending == ChildEnding::kExited && child.code == 0) return decodeMesh(child.output);
   return fault("the mesh file " + printable(path) + " " + ending(child, longest),
-               "export it again as STL, OBJ, DAE or GLB, with fewer triangles");
+               "export it again as STL, OBJ, PLY, DAE or GLB, with fewer triangles");
 }
 
-std::string encodeMesh(const Expected<MeshSurface>& mesh) {
+std::string encodeMesh(const Expected<MeshFile>& file) {
   std::string text;
-  if (!mesh) {
-    const Diagnostic& why = mesh.errors().front();
+  if (!file) {
+    const Diagnostic& why = file.errors().front();
     const Head head{kRefusal, static_cast<std::uint32_t>(why.problem.size()),
                     static_cast<std::uint32_t>(why.remedy.size())};
     put(text, &head, 1);
     return text + why.problem + why.remedy;
   }
-  const Head head{kSurface, static_cast<std::uint32_t>(mesh->points.size()),
-                  static_cast<std::uint32_t>(mesh->triangles.size())};
+  std::string notices;
+  for (const std::string& notice : file->notices) notices += notice + "\n";
+  const MeshSurface& mesh = file->surface;
+  const Head head{kSurface, static_cast<std::uint32_t>(mesh.points.size()),
+                  static_cast<std::uint32_t>(mesh.triangles.size()),
+                  static_cast<std::uint32_t>(notices.size())};
   put(text, &head, 1);
-  for (const Eigen::Vector3d& p : mesh->points) put(text, p.data(), 3);
-  for (const Eigen::Vector3i& t : mesh->triangles) put(text, t.data(), 3);
-  return text;
+  for (const Eigen::Vector3d& p : mesh.points) put(text, p.data(), 3);
+  for (const Eigen::Vector3i& t : mesh.triangles) put(text, t.data(), 3);
+  put(text, file->part.data(), mesh.triangles.size());
+  return text + notices;
 }
 
-Expected<MeshSurface> decodeMesh(std::string_view text) {
+Expected<MeshFile> decodeMesh(std::string_view text) {
   Head head;
   if (text.size() < sizeof head) return damaged();
   std::memcpy(&head, text.data(), sizeof head);

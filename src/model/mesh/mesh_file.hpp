@@ -13,24 +13,32 @@
 
 namespace wholehand {
 
-/// The triangles of a mesh file, unchanged.
+/// Triangles.
 struct MeshSurface {
   std::vector<Eigen::Vector3d> points;     ///< in the file's own unit
   std::vector<Eigen::Vector3i> triangles;  ///< indices into points
 };
 
+/// What a mesh file holds: its triangles, unchanged but placed by the file's own nodes.
+struct MeshFile {
+  MeshSurface surface;
+  /// Of each triangle: the number of its object, group, solid or placed geometry.
+  std::vector<int> part;
+  std::vector<std::string> notices;  ///< what of the file is not applied, as "has ..." or "is ..."
+};
+
 /// Limit of the time to read one mesh file.
 inline constexpr std::chrono::milliseconds kLongestMeshRead = std::chrono::seconds(10);
 
-/// Reads a mesh file (STL, OBJ, DAE, GLB) in a child process (meshReaderProgram()); without that
-/// program, in this process, without a limit of time.
+/// Reads a mesh file (STL, OBJ, PLY, DAE, GLB) in a child process (meshReaderProgram()); without
+/// that program, in this process, without a limit of time.
 /// @return as readMeshHere()
-[[nodiscard]] Expected<MeshSurface> readMesh(const std::string& path,
-                                             std::chrono::milliseconds longest = kLongestMeshRead);
+[[nodiscard]] Expected<MeshFile> readMesh(const std::string& path,
+                                          std::chrono::milliseconds longest = kLongestMeshRead);
 
-/// Reads a mesh file in this process with assimp, which a damaged file may crash.
+/// Reads a mesh file in this process.
 /// @return the surface, or one Diagnostic with problem and remedy (file and key are the caller's)
-[[nodiscard]] Expected<MeshSurface> readMeshHere(const std::string& path);
+[[nodiscard]] Expected<MeshFile> readMeshHere(const std::string& path);
 
 /// Path of wholehand-read-mesh, the program that reads a mesh in a child process: beside this
 /// program, or in lib/wholehand of the parent folder. Empty: not found.
@@ -39,16 +47,16 @@ inline constexpr std::chrono::milliseconds kLongestMeshRead = std::chrono::secon
 /// Runs `program FILE` with limits of `longest` and 1 GB, and reads its result. Survives a crash of
 /// that process.
 /// @return as readMeshHere()
-[[nodiscard]] Expected<MeshSurface> readMeshInChild(
+[[nodiscard]] Expected<MeshFile> readMeshInChild(
     const std::string& program, const std::string& path,
     std::chrono::milliseconds longest = kLongestMeshRead);
 
 /// Encodes the result for that program's standard output: a surface or an error. For processes of
 /// the same build on the same machine.
-[[nodiscard]] std::string encodeMesh(const Expected<MeshSurface>& mesh);
+[[nodiscard]] std::string encodeMesh(const Expected<MeshFile>& file);
 /// @param text any bytes
 /// @return the input of encodeMesh(). Every index is valid.
-[[nodiscard]] Expected<MeshSurface> decodeMesh(std::string_view text);
+[[nodiscard]] Expected<MeshFile> decodeMesh(std::string_view text);
 
 /// Time that all meshes of one scene or URDF may take together. One file alone is limited to
 /// kLongestMeshRead, too.

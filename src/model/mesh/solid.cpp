@@ -137,7 +137,7 @@ Expected<ClosedSurface> closedSurface(const std::vector<Vector3d>& points_m,
   closed.surface = {std::move(mesh.points_m), std::move(mesh.triangles)};
   const double volume_m3 = signedVolume(closed.surface);
   if (std::abs(volume_m3) < kWeldShare * std::pow(closed.size_m, 3)) {
-    return meshFault("is flat or degenerate: it encloses no volume", "give it a thickness");
+    return flatFault();
   }
   closed.turned = volume_m3 < 0.0;
   closed.volume_m3 = std::abs(volume_m3);

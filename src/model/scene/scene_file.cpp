@@ -83,9 +83,11 @@ double farthestFrom(const std::vector<Shape>& shapes, const Vector3d& from_m) {
   return most_m;
 }
 
-/// How far a point is outside of the box of the shapes [m]; 0 within.
-double besideShapes(const std::vector<Shape>& shapes, const Vector3d& point_m) {
+/// How far a point is outside of the box of the shapes and some points [m]; 0 within.
+double besideShapes(const std::vector<Shape>& shapes, const std::vector<Vector3d>& points_m,
+                    const Vector3d& point_m) {
   Eigen::AlignedBox3d box;
+  for (const Vector3d& p : points_m) box.extend(p);
   eachBound(shapes, [&](const Vector3d& p) { box.extend(p); });
   return box.exteriorDistance(point_m);
 }
@@ -192,8 +194,8 @@ class BodyReader {
     Expected<MeshCollider> mesh =
         loadMeshCollider(assets_.back(), Vector3d::Constant(scale), *time_);
     if (mesh) {
-      body.shapes.push_back(std::move(mesh->shape));
-      if (mesh->notice) note(*mesh->notice);
+      body.shapes = std::move(mesh->shapes);
+      for (const Diagnostic& notice : mesh->notices) note(notice);
     } else {
       t_.fail("file", mesh.errors().front().problem, mesh.errors().front().remedy);
     }
@@ -227,15 +229,10 @@ class BodyReader {
     assets_.push_back(path.string());
     assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
     notices_ = std::move(urdf->notices);
-    for (Diagnostic friction : urdf->frictions) {
-      if (t_.has("friction")) break;
-      friction.remedy =
-          fmt::format("the body's friction is {}; give the body friction = {} to apply it",
-                      formatNumber(body.friction), friction.value);
-      notices_.push_back(std::move(friction));
-    }
+    if (urdf->friction && !t_.has("friction")) body.friction = *urdf->friction;
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
+    ballast_m_ = urdf->ballast_m;
   }
 
   void readSoft(SceneBody& body) {
@@ -339,7 +336,7 @@ class BodyReader {
     const char* const remedy =
         "correct the URDF's <inertial> (kg, m, kg·m²), or set uniform_density = true to use its "
         "colliders'";
-    const double aside_m = besideShapes(body.shapes, m.com_m);
+    const double aside_m = besideShapes(body.shapes, ballast_m_, m.com_m);
     if (aside_m > 0.0) {
       t_.fail(
           "file",
@@ -347,7 +344,8 @@ class BodyReader {
           remedy);
       return;
     }
-    const double reach_m = farthestFrom(body.shapes, m.com_m);
+    double reach_m = farthestFrom(body.shapes, m.com_m);
+    for (const Vector3d& p : ballast_m_) reach_m = std::max(reach_m, (p - m.com_m).norm());
     const double most = m.mass_kg * reach_m * reach_m;
     const double is =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m.inertia_kg_m2).eigenvalues().maxCoeff();
@@ -364,6 +362,7 @@ class BodyReader {
   MeshLoadTime* time_;
   bool shape_wrong_ = false;
   std::optional<MassProperties> inertial_;
+  std::vector<Vector3d> ballast_m_;
   Diagnostics urdf_faults_;
   bool urdf_wrong_ = false;  ///< its mass is then unknown
   std::vector<std::string> assets_;

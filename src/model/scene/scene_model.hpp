@@ -94,10 +94,9 @@ void mirror(SceneModel& scene);
 /// depth.
 [[nodiscard]] Shape coreOf(const SceneBody& body, const Shape& shape);
 
-/// Reads a scene file with its meshes (through assimp) and URDFs, relative to it. Reports every
-/// fault at once: unknown shapes, meshes that make no collider (mesh/convex_mesh.hpp), links
-/// without collider, bodies that overlap at the start, meshes that take longer than
-/// MeshLoadTime::kTotal together.
+/// Reads a scene file with its meshes and URDFs, relative to it. Reports every
+/// fault at once: unknown shapes, meshes that make no collider (mesh/convex_mesh.hpp), bodies that
+/// overlap at the start, meshes that take longer than MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<SceneModel> loadSceneFile(const std::string& path);
 /// As above, with another limit of that time.
 [[nodiscard]] Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time);

@@ -1,6 +1,7 @@
 #include "model/toml/toml_file.hpp"
 
 #include "core/printable.hpp"
+#include "model/foreign/foreign_file.hpp"
 
 #include <toml++/toml.h>
 
@@ -335,6 +336,12 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
     faults.push_back(std::move(fault));
     return std::nullopt;
   }
+  if (std::optional<Diagnostic> foreign = foreignFile(*text, "")) {
+    foreign->file = path;
+    foreign->code = DiagnosticCode::kSyntax;
+    faults.push_back(std::move(*foreign));
+    return std::nullopt;
+  }
   if (std::optional<Diagnostic> beyond = beyondBounds(*text, path)) {
     faults.push_back(std::move(*beyond));
     return std::nullopt;
@@ -342,6 +349,13 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
   try {
     return toml::parse(*text, path);
   } catch (const toml::parse_error& error) {
+    if (std::optional<Diagnostic> foreign = foreignFileAt(path)) {  // by the ending of its name
+      fault.problem = foreign->problem;
+      fault.remedy = foreign->remedy;
+      fault.code = DiagnosticCode::kSyntax;
+      faults.push_back(std::move(fault));
+      return std::nullopt;
+    }
     fault.line = static_cast<int>(error.source().begin.line);
     fault.code = DiagnosticCode::kSyntax;
     fault.problem = "is not TOML: " + std::string(error.description());

@@ -2,7 +2,9 @@
 
 #include "core/expected.hpp"
 #include "core/geometry.hpp"
+#include "model/foreign/foreign_file.hpp"
 #include "model/mesh/convex_mesh.hpp"
+#include "model/mesh/mesh_checks.hpp"
 #include "model/mesh/mesh_file.hpp"
 #include "model/scene/scene_model.hpp"
 
@@ -66,6 +68,12 @@ class UrdfFaults {
 struct UrdfMeshes {
   std::vector<std::string> files;  ///< paths
   MeshLoadTime* time;              ///< what they may take together
+  struct Flat {
+    const XMLElement* at;
+    std::string key, name;
+    Diagnostic fault;
+  };
+  std::vector<Flat> flat;  ///< meshes without volume: left out where the body has other colliders
 };
 
 // A robot's whole description has some 2,000 attributes; an element has two '<'.
@@ -91,6 +99,8 @@ std::string beyondUrdfBounds(const std::string& path) {
   }
   return {};
 }
+
+constexpr double kMostFriction = 2.0;
 
 constexpr const char* kBlanks = " \t\r\n";
 
@@ -194,75 +204,114 @@ Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
   return pose;
 }
 
-/// Resolves a URDF's mesh name; the unresolved path if nothing is found, so that the mesh reader's
-/// message names it.
-fs::path meshPath(std::string_view name, const fs::path& urdf) {
-  constexpr std::string_view kFile = "file://", kPackage = "package://";
-  const fs::path folder = fs::absolute(urdf).parent_path();
-  if (name.starts_with(kFile)) return fs::path(name.substr(kFile.size()));
-  if (!name.starts_with(kPackage)) return folder / fs::path(name);
-  name.remove_prefix(kPackage.size());
-  const std::size_t slash = std::min(name.find('/'), name.size());
-  const fs::path package(name.substr(0, slash));
-  const fs::path rest(name.substr(std::min(slash + 1, name.size())));
-  std::error_code error;
-  for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
-    fs::path inside = up / rest, below = up / package / rest;
-    if (up.filename() == package && fs::exists(inside, error)) return inside;
-    if (fs::exists(below, error)) return below;
+/// Text of a URI with "%20" and the like as the characters that they stand for.
+std::string unescaped(std::string_view uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    int code = 0;
+    const char* const digits = uri.data() + i + 1;
+    if (uri[i] == '%' && i + 2 < uri.size() &&
+        std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
+      text += static_cast<char>(code);
+      i += 2;
+    } else {
+      text += uri[i];
+    }
   }
-  return folder / package / rest;
+  return text;
 }
 
-std::optional<Shape> readBox(const XMLElement& e, const std::string& key, UrdfFaults& faults) {
+/// Path of a mesh name without escapes, of any form; empty if nothing is there.
+fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& tried) {
+  std::error_code error;
+  const auto known = [&](const fs::path& path) { return fs::is_regular_file(path, error); };
+  constexpr std::string_view kFile = "file://";
+  for (const std::string_view scheme : {"package://", "model://"}) {
+    if (!name.starts_with(scheme)) continue;
+    name.remove_prefix(scheme.size());
+    const std::size_t slash = std::min(name.find('/'), name.size());
+    const fs::path package(name.substr(0, slash));
+    const fs::path rest(name.substr(std::min(slash + 1, name.size())));
+    tried = folder / package / rest;
+    for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
+      if (up.filename() == package && known(up / rest)) return up / rest;
+      if (known(up / package / rest)) return up / package / rest;
+    }
+    return {};
+  }
+  if (name.starts_with(kFile)) name.remove_prefix(kFile.size());
+  tried = folder / fs::path(name);
+  return known(tried) ? tried : fs::path{};
+}
+
+/// Resolves a URDF's mesh name; the unresolved path if nothing is found, so that the mesh reader's
+/// message names it.
+fs::path meshPath(const std::string& name, const fs::path& urdf) {
+  const fs::path folder = fs::absolute(urdf).parent_path();
+  std::string slashes = name;
+  std::replace(slashes.begin(), slashes.end(), '\\', '/');
+  fs::path tried;
+  for (const std::string& form : {name, unescaped(name), slashes, unescaped(slashes)}) {
+    if (const fs::path found = foundMesh(form, folder, tried); !found.empty()) return found;
+  }
+  return tried;
+}
+
+std::vector<Shape> readBox(const XMLElement& e, const std::string& key, UrdfFaults& faults) {
   const std::size_t before = faults.all().size();
   const std::vector<double> size = faults.numbers(e, "size", key, 3);
-  if (faults.all().size() > before) return std::nullopt;
+  if (faults.all().size() > before) return {};
   const auto [least, most] = std::minmax_element(size.begin(), size.end());
   if (*least < 1e-3 || *most > 10.0) {
     faults.add(&e, key + ".size", e.Attribute("size"), "is out of range",
                "must be three lengths in [0.001, 10] m");
-    return std::nullopt;
+    return {};
   }
   Shape shape;
   shape.half_extents_m = Eigen::Vector3d(size[0], size[1], size[2]) / 2.0;
-  return shape;
+  return {shape};
 }
 
-std::optional<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFaults& faults,
-                              UrdfMeshes& meshes) {
+std::vector<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                            UrdfMeshes& meshes) {
   const std::string name = faults.text(e, "filename", key);
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
-  if (e.Attribute("scale") != nullptr) {
-    const std::vector<double> s = faults.numbers(e, "scale", key, 3);
-    scale = {s[0], s[1], s[2]};
+  if (const char* const text = e.Attribute("scale"); text != nullptr) {
+    const auto one = parseNumbers(text);
+    const bool even = one && one->size() == 1;
+    const std::vector<double> s = faults.numbers(e, "scale", key, even ? 1 : 3);
+    scale = {s.front(), s[even ? 0 : 1], s.back()};
   }
-  if (name.empty()) return std::nullopt;
+  if (name.empty()) return {};
   meshes.files.push_back(meshPath(name, faults.file()).string());
-  if (meshes.time->isOver()) return std::nullopt;  // with a fault at the mesh before
+  if (meshes.time->isOver()) return {};  // with a fault at the mesh before
   Expected<MeshCollider> mesh = loadMeshCollider(meshes.files.back(), scale, *meshes.time);
   if (mesh) {
-    if (mesh->notice) faults.note(&e, key + ".filename", name, std::move(*mesh->notice));
-    return std::move(mesh->shape);
+    for (Diagnostic& notice : mesh->notices) faults.note(&e, key + ".filename", name, notice);
+    return std::move(mesh->shapes);
   }
   const Diagnostic& d = mesh.errors().front();
-  faults.add(&e, key + ".filename", name, d.problem, d.remedy);
-  return std::nullopt;
+  if (isFlatFault(d)) {
+    meshes.flat.push_back({&e, key + ".filename", name, d});
+  } else {
+    faults.add(&e, key + ".filename", name, d.problem, d.remedy);
+  }
+  return {};
 }
 
-std::optional<Shape> readRound(const XMLElement& e, ShapeType type, const std::string& key,
-                               UrdfFaults& faults) {
+std::vector<Shape> readRound(const XMLElement& e, ShapeType type, const std::string& key,
+                             UrdfFaults& faults) {
   const std::size_t before = faults.all().size();
   Shape shape;
   shape.type = type;
   shape.radius_m = faults.length_m(e, "radius", key);
   if (type != ShapeType::kSphere) shape.length_m = faults.length_m(e, "length", key);
-  if (faults.all().size() > before) return std::nullopt;
-  return shape;
+  if (faults.all().size() > before) return {};
+  return {shape};
 }
 
-std::optional<Shape> readGeometry(const XMLElement& e, const std::string& key, UrdfFaults& faults,
-                                  UrdfMeshes& meshes) {
+std::vector<Shape> readGeometry(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                                UrdfMeshes& meshes) {
   const std::string_view kind = e.Name();
   if (kind == "box") return readBox(e, key, faults);
   if (kind == "sphere") return readRound(e, ShapeType::kSphere, key, faults);
@@ -271,25 +320,25 @@ std::optional<Shape> readGeometry(const XMLElement& e, const std::string& key, U
   if (kind == "mesh") return readMesh(e, key, faults, meshes);
   faults.add(&e, key, "", fmt::format("is an unknown shape <{}>", kind),
              "must be one of box, sphere, cylinder, capsule, mesh");
-  return std::nullopt;
+  return {};
 }
 
-/// Reads the shape of one `<collision>`, in its link's frame; empty, with a fault, when it is not a
-/// valid collider. `key` names the element in messages. Appends the path of its mesh to
-/// `meshes`. After the end of their time, meshes are not read.
-std::optional<Shape> readUrdfCollision(const XMLElement& collision, const std::string& key,
-                                       UrdfFaults& faults, UrdfMeshes& meshes) {
+/// Reads the shapes of one `<collision>`, in its link's frame: several of a mesh of convex parts;
+/// none, with a fault, when it is not a valid collider. `key` names the element in messages.
+/// Appends the path of its mesh to `meshes`. After the end of their time, meshes are not read.
+std::vector<Shape> readUrdfCollision(const XMLElement& collision, const std::string& key,
+                                     UrdfFaults& faults, UrdfMeshes& meshes) {
   const XMLElement* geometry = collision.FirstChildElement("geometry");
   const XMLElement* kind = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
   if (kind == nullptr || kind->NextSiblingElement() != nullptr) {
     faults.add(&collision, key + ".geometry", "", "does not hold exactly one shape",
                "give one of box, sphere, cylinder, capsule, mesh");
-    return std::nullopt;
+    return {};
   }
-  std::optional<Shape> shape = readGeometry(*kind, key + "." + kind->Name(), faults, meshes);
+  std::vector<Shape> shapes = readGeometry(*kind, key + "." + kind->Name(), faults, meshes);
   const Pose in_link = faults.origin(collision, key);
-  if (shape) shape->in_body = in_link;
-  return shape;
+  for (Shape& shape : shapes) shape.in_body = in_link;
+  return shapes;
 }
 
 struct Link {
@@ -343,8 +392,9 @@ class Reader {
          e = e->NextSiblingElement("gazebo")) {
       const char* link = e->Attribute("reference");
       const std::string key = fmt::format("gazebo[{}]", link != nullptr ? link : "");
-      for (const char* name : {"mu1", "mu2"}) noteFriction(e->FirstChildElement(name), key);
+      for (const char* name : {"mu1", "mu2"}) readFriction(e->FirstChildElement(name), key);
     }
+    judgeColliders();
     if (faults_.all().empty()) checkTree();
     if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
     return merged();
@@ -367,21 +417,40 @@ class Reader {
       return false;
     }
     robot_ = document_.FirstChildElement("robot");
-    if (robot_ != nullptr) return true;
+    const bool macros = robot_ != nullptr && holdsMacros(*robot_);
+    if (robot_ != nullptr && !macros) return true;
+    if (addForeignFault(document_.RootElement())) return false;
     faults_.add(document_.RootElement(), "", "", "is no URDF: its root element is not <robot>",
                 "give a URDF (of a .xacro file: run xacro first)");
     return false;
+  }
+
+  /// Macros that nobody has expanded.
+  static bool holdsMacros(const XMLElement& e) {
+    for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
+      if (std::string_view(c->Name()).starts_with("xacro:")) return true;
+    }
+    return false;
+  }
+
+  /// Adds what the file is when another program's. @return true when it is known
+  bool addForeignFault(const XMLElement* at) {
+    const auto foreign = foreignFileAt(faults_.file());
+    if (foreign) faults_.add(at, "", "", foreign->problem, foreign->remedy);
+    return foreign.has_value();
   }
 
   /// Reports an XML error in words, with the parser's name for it in brackets.
   void addXmlFault() {
     using tinyxml2::XMLError;
     const XMLError code = document_.ErrorID();
+    const bool no_xml =
+        code == XMLError::XML_ERROR_EMPTY_DOCUMENT || code == XMLError::XML_ERROR_PARSING_TEXT;
+    if (no_xml && addForeignFault(nullptr)) return;
     std::error_code error;
     if (fs::file_size(faults_.file(), error) == 0) {
       faults_.addAtLine(0, "is empty", "give a URDF with at least one <link>");
-    } else if (code == XMLError::XML_ERROR_EMPTY_DOCUMENT ||
-               code == XMLError::XML_ERROR_PARSING_TEXT) {
+    } else if (no_xml) {
       faults_.addAtLine(0, "is no URDF: it holds no XML",
                         "give a URDF: XML that starts <robot ...>");
     } else if (code == XMLError::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
@@ -401,6 +470,25 @@ class Reader {
     return at == links_.end() ? -1 : static_cast<int>(at - links_.begin());
   }
 
+  /// A link may have no collider (a frame, ballast), and a mesh no volume; the body has some.
+  void judgeColliders() {
+    const bool any = std::any_of(links_.begin(), links_.end(),
+                                 [](const Link& link) { return !link.shapes.empty(); });
+    for (UrdfMeshes::Flat& flat : meshes_.flat) {
+      if (any) {
+        flat.fault.problem += "; it is left out";
+        faults_.note(flat.at, flat.key, flat.name, flat.fault);
+      } else {
+        faults_.add(flat.at, flat.key, flat.name, flat.fault.problem, flat.fault.remedy);
+      }
+    }
+    if (any || !faults_.all().empty()) return;
+    const Link& link = links_.front();
+    faults_.add(link.element, fmt::format("link[{}]", link.name), "",
+                "has no collider, nor has any other link",
+                "give a link a <collision> with a <geometry>");
+  }
+
   void readLink(const XMLElement& e) {
     Link link;
     link.element = &e;
@@ -413,30 +501,61 @@ class Reader {
     for (const XMLElement* c = e.FirstChildElement("collision"); c != nullptr;
          c = c->NextSiblingElement("collision")) {
       const std::string collision = fmt::format("{}.collision[{}]", key, number++);
-      if (auto shape = readUrdfCollision(*c, collision, faults_, meshes_)) {
-        link.shapes.push_back(std::move(*shape));
+      for (Shape& shape : readUrdfCollision(*c, collision, faults_, meshes_)) {
+        link.shapes.push_back(std::move(shape));
       }
     }
-    if (number == 0) {
-      faults_.add(&e, key, "", fmt::format("the link '{}' has no collider", link.name),
-                  "give it a <collision> with a <geometry>, or take the link out");
-    }
-    if (const XMLElement* c = e.FirstChildElement("contact")) {
-      noteFriction(c->FirstChildElement("lateral_friction"), key + ".contact");
+    const XMLElement* contact = e.FirstChildElement("contact");
+    for (const XMLElement* c = contact != nullptr ? contact->FirstChildElement() : nullptr;
+         c != nullptr; c = c->NextSiblingElement()) {
+      readContact(*c, key + ".contact");
     }
     const XMLElement* i = e.FirstChildElement("inertial");
-    if (i != nullptr && use_ == UrdfUse::kShapesAndMass) {
+    const bool frame = number == 0 && i != nullptr && isMassless(*i);
+    if (i != nullptr && use_ == UrdfUse::kShapesAndMass && !frame) {
       link.inertial = readInertial(*i, key + ".inertial");
     }
     links_.push_back(std::move(link));
   }
 
+  /// An element of Bullet's `<contact>`: friction is applied, the others are not.
+  void readContact(const XMLElement& e, const std::string& key) {
+    if (std::string_view(e.Name()) == "lateral_friction") return readFriction(&e, key);
+    const char* const value = e.Attribute("value");
+    if (value == nullptr || parseNumbers(value) == std::vector<double>{0.0}) return;
+    faults_.note(&e, key + "." + e.Name(), value,
+                 {"", 0, "", "", "is not applied", "the body keeps its own; friction is applied"});
+  }
+
   /// Of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`, `<mu2>`).
-  void noteFriction(const XMLElement* e, const std::string& key) {
+  void readFriction(const XMLElement* e, const std::string& key) {
     if (e == nullptr) return;
-    const char* value = e->Attribute("value") != nullptr ? e->Attribute("value") : e->GetText();
-    frictions_.push_back({faults_.file(), e->GetLineNum(), fmt::format("{}.{}", key, e->Name()),
-                          value != nullptr ? value : "", "is not applied", ""});
+    const char* const text =
+        e->Attribute("value") != nullptr ? e->Attribute("value") : e->GetText();
+    const auto value = parseNumbers(text != nullptr ? text : "");
+    if (!value || value->size() != 1 || value->front() < 0.0) {
+      faults_.add(e, key + "." + e->Name(), text != nullptr ? text : "", "is no friction",
+                  "must be a number >= 0");
+    } else if (value->front() > kMostFriction) {
+      faults_.note(e, key + "." + e->Name(), text,
+                   {"", 0, "", "", fmt::format("is too large: {:g} is applied", kMostFriction),
+                    "must be in [0, 2]"});
+      friction_ = kMostFriction;
+    } else if (friction_ && *friction_ != value->front()) {
+      faults_.note(e, key + "." + e->Name(), text,
+                   {"", 0, "", "",
+                    fmt::format("is not applied: the body has one friction, {:g} as named before",
+                                *friction_),
+                    "give the body of the scene a friction of its own"});
+    } else {
+      friction_ = value->front();
+    }
+  }
+
+  static bool isMassless(const XMLElement& inertial) {
+    const XMLElement* mass = inertial.FirstChildElement("mass");
+    const char* const value = mass != nullptr ? mass->Attribute("value") : nullptr;
+    return value != nullptr && parseNumbers(value) == std::vector<double>{0.0};
   }
 
   std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key) {
@@ -534,7 +653,7 @@ class Reader {
     UrdfBody body;
     body.mesh_files = meshes_.files;
     body.notices = faults_.notices();
-    body.frictions = frictions_;
+    body.friction = friction_;
     for (const Link& link : links_) {
       Pose in_root = link.in_parent;
       for (int i = link.parent; i >= 0; i = links_[i].parent)
@@ -545,6 +664,7 @@ class Reader {
       }
       if (!link.inertial) continue;
       const MassProperties m = moved(*link.inertial, in_root);
+      if (link.shapes.empty()) body.ballast_m.push_back(m.com_m);
       body.inertial = body.inertial ? combined(*body.inertial, m) : m;
     }
     return body;
@@ -555,7 +675,7 @@ class Reader {
   const XMLElement* robot_ = nullptr;
   std::vector<Link> links_;
   UrdfMeshes meshes_{};
-  Diagnostics frictions_;
+  std::optional<double> friction_;
   UrdfUse use_;
 };
 

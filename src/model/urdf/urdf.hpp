@@ -4,6 +4,8 @@
 #include "model/mass_properties.hpp"
 #include "model/scene/scene_model.hpp"
 
+#include <Eigen/Core>
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,20 +21,21 @@ enum class UrdfUse { kShapes, kShapesAndMass };
 struct UrdfBody {
   std::vector<Shape> shapes;               ///< every collision element of every link
   std::vector<std::string> mesh_files;     ///< paths of the meshes it names
-  Diagnostics notices;                     ///< meshes that their convex hull stands for
+  Diagnostics notices;                     ///< what differs from the file, or is not applied
   std::optional<MassProperties> inertial;  ///< sum of the inertials; empty when no link has one
-  /// Coefficients of friction in extensions of Bullet and Gazebo, which nothing here applies.
-  Diagnostics frictions;
+  std::vector<Eigen::Vector3d> ballast_m;  ///< centres of inertials of links without a collider
+  std::optional<double> friction;          ///< of extensions of Bullet or Gazebo, 0 .. 2
 };
 
 /// Reads every `<collision>` of every link of a URDF (box, sphere, cylinder, capsule, mesh).
 /// Links connected by fixed joints become one rigid body. A capsule's length is between the centres
-/// of its caps. Mesh names are relative to the URDF, absolute, "file://", or "package://name/...",
-/// which is searched for in the folders above the URDF.
+/// of its caps. Mesh names are relative to the URDF, absolute, "file://", or "package://name/..."
+/// or "model://name/...", which are searched for in the folders above the URDF; with "%20" or
+/// backslashes, too. Links without a collider are frames; with an inertial, ballast.
 ///
-/// @return every fault at once, with line and element: movable joints, links without a collider,
-/// impossible inertials, meshes that make no collider (meshCollider()), meshes that take longer
-/// than MeshLoadTime::kTotal together.
+/// @return every fault at once, with line and element: movable joints, no collider, impossible
+/// inertials, meshes that make no collider (meshCollider()), meshes that take longer than
+/// MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);
 /// As above; the time of its meshes is added to `time`.
 /// @param use kShapes for a body that never moves: inertials are not looked at

@@ -2,12 +2,12 @@ import { choice, h, say } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { Refused } from './api';
 import { texts } from './i18n';
+import { accountName } from './notes';
 import type { Room } from './page';
 import { PlanEditor, planList } from './plan';
-import type { Item, OneSide, Patient, Visit } from './records';
+import { newestFirst, tookPlace, type Item, type OneSide, type Patient, type Visit } from './records';
 import { besideTitle, button, once, panel, Said } from './ui';
-import { minutes, sideWords, visitDay } from './words';
-import { newestFirst, tookPlace } from './records';
+import { minutes, sideWords, visitClock, visitDay } from './words';
 
 /** What is done today, filled in from the last visit, and the one button that begins it. */
 export class TodayPanel {
@@ -15,9 +15,11 @@ export class TodayPanel {
   private readonly t = texts().today;
   private readonly body = h('div', {});
   private readonly total = h('span', { class: 'aside' });
+  private readonly hint = h('p', { class: 'hint', role: 'status' });
   private readonly said = new Said();
   private readonly begin: HTMLButtonElement;
   private plan: readonly Item[];
+  private readonly from: string;
   private side: OneSide | undefined;
   private editing = false;
 
@@ -35,8 +37,9 @@ export class TodayPanel {
     this.begin = h('button', { type: 'button', class: 'b go large wide', 'data-testid': 'begin-visit', onclick: () => void once(this.begin, () => this.press()) });
     const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; say(change, this.editing ? t.ready : t.change); this.show(); }, 'wide');
     const last = newestFirst(patient.visits).find(tookPlace);
-    this.element = besideTitle(panel(t.title, 'today', h('p', { class: 'aside' }, last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan), this.body,
-      patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.said.element, this.begin, change), this.total);
+    this.from = last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan;
+    this.element = besideTitle(panel(t.title, 'today', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings), this.body,
+      patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.said.element, this.begin, change), this.total);
     this.show();
     this.refresh();
   }
@@ -48,19 +51,19 @@ export class TodayPanel {
     const number = patient.visits.filter(tookPlace).length + 1;
     say(begin, open ? (own ? t.goOn : t.otherOpen) : fill(t.begin, { n: number }));
     begin.disabled = !open && (this.side === undefined || this.plan.length === 0 || clinic.silentSince !== undefined);
-    if (!open && clinic.silentSince) this.said.say(t.notNow);
-    else if (!open && this.plan.length === 0) this.said.say(t.noPlan);
-    else if (this.said.element.textContent === t.notNow || this.said.element.textContent === t.noPlan) this.said.say('');
+    say(this.hint, open ? (own ? fill(t.openSince, { at: visitClock(open), who: accountName(this.room)(open.account) }) : '') : clinic.silentSince ? t.notNow : this.plan.length === 0 ? t.noPlan : '');
   }
+
+  private showTotal(): void { say(this.total, `${this.from} · ${minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0))}`); }
 
   private show(): void {
     const { clinic } = this.room;
-    say(this.total, minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0)));
+    this.showTotal();
     if (!this.editing) return this.body.replaceChildren(planList(this.plan));
     this.body.replaceChildren(new PlanEditor(this.plan, clinic.presets?.exercises ?? [], (items) => {
       this.plan = items;
       clinic.drafts.set('today', this.patient.id, items);
-      say(this.total, minutes(items.reduce((sum, item) => sum + item.minutes, 0)));
+      this.showTotal();
       this.refresh();
     }).element);
   }

@@ -1,7 +1,7 @@
 import { ClinicApi, Refused, Silent, type Fetch } from './api';
 import { Drafts, type Store } from './drafts';
 import { Outbox } from './outbox';
-import { isOpen, type PatientRow, type Presets, type RecordsState, type Tile, type Visit } from './records';
+import { isOpen, type PatientRow, type Presets, type RecordsState, type Tile, type Values, type Visit } from './records';
 
 /** Names go after so long without input [ms]. */
 export const NAMES_FOR_MS = 5 * 60_000;
@@ -11,7 +11,10 @@ const AWAKE_EVERY_MS = 60_000;
 /** What the page is to show before anything else; `in`: an account is signed in and names may be shown. */
 export type Stage = 'looking' | 'without' | 'absent' | 'new' | 'locked' | 'who' | 'hidden' | 'in';
 
-const TOKEN = 'wholehand.clinic.token', ACCOUNT = 'wholehand.clinic.account';
+const TOKEN = 'wholehand.clinic.token', ACCOUNT = 'wholehand.clinic.account', KEY = 'wholehand.clinic.key', GENTLE = 'wholehand.gentle';
+
+/** What signing in answers. */
+export interface SignedIn { readonly token: string; readonly account: number; readonly browser_key: string }
 
 /** What the page knows of the records, and who works with them. It holds no names while they are hidden. */
 export class Clinic {
@@ -37,10 +40,12 @@ export class Clinic {
   private port = 0;
   private without = false;
   private touched_ms: number;
+  /** What this tab had typed before it was loaded anew. */
+  private readonly restored: Promise<void>;
   private awake_ms = -Infinity;
 
   /** @param now_ms a clock that only goes forward */
-  constructor(host: string, private readonly session: () => Store | undefined, local: () => Store | undefined, private readonly now_ms: () => number, fetched?: Fetch) {
+  constructor(host: string, private readonly session: () => Store | undefined, private readonly local: () => Store | undefined, private readonly now_ms: () => number, fetched?: Fetch) {
     this.api = new ClinicApi(() => (this.port > 0 ? `http://${host}:${this.port}` : ''), fetched);
     this.drafts = new Drafts(local);
     this.outbox = new Outbox(this.api, this.drafts);
@@ -49,7 +54,7 @@ export class Clinic {
     this.api.onRefused = (refused) => this.refused(refused);
     this.outbox.onChange = () => this.onChange();
     this.api.token = this.kept(TOKEN);
-    this.drafts.account = Number(this.kept(ACCOUNT)) || 0;
+    this.restored = this.drafts.open(Number(this.kept(ACCOUNT)) || 0, this.kept(KEY));
   }
 
   get stage(): Stage {
@@ -65,6 +70,7 @@ export class Clinic {
 
   /** Asks the station where the records are, once, then the records how they are. */
   async look(station: Fetch): Promise<void> {
+    await this.restored;
     // A process that was started again may listen elsewhere.
     if (this.port === 0 || this.silentSince) await this.findPort(station);
     if (this.port === 0) return;
@@ -72,7 +78,7 @@ export class Clinic {
       this.state = await this.api.get<RecordsState>('/api/state');
       if (this.state.clinic !== 'open') this.forgetNames();
       if (this.stage === 'in' || this.stage === 'hidden') await this.lookAtVisit();
-      if (this.stage === 'in' && !this.presets) this.presets = await this.api.get<Presets>('/api/presets');
+      if (this.stage === 'in' && !this.presets) this.takePresets(await this.api.get<Presets>('/api/presets'));
       if (this.state.clinic === 'open') void this.outbox.flush();
     } catch (problem) {
       if (!(problem instanceof Silent) && !(problem instanceof Refused)) throw problem;
@@ -95,6 +101,17 @@ export class Clinic {
     return value;
   }
 
+  /** The gentle preset's numbers outlive the tab: without records nothing starts above them. */
+  takePresets(presets: Presets): void {
+    this.presets = presets;
+    try { this.local()?.setItem(GENTLE, JSON.stringify(presets.force[0]?.parameters ?? {})); } catch { /* this page knows them */ }
+  }
+
+  get gentle(): Values {
+    if (this.presets) return this.presets.force[0]?.parameters ?? {};
+    try { return JSON.parse(this.local()?.getItem(GENTLE) ?? '{}') as Values; } catch { return {}; }
+  }
+
   /** A visit was opened, changed or ended from here. */
   take(visit: Visit | null, patient = this.visitPatient): void {
     this.visit = visit && isOpen(visit) ? visit : null;
@@ -102,12 +119,13 @@ export class Clinic {
     this.onChange();
   }
 
-  signedIn({ token, account }: { readonly token: string; readonly account: number | Tile }): void {
+  async signedIn({ token, account, browser_key }: SignedIn): Promise<void> {
+    await this.drafts.open(account, browser_key);
     this.api.token = token;
-    this.drafts.account = typeof account === 'number' ? account : account.id;
     this.hidden = false;
     this.keep(TOKEN, token);
-    this.keep(ACCOUNT, String(this.drafts.account));
+    this.keep(ACCOUNT, String(account));
+    this.keep(KEY, browser_key);
     this.touch();
     void this.outbox.flush();
   }
@@ -117,7 +135,7 @@ export class Clinic {
     this.api.token = '';
     this.keep(TOKEN, '');
     if (!typing) {
-      this.drafts.account = 0;
+      this.drafts.close();
       this.keep(ACCOUNT, '');
     }
     this.hidden = false;
@@ -132,8 +150,9 @@ export class Clinic {
   }
 
   async show(pin: string): Promise<void> {
-    const { token } = await this.api.send<{ token?: string }>('POST', '/api/show', { pin });
-    if (token) this.keep(TOKEN, this.api.token = token);
+    const { browser_key } = await this.api.send<Pick<SignedIn, 'browser_key'>>('POST', '/api/show', { pin });
+    await this.drafts.open(this.account, browser_key);
+    this.keep(KEY, browser_key);
     this.hidden = false;
     this.touch();
     await this.lookAtVisit().catch(() => {});
@@ -194,6 +213,7 @@ export class Clinic {
   }
 
   private forgetNames(): void {
+    this.keep(KEY, '');
     this.seen.clear();
     this.finished = undefined;
     this.visitPatient = null;

@@ -1,42 +1,103 @@
-// What was typed and is not saved yet. It outlives hiding, a reload and the tab, and is shown to the same account only.
+// What was typed and is not in the records yet. It outlives hiding, a reload and the tab. The browser keeps it sealed under a
+// key that the records give to one account with its PIN: nobody else reads it there.
 
-export interface Store { getItem(key: string): string | null; setItem(key: string, text: string): void; removeItem(key: string): void }
+export type Store = Pick<Storage, 'getItem' | 'setItem' | 'removeItem' | 'key' | 'length'>;
 
 const PREFIX = 'wholehand.clinic';
+/** Of AES-GCM, before what it sealed [bytes]. */
+const NONCE = 12;
+
+const utf8 = new TextEncoder();
+const fromHex = (digits: string): Uint8Array<ArrayBuffer> => Uint8Array.from(digits.match(/../g) ?? [], (pair) => parseInt(pair, 16));
+const toBase64 = (bytes: Uint8Array): string => btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(''));
+const fromBase64 = (text: string): Uint8Array<ArrayBuffer> => Uint8Array.from(atob(text), (char) => char.charCodeAt(0));
 
 export class Drafts {
-  /** For browsers that keep nothing: as long as the page lives. */
-  private readonly here = new Map<string, string>();
-  /** The account that is signed in; 0: nobody. */
+  /** Whose texts these are; 0: nobody's. */
   account = 0;
+  private readonly here = new Map<string, string>();
+  private key: CryptoKey | undefined;
+  private writing: Promise<void> = Promise.resolve();
 
   constructor(private readonly storage: () => Store | undefined) {}
 
+  /** Reads what is kept for an account. Until its key is known, what is typed stays in the page. */
+  async open(account: number, key: string): Promise<void> {
+    if (account !== this.account) this.close();
+    this.account = account;
+    if (key === '' || !globalThis.crypto?.subtle) return;
+    const sealing = await crypto.subtle.importKey('raw', fromHex(key), 'AES-GCM', false, ['encrypt', 'decrypt']);
+    const typed = [...this.here.keys()];
+    for (const name of this.stored()) {
+      const text = this.here.has(name) ? undefined : await this.unsealed(sealing, name);
+      if (text !== undefined) this.here.set(name, text);
+    }
+    this.key = sealing;
+    for (const name of typed) this.write(name, this.here.get(name));
+  }
+
+  close(): void {
+    this.account = 0;
+    this.key = undefined;
+    this.here.clear();
+  }
+
   /** @param what the field or form; `person`: a patient's number, or 0 */
   get<T>(what: string, person: number): T | undefined {
-    if (this.account === 0) return undefined;
-    const key = this.key(what, person);
-    const text = this.kept(key) ?? this.here.get(key);
-    if (text === undefined) return undefined;
-    try { return JSON.parse(text) as T; } catch { return undefined; }
+    const text = this.here.get(this.name(what, person));
+    return text === undefined ? undefined : JSON.parse(text) as T;
+  }
+
+  /** Those that begin so, of no person. */
+  all<T>(what: string): readonly (readonly [what: string, value: T])[] {
+    const prefix = this.name(what, 0);
+    return [...this.here].filter(([name]) => name.startsWith(prefix)).map(([name, text]) => [what + name.slice(prefix.length), JSON.parse(text) as T]);
   }
 
   set(what: string, person: number, value: unknown): void {
     if (this.account === 0) return;
-    const key = this.key(what, person), text = JSON.stringify(value);
-    this.here.set(key, text);
-    try { this.storage()?.setItem(key, text); } catch { /* this page keeps it */ }
+    const name = this.name(what, person), text = JSON.stringify(value);
+    if (this.here.get(name) === text) return;
+    this.here.set(name, text);
+    this.write(name, text);
   }
 
   drop(what: string, person: number): void {
-    const key = this.key(what, person);
-    this.here.delete(key);
-    try { this.storage()?.removeItem(key); } catch { /* nothing was kept */ }
+    const name = this.name(what, person);
+    if (this.here.delete(name)) this.write(name, undefined);
   }
 
-  private kept(key: string): string | undefined {
-    try { return this.storage()?.getItem(key) ?? undefined; } catch { return undefined; }
+  /** Everything is in the browser, as far as it keeps anything. */
+  settled(): Promise<void> { return this.writing; }
+
+  private write(name: string, text: string | undefined): void {
+    const { key } = this;
+    this.writing = this.writing.then(async () => {
+      if (text === undefined) this.storage()?.removeItem(name);
+      else if (key) this.storage()?.setItem(name, await this.sealed(key, name, text));
+    }).catch(() => { /* this page keeps it */ });
   }
 
-  private key(what: string, person: number): string { return `${PREFIX}.${this.account}.${person}.${what}`; }
+  private async sealed(key: CryptoKey, name: string, text: string): Promise<string> {
+    const iv = crypto.getRandomValues(new Uint8Array(NONCE));
+    const box = await crypto.subtle.encrypt({ name: 'AES-GCM', iv, additionalData: utf8.encode(name) }, key, utf8.encode(text));
+    return toBase64(new Uint8Array([...iv, ...new Uint8Array(box)]));
+  }
+
+  private async unsealed(key: CryptoKey, name: string): Promise<string | undefined> {
+    try {
+      const bytes = fromBase64(this.storage()?.getItem(name) ?? '');
+      const text = await crypto.subtle.decrypt({ name: 'AES-GCM', iv: bytes.subarray(0, NONCE), additionalData: utf8.encode(name) }, key, bytes.subarray(NONCE));
+      return new TextDecoder().decode(text);
+    } catch { return undefined; }
+  }
+
+  private stored(): string[] {
+    try {
+      const storage = this.storage(), prefix = `${PREFIX}.${this.account}.`;
+      return Array.from({ length: storage?.length ?? 0 }, (_, i) => storage?.key(i) ?? '').filter((name) => name.startsWith(prefix));
+    } catch { return []; }
+  }
+
+  private name(what: string, person: number): string { return `${PREFIX}.${this.account}.${person}.${what}`; }
 }

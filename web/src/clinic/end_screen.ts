@@ -5,16 +5,24 @@ import { NoteBox } from './notes';
 import type { Room } from './page';
 import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
-import { button, once, panel, Said, textInput, Field, type Screen } from './ui';
+import { button, link, once, panel, Said, textInput, Field, type Screen } from './ui';
 import { painChoice } from './visit_screen';
-import { itemWords, minutes, number, resultName, resultWords, sideWords, visitDay } from './words';
+import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, visitDay } from './words';
 
 const EVERY_MS = 2500;
+
+/** What the panel says, then how the person reached and how much was helped, as far as it was measured. */
+export function measured(trial: Trial): readonly Result[] {
+  const more: readonly (readonly [name: string, value: number | null | undefined, unit: string])[] = [['reach_s', trial.reach_s, 's'], ['peak_speed_m_s', trial.peak_speed_m_s, 'm/s'], ['path_ratio', trial.path_ratio, ''],
+    ['helped_share', trial.helped_share === null ? null : 100 * trial.helped_share, '%']];
+  return [...trial.results, ...more.flatMap(([name, value, unit]) => (typeof value === 'number' ? [{ name, value, unit }] : []))];
+}
 
 /** A result and the last visit's of the same exercise and level, where there is one. No judgement stands between them. */
 export function besideLast(trial: Trial, last: Visit | undefined): readonly { readonly result: Result; readonly before: Result | undefined }[] {
   const other = [...(last?.trials ?? [])].reverse().find(({ exercise, level, state }) => exercise === trial.exercise && level === trial.level && state === 'measured');
-  return trial.results.map((result) => ({ result, before: other?.results.find(({ name, unit }) => name === result.name && unit === result.unit) }));
+  const before = other ? measured(other) : [];
+  return measured(trial).map((result) => ({ result, before: before.find(({ name, unit }) => name === result.name && unit === result.unit) }));
 }
 
 /** Done against planned, results beside the last visit's, what comes next; then a card for the patient. */
@@ -62,7 +70,7 @@ export class EndScreen implements Screen {
       }
       if (!this.visit) await clinic.lookAtVisit();
       if (this.closed) return;
-      if (!this.visit) return this.over();
+      if (!this.visit) return this.over(texts().visit.over);
       if (this.visit.patient) this.patient = await clinic.api.get<Patient>(`/api/patients/${this.visit.patient}`).catch(() => undefined);
       if (!this.closed) this.build(this.visit);
     } catch (problem) {
@@ -70,14 +78,15 @@ export class EndScreen implements Screen {
     }
   }
 
-  private over(): void {
-    this.said.say(texts().visit.over);
-    this.said.element.after(h('p', {}, h('a', { class: 'b', href: hashOf({ at: 'patients' }) }, texts().patients.title)));
+  private over(words: string): void {
+    this.note?.close();
+    this.said.say(words);
+    this.element.replaceChildren(h('section', { class: 'panel narrow', 'data-testid': 'visit-over' }, this.said.element, link(texts().patients.title, { at: 'patients' })));
   }
 
   private build(visit: Visit): void {
     const { t, room } = this;
-    this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient ?? 0, () => {});
+    this.note = new NoteBox(room, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => {});
     const drafts = room.clinic.drafts;
     const kept = (what: string): Field => {
       const field = new Field(what === 'next' ? t.next : t.reason, textInput(`end-${what}`, drafts.get<string>(`${what}-${this.id}`, visit.patient ?? 0) ?? '', { maxlength: 500 }));
@@ -99,7 +108,8 @@ export class EndScreen implements Screen {
 
   private show(): void {
     const { visit, t, patient } = this;
-    if (!visit || this.closed) return;
+    if (this.closed) return;
+    if (!visit) return this.over(fill(texts().visit.endedElsewhere, { at: clock(new Date()) }));
     const last = newestFirst(patient?.visits ?? []).find((other) => other.id !== visit.id && tookPlace(other));
     const shown = JSON.stringify([visit.trials, visit.plan]);
     if (shown === this.shown) return;
@@ -157,6 +167,5 @@ export function resultTable(trial: Trial, last: Visit | undefined): HTMLElement 
   if (rows.length === 0) return h('small', {}, t.noResults);
   const words = (result: Result | undefined): string => (result ? `${number(result.value)}${result.unit === '' ? '' : ` ${result.unit}`}` : '–');
   return h('table', { class: 'table results' }, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.result), h('th', { scope: 'col' }, t.now), h('th', { scope: 'col' }, last ? fill(t.last, { day: visitDay(last) }) : t.lastNone))),
-    h('tbody', {}, ...rows.map(({ result, before }) => h('tr', {}, h('th', { scope: 'row' }, resultName(result.name)), h('td', { class: 'num' }, words(result)), h('td', { class: 'num' }, words(before)))),
-      h('tr', {}, h('th', { scope: 'row' }, t.helped), h('td', { class: 'num' }, trial.helped_share === null ? '–' : `${Math.round(100 * trial.helped_share)} %`), h('td', { class: 'num' }, '')) ));
+    h('tbody', {}, ...rows.map(({ result, before }) => h('tr', {}, h('th', { scope: 'row' }, resultName(result.name)), h('td', { class: 'num' }, words(result)), h('td', { class: 'num' }, words(before))))));
 }

@@ -1,7 +1,9 @@
 import { h } from '../console/dom';
+import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Room } from './page';
 import { Refused } from './api';
+import type { SignedIn } from './clinic';
 import { COLOURS, colourChoice } from './sign_in';
 import { button, Field, once, problemWords, Said, textInput, type Screen } from './ui';
 
@@ -20,7 +22,9 @@ export class FirstStart implements Screen {
   constructor(private readonly room: Room) {
     const { t } = this;
     const make = h('button', { type: 'submit', class: 'b go wide', 'data-testid': 'make-clinic' }, t.make);
-    const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words),
+    const folder = room.clinic.state?.folder;
+    const where = !folder ? null : h('p', { class: folder.empty ? 'warning' : '', 'data-testid': 'folder' }, [fill(t.folder, { path: folder.path }), ...(folder.empty ? [t.folderEmpty, t.folderAsk] : [])].join(' '));
+    const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words), where,
       this.phrase.element, this.again.element, h('h3', {}, t.tile), this.name.element, this.colour.element, this.pin.element, this.said.element, make);
     form.addEventListener('submit', (event) => { event.preventDefault(); void once(make, () => this.make()); });
     this.element.append(form);
@@ -37,7 +41,7 @@ export class FirstStart implements Screen {
     this.said.say('');
     this.stays = true;
     try {
-      const made = await this.room.clinic.api.send<{ recovery_code: string; token: string; account: number }>('POST', '/api/init',
+      const made = await this.room.clinic.api.send<SignedIn & { recovery_code: string }>('POST', '/api/init',
         { pass_phrase: phrase.input.value, tile: { name: name.input.value.trim(), colour: this.colour.value(), pin: pin.input.value } });
       this.showCode(made);
     } catch (problem) {
@@ -48,12 +52,12 @@ export class FirstStart implements Screen {
   }
 
   /** Nobody goes on without having seen it. */
-  private showCode(made: { recovery_code: string; token: string; account: number }): void {
+  private showCode(made: SignedIn & { readonly recovery_code: string }): void {
     const t = this.t.code;
     const kept = h('input', { type: 'checkbox', id: 'code-kept', 'data-testid': 'code-kept' });
-    const on = button(t.on, 'code-done', () => {
+    const on = button(t.on, 'code-done', async () => {
+      await this.room.clinic.signedIn(made);
       this.stays = false;
-      this.room.clinic.signedIn(made);
       void this.room.clinic.look((url, init) => fetch(url, init));
     }, 'go wide');
     on.disabled = true;

@@ -1,6 +1,6 @@
 import { h, say } from '../console/dom';
 import { texts } from './i18n';
-import { NoteKeeper } from './note_keeper';
+import { NoteKeeper, type About } from './note_keeper';
 import type { Room } from './page';
 import type { Note } from './records';
 import { button } from './ui';
@@ -19,9 +19,9 @@ export class NoteBox {
   private readonly timer: ReturnType<typeof setInterval>;
 
   /** @param added called where a note is done, to read the list anew */
-  constructor({ clinic }: Room, path: string, what: string, person: number, added: () => void) {
+  constructor({ clinic }: Room, about: About, what: string, person: number, added: () => void) {
     const { t } = this;
-    this.keeper = new NoteKeeper(clinic.api, clinic.drafts, path, what, person);
+    this.keeper = new NoteKeeper(clinic.outbox, clinic.drafts, about, what, person);
     this.area = h('textarea', { class: 'in', rows: 2, 'aria-label': t.write, placeholder: t.write, maxlength: 8000, 'data-testid': 'note' });
     this.area.value = this.keeper.text;
     this.area.addEventListener('input', () => this.keeper.type(this.area.value));

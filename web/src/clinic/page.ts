@@ -1,4 +1,4 @@
-import { h, say, setAttribute } from '../console/dom';
+import { h, setAttribute } from '../console/dom';
 import { Header } from '../console/header';
 import { ConsoleModel } from '../console/model';
 import { NoticesPanel } from '../console/notices';
@@ -7,6 +7,7 @@ import type { Connection } from '../net/connection';
 import { PacedView } from '../scene/paced_view';
 import { fill } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
+import { AloneScreen } from './alone_screen';
 import { Clinic } from './clinic';
 import { EndScreen } from './end_screen';
 import { FirstStart } from './first_start';
@@ -19,6 +20,7 @@ import { isOpen } from './records';
 import { hashOf, routeOf, type Route } from './routes';
 import { SettingsScreen } from './settings_screen';
 import { UnlockScreen, WhoScreen } from './sign_in';
+import { running } from './training';
 import { button, problemWords, type Screen } from './ui';
 import { VisitScreen } from './visit_screen';
 import { clock } from './words';
@@ -56,7 +58,7 @@ export class ClinicPage implements Room {
   private refreshed_ms = -Infinity;
   private drawn_ms = -Infinity;
   private view: Promise<PacedView | undefined> | undefined;
-  private told: { words: string; bad: boolean; alone?: boolean } = { words: '', bad: false };
+  private told: { words: string; bad: boolean } = { words: '', bad: false };
   /** While a visit is open: the records' doors are shown in its place, as the person asked. */
   private door = false;
   private readonly line = { records: h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'records-silent' }), told: h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'told' }), nav: h('nav', { class: 'places' }) };
@@ -66,9 +68,9 @@ export class ClinicPage implements Room {
     this.clinic = new Clinic(location.hostname, () => sessionStorage, () => localStorage, () => performance.now());
     this.clinic.onChange = () => this.update();
     this.clinic.outbox.onRefused = (waiting, refused) => this.refuseKept(waiting.body, refused);
-    this.model.onScene = () => { if (this.screen instanceof VisitScreen) this.screen.sceneChanged(); };
+    this.model.onScene = () => this.screen?.sceneChanged?.();
     this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
-    connection.on('events', (events) => { if (this.screen instanceof VisitScreen) this.screen.take(events); });
+    connection.on('events', (events) => this.screen?.take?.(events));
     listenForKeys(this.model, () => this.header);
     for (const input of ['pointerdown', 'keydown', 'input']) addEventListener(input, () => this.clinic.touch(), { capture: true, passive: true });
     addEventListener('hashchange', () => { this.door = false; this.update(); });
@@ -158,8 +160,11 @@ export class ClinicPage implements Room {
     const visit = clinic.visit;
     // An open visit stays usable, whatever became of names and records.
     if (visit && isOpen(visit) && stage !== 'in' && !this.door && ['hidden', 'who', 'locked', 'absent'].includes(stage)) return [`visit ${visit.id} ${stage}`, () => new VisitScreen(this, visit.id)];
+    // A session that runs without records is not taken from the screen when they answer again.
+    const runs = this.screen instanceof AloneScreen && running(this);
+    if (stage === 'absent' || (route.at === 'alone' && (clinic.silentSince || runs)) || (runs && stage !== 'in')) return ['alone', () => new AloneScreen(this)];
     switch (stage) {
-      case 'looking': case 'absent': case 'without': return [stage, () => notYet(stage)];
+      case 'looking': case 'without': return [stage, () => notYet(stage)];
       case 'new': return ['new', () => new FirstStart(this)];
       case 'locked': return ['locked', () => new UnlockScreen(this)];
       case 'who': case 'hidden': return [`who ${stage} ${JSON.stringify(clinic.state?.tiles)}`, () => new WhoScreen(this)];
@@ -176,6 +181,7 @@ export class ClinicPage implements Room {
       case 'patient': return [name, () => new PatientScreen(this, route.patient)];
       case 'progress': return [name, () => new ProgressPrint(this, route.patient)];
       case 'summary': return [name, () => new VisitPrint(this, route.patient, route.visit)];
+      case 'alone': return ['patients', () => new PatientsScreen(this)];
       case 'visit': return [name, () => new VisitScreen(this, route.visit)];
       case 'end': return [name, () => new EndScreen(this, route.visit)];
       case 'settings': return [name, () => new SettingsScreen(this)];
@@ -184,23 +190,26 @@ export class ClinicPage implements Room {
 
   private refreshLine(): void {
     const t = texts(), { clinic, line } = this;
-    const { visit, stage, silentSince } = clinic;
-    const waits = clinic.outbox.waiting.length;
-    const silent = silentSince !== undefined && stage !== 'absent' ? fill(t.silentSince, { at: clock(silentSince) }) + (waits > 0 ? ` ${fill(t.waiting, { n: waits })}` : '') : '';
+    const { visit, silentSince, stage } = clinic;
+    const waits = clinic.outbox.waiting;
+    const at = document.body.dataset.screen;
+    const silent = silentSince === undefined ? '' : fill(t.silentSince, { at: clock(silentSince) }) + (waits > 0 ? ` ${fill(t.waiting, { n: waits })}` : '');
     line.records.hidden = silent === '';
-    say(line.records, silent);
+    const offer = silent !== '' && !visit && at !== 'alone';
+    if (line.records.dataset.words !== `${silent} ${offer}`) {
+      line.records.dataset.words = `${silent} ${offer}`;
+      line.records.replaceChildren(h('span', {}, silent), offer ? button(t.alone.begin, 'to-alone', () => this.go({ at: 'alone' }), 'small') : '');
+    }
     if (clinic.cameBack && stage === 'in') {
       clinic.cameBack = false;
-      if (waits === 0 && this.told.words === '') this.told = { words: t.answerAgain, bad: false, alone: visit === null };
+      if (waits === 0 && this.told.words === '') this.told = { words: t.answerAgain, bad: false };
     }
     line.told.hidden = this.told.words === '';
     line.told.className = this.told.bad ? 'notice bad' : 'notice';
     if (line.told.dataset.words !== this.told.words) {
       line.told.dataset.words = this.told.words;
-      const { words, alone } = this.told;
-      line.told.replaceChildren(h('span', {}, words), alone ? button(t.patients.without, 'alone', () => { this.tell(''); this.go({ at: 'patients' }); if (this.screen instanceof PatientsScreen) this.screen.askSide(); }, 'small') : '', button(t.close, 'close-told', () => this.tell(''), 'small'));
+      line.told.replaceChildren(h('span', {}, this.told.words), button(t.close, 'close-told', () => this.tell(''), 'small'));
     }
-    const at = document.body.dataset.screen;
     const places = JSON.stringify([stage, at, visit?.id, clinic.tile, this.door, t.title]);
     if (line.nav.dataset.places === places) return;
     line.nav.dataset.places = places;
@@ -236,8 +245,8 @@ export class ClinicPage implements Room {
   }
 }
 
-/** The station keeps no records, or they were never heard. */
-function notYet(stage: 'looking' | 'absent' | 'without'): Screen {
+/** The station keeps no records, or they were not heard yet. */
+function notYet(stage: 'looking' | 'without'): Screen {
   const t = texts().stages[stage];
   return { element: h('main', { class: 'gate' }, h('section', { class: 'panel narrow', 'data-testid': stage }, h('h2', {}, t.title), h('p', {}, t.words), stage === 'looking' ? null : h('p', {}, h('a', { href: '/console' }, texts().console)))) };
 }

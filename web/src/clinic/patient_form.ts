@@ -41,7 +41,8 @@ export class PatientForm implements Screen {
   private async open(): Promise<void> {
     const { clinic } = this.room;
     try {
-      this.presets = clinic.presets ??= await clinic.api.get<Presets>('/api/presets');
+      if (!clinic.presets) clinic.takePresets(await clinic.api.get<Presets>('/api/presets'));
+      this.presets = clinic.presets!;
       const kept = clinic.drafts.get<{ typed: Typed; version: number }>('form', this.id);
       if (kept) ({ typed: this.typed, version: this.version } = kept);
       else if (this.id > 0) this.takePatient(await clinic.api.get<Patient>(`/api/patients/${this.id}`));

@@ -12,11 +12,13 @@ import { PatientPicker } from './picker';
 import { activeMin, newestFirst, tookPlace, type OneSide, type Patient, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
-import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, type Screen } from './ui';
-import { clock, itemWords, locale, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
+import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, twice, type Screen } from './ui';
+import { clock, bornWords, itemWords, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
 
 /** So many visits are listed at first. */
 const NEWEST = 12;
+/** So many notes are shown at first. */
+const FIRST_NOTES = 3;
 /** Results that are still measured are asked for again after this [ms]. */
 const MEASURED_MS = 4000;
 
@@ -32,6 +34,7 @@ export class PatientScreen implements Screen {
   private readonly listed = h('div', {});
   private failedSince: Date | undefined;
   private all = false;
+  private allNotes = false;
   private closed = false;
   private reading: Promise<void> | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -68,7 +71,7 @@ export class PatientScreen implements Screen {
   private async readNow(): Promise<void> {
     const { clinic } = this.room;
     try {
-      clinic.presets ??= await clinic.api.get('/api/presets');
+      if (!clinic.presets) clinic.takePresets(await clinic.api.get('/api/presets'));
       const patient = await clinic.read<Patient>(`/api/patients/${this.id}`);
       if (this.closed) return;
       const first = this.patient === undefined;
@@ -91,15 +94,16 @@ export class PatientScreen implements Screen {
   private build(patient: Patient): void {
     const { room, t } = this;
     this.today = new TodayPanel(room, patient);
-    this.notes = new NoteBox(room, `/api/patients/${patient.id}/notes`, 'note', patient.id, () => void this.read());
+    this.notes = new NoteBox(room, { patient: patient.id }, 'note', patient.id, () => void this.read());
     const progress = h('div', { class: 'lists' }, this.progressPanel(patient), this.visitsPanel(patient));
     this.listed.className = 'listed';
-    this.element.replaceChildren(h('div', { class: 'col' }, this.extra, progress), h('div', { class: 'col side' }, this.said.element, this.today.element, this.personPanel(patient), panel(t.notes, 'notes-panel', this.notes.element, this.listed)));
+    this.element.replaceChildren(h('div', { class: 'col' }, this.extra, progress), h('div', { class: 'col side' }, this.said.element, this.today.element, panel(t.notes, 'notes-panel', this.notes.element, this.listed), this.personPanel(patient)));
     this.showLists(patient);
   }
 
   private showLists(patient: Patient): void {
-    this.listed.replaceChildren(noteList(patient.notes, accountName(this.room)));
+    const notes = [...patient.notes].sort((a, b) => b.at_us - a.at_us), first = this.allNotes ? notes : notes.slice(0, FIRST_NOTES);
+    this.listed.replaceChildren(noteList(first, accountName(this.room)), notes.length > first.length ? button(fill(this.t.all, { n: notes.length }), 'all-notes', () => { this.allNotes = true; this.showLists(patient); }, 'wide') : '');
     this.element.querySelector('.lists')?.replaceChildren(this.progressPanel(patient), this.visitsPanel(patient));
   }
 
@@ -137,7 +141,7 @@ export class PatientScreen implements Screen {
     const { t } = this, token = tokenOf(location), name = itemWords(trial);
     const link = (href: string, words: string, spoken: string): HTMLElement => h('a', { href, target: '_blank', rel: 'noopener', 'aria-label': `${words}: ${spoken}` }, words);
     const before = earlier.flatMap(({ trials }) => trials).find((other) => other.exercise === trial.exercise && other.recording !== '');
-    const words = trial.state === 'measured' ? [...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : [])].join(' · ')
+    const words = trial.state === 'measured' ? [...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : []), ...(trial.active_s === 0 ? [t.notByPerson] : [])].join(' · ')
       : trial.state === 'waiting' ? t.waiting : fill(t.failedTrial, { why: trial.why ?? '' });
     return h('div', { class: 'trial' }, h('span', {}, name, h('small', {}, words)), trial.recording === '' ? h('span', { class: 'aside' }, t.noRecording) : h('span', { class: 'links' },
       link(replayUrl([trial.recording], token), t.replay, name), link(reportUrl(trial.recording, token), t.report, name), before ? link(replayUrl([trial.recording, before.recording], token), t.compare, name) : null));
@@ -146,14 +150,12 @@ export class PatientScreen implements Screen {
   private personPanel(patient: Patient): HTMLElement {
     const { t, room } = this;
     const force = room.clinic.presets?.force.find(({ id }) => id === patient.preset);
-    const born = patient.born === '' ? '' : new Date(`${patient.born}T00:00:00Z`).toLocaleDateString(locale(), { timeZone: 'UTC', day: 'numeric', month: 'long', year: 'numeric' });
     const facts: (readonly [string, string])[] = [
-      ...(born === '' ? [] : [[t.born, born] as const]), ...(patient.number === '' ? [] : [[t.number, patient.number] as const]),
+      ...(patient.born === '' ? [] : [[t.born, bornWords(patient.born)] as const]), ...(patient.number === '' ? [] : [[t.number, patient.number] as const]),
       ...(Object.entries(patient.hands) as [OneSide, { length_m: number; breadth_m: number }][]).map(([side, size]) => [fill(t.hand, { side: sideWords(side) }), `${Math.round(size.length_m * 1000)} × ${Math.round(size.breadth_m * 1000)} mm`] as const),
       [t.preset, presetName(patient.preset)], ...Object.entries({ ...force?.parameters, ...patient.parameters }).map(([name, value]) => parameterWords(name, value)),
     ];
-    return besideTitle(panel(t.person, 'person', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings),
-      h('dl', { class: 'facts' }, ...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))), this.mistakes(patient)),
+    return besideTitle(panel(t.person, 'person', h('dl', { class: 'facts' }, ...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))), this.mistakes(patient)),
     h('span', { class: 'sp' }), h('a', { class: 'b', href: hashOf({ at: 'edit', patient: patient.id }), 'data-testid': 'edit-patient' }, t.edit));
   }
 
@@ -161,26 +163,19 @@ export class PatientScreen implements Screen {
   private mistakes(patient: Patient): HTMLElement {
     const { t, room } = this, { api } = room.clinic;
     const said = new Said();
-    const attempt = async (act: () => Promise<unknown>, then: () => void): Promise<void> => {
-      try { await act(); then(); } catch (problem) { said.problem(problem); }
-    };
-    const twice = (words: string, sure: string, test: string, act: () => Promise<unknown>, then: () => void): HTMLElement => {
-      const press = button(words, test, () => {
-        const yes = button(sure, `${test}-yes`, () => once(yes, () => attempt(act, then)), 'danger');
-        press.replaceWith(yes);
-        yes.focus();
-      });
-      return press;
-    };
     const code = new Field(fill(t.erase.code, { code: patient.code }), textInput('erase-code'));
     const erase = button(t.erase.press, 'erase-yes', () => once(erase, async () => {
       if (code.input.value.trim() !== patient.code) return code.refuse(t.erase.wrong);
-      await attempt(() => api.send('POST', `/api/patients/${patient.id}/erase`, { code: patient.code }), () => { room.tell(t.erase.done); room.go({ at: 'patients' }); });
+      try {
+        await api.send('POST', `/api/patients/${patient.id}/erase`, { code: patient.code });
+        room.tell(t.erase.done);
+        room.go({ at: 'patients' });
+      } catch (problem) { said.problem(problem); }
     }), 'danger');
     return h('details', { class: 'mistakes' }, h('summary', {}, t.more), said.element, h('div', { class: 'pair' },
-      twice(t.noShowNote, t.noShowYes, 'no-show', () => api.send('POST', `/api/patients/${patient.id}/no_show`, { at_us: Date.now() * 1000 }), () => void this.read()),
+      twice(t.noShowNote, t.noShowYes, 'no-show', said, () => api.send('POST', `/api/patients/${patient.id}/no_show`, { at_us: Date.now() * 1000 }), () => void this.read()),
       button(t.merge.title, 'merge', () => this.merge(patient)),
-      patient.visits.length === 0 ? twice(t.remove, fill(t.removeYes, { name: patient.name }), 'delete-patient', () => api.send('DELETE', `/api/patients/${patient.id}`), () => room.go({ at: 'patients' })) : null),
+      patient.visits.length === 0 ? twice(t.remove, fill(t.removeYes, { name: patient.name }), 'delete-patient', said, () => api.send('DELETE', `/api/patients/${patient.id}`), () => room.go({ at: 'patients' })) : null),
     h('details', {}, h('summary', {}, t.erase.title), h('p', {}, t.erase.words), code.element, erase));
   }
 

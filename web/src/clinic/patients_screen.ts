@@ -1,13 +1,16 @@
 import { h } from '../console/dom';
+import { replayUrl } from '../console/recordings';
+import { tokenOf } from '../net/open_connection';
+import { duration } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Room } from './page';
 import { PatientPicker } from './picker';
-import type { OneSide, Patient, PatientList, PatientRow, Visit } from './records';
+import type { LooseSession, OneSide, Patient, PatientList, PatientRow, Visit } from './records';
 import { hashOf } from './routes';
-import { button, once, problemWords, Said, textInput, type Screen } from './ui';
+import { button, once, problemWords, Said, textInput, twice, type Screen } from './ui';
 import { activeMin, itemNow } from './records';
-import { clock, dayOf, locale, minutes, sideWords, visitClock, visitDay } from './words';
+import { clock, clockOf, dayOf, itemWords, locale, minutes, sideWords, visitClock, visitDay } from './words';
 
 /** The list is read again this often [ms]. */
 const EVERY_MS = 15_000;
@@ -24,6 +27,8 @@ export class PatientsScreen implements Screen {
   private readonly extra = h('div', { class: 'extra' });
   private readonly timer: ReturnType<typeof setInterval>;
   private typing: ReturnType<typeof setTimeout> | undefined;
+  private readonly loose = h('div', { class: 'extra' });
+  private readonly chosen = new Set<number>();
   private list: PatientList | undefined;
   private listed: Date | undefined;
   private failedSince: Date | undefined;
@@ -34,7 +39,7 @@ export class PatientsScreen implements Screen {
     const { t } = this;
     this.find.addEventListener('input', () => { clearTimeout(this.typing); this.typing = setTimeout(() => void this.read(), 150); });
     const fresh = h('a', { class: 'b go', href: hashOf({ at: 'new' }), 'data-testid': 'new-patient' }, t.fresh);
-    this.element.append(this.cards, this.extra, h('section', { class: 'panel list', 'aria-label': t.title },
+    this.element.append(this.cards, this.extra, this.loose, h('section', { class: 'panel list', 'aria-label': t.title },
       h('div', { class: 'tools' }, this.find, fresh, this.count, button(t.without, 'without-patient', () => this.askSide())), this.said.element, this.rows));
     this.timer = setInterval(() => { if (!document.hidden && !this.room.clinic.silentSince) void this.read(); }, EVERY_MS);
     const seen = room.clinic.seen.get('/api/patients');
@@ -71,6 +76,7 @@ export class PatientsScreen implements Screen {
       this.failedSince = undefined;
       this.said.say('');
       this.show();
+      this.showLoose(await this.room.clinic.api.get('/api/sessions'));
     } catch (problem) {
       if (this.closed) return;
       this.failedSince ??= new Date();
@@ -132,24 +138,52 @@ export class PatientsScreen implements Screen {
     this.room.go({ at: 'visit', visit: row.visit });
   }
 
+  /** What was recorded for nobody: given to a patient, or deleted. */
+  private showLoose({ sessions, more }: { readonly sessions: readonly LooseSession[]; readonly more: number }): void {
+    const { t, room, chosen } = this, words = t.sessions, token = tokenOf(location), { api } = room.clinic;
+    const shown = JSON.stringify([sessions, more]);
+    if (this.loose.dataset.shown === shown) return;
+    this.loose.dataset.shown = shown;
+    for (const id of chosen) if (!sessions.some((session) => session.id === id)) chosen.delete(id);
+    if (sessions.length === 0) return this.loose.replaceChildren();
+    const said = new Said();
+    const give = button(words.give, 'give-sessions', () => this.pick(words.whose, async (patient) => { await api.send('POST', '/api/sessions/give', { patient, sessions: [...chosen] }); }), 'go');
+    const away = twice(t.remove, t.removeYes, 'delete-sessions', said, async () => {
+      for (const id of chosen) await api.send('DELETE', `/api/sessions/${id}`);
+    }, () => void this.read());
+    const count = (): void => {
+      // A session that cannot be given, as one of another clinic, can still be deleted.
+      give.disabled = chosen.size === 0 || sessions.some(({ id, state }) => chosen.has(id) && state !== 'measured');
+      away.disabled = chosen.size === 0;
+    };
+    const rows = sessions.map((session) => {
+      const at = { day: dayOf(session.began_us), at: clockOf(session.began_us) };
+      const box = h('input', { type: 'checkbox', checked: chosen.has(session.id), 'aria-label': fill(words.choose, at), 'data-testid': `session-${session.id}` });
+      box.addEventListener('change', () => {
+        if (box.checked) chosen.add(session.id);
+        else chosen.delete(session.id);
+        count();
+      });
+      return h('li', {}, h('label', { class: 'tick' }, box, h('span', {}, `${at.day}, ${at.at} · ${itemWords(session)}`, h('small', {}, [duration(session.duration_s), sideWords(session.side), session.why ?? ''].filter(Boolean).join(' · ')))),
+        h('a', { href: replayUrl([session.recording], token), target: '_blank', rel: 'noopener', 'aria-label': `${texts().patient.replay}: ${at.day}, ${at.at}` }, texts().patient.replay));
+    });
+    count();
+    this.loose.replaceChildren(h('section', { class: 'panel loose', 'aria-label': words.title, 'data-testid': 'loose-sessions' }, h('div', { class: 'hd' }, h('h2', {}, words.title), h('span', { class: 'sp' }), give, away),
+      h('p', {}, words.words), said.element, h('ul', {}, ...rows), more > 0 ? h('p', { class: 'aside' }, fill(words.more, { n: more })) : null));
+  }
+
+  private pick(title: string, act: (patient: number) => Promise<void>): void {
+    const done = (): void => this.extra.replaceChildren();
+    this.extra.replaceChildren(new PatientPicker(this.room, title, this.t.giveYes, 0, async ({ id }) => { await act(id); done(); await this.read(); }, done).element);
+    this.extra.scrollIntoView({ block: 'nearest' });
+  }
+
   /** A visit that nobody was chosen for: it is given to a patient, or deleted. */
   private unassigned(visit: Visit): HTMLElement {
     const { t } = this, { api } = this.room.clinic;
     const said = new Said();
-    const give = button(t.give, `give-${visit.id}`, () => {
-      this.extra.replaceChildren(new PatientPicker(this.room, t.giveTo, t.giveYes, 0, async (row) => {
-        await api.send('POST', `/api/visits/${visit.id}/move`, { patient: row.id });
-        this.extra.replaceChildren();
-        await this.read();
-      }, () => this.extra.replaceChildren()).element);
-    }, 'go');
-    const away = button(t.remove, `delete-${visit.id}`, () => {
-      const sure = button(t.removeYes, `delete-yes-${visit.id}`, () => once(sure, async () => {
-        try { await api.send('DELETE', `/api/visits/${visit.id}`); await this.read(); } catch (problem) { said.problem(problem); }
-      }), 'danger');
-      away.replaceWith(sure);
-      sure.focus();
-    });
+    const give = button(t.give, `give-${visit.id}`, () => this.pick(t.giveTo, async (patient) => { await api.send('POST', `/api/visits/${visit.id}/move`, { patient }); }), 'go');
+    const away = twice(t.remove, t.removeYes, `delete-${visit.id}`, said, () => api.send('DELETE', `/api/visits/${visit.id}`), () => void this.read());
     return h('article', { class: 'panel card' }, h('p', {}, h('span', { class: 'tag warn' }, t.noPatient)), h('h2', {}, `${visitDay(visit)}, ${visitClock(visit)}`),
       h('p', { class: 'aside' }, `${sideWords(visit.side)} · ${minutes(activeMin(visit))}`), said.element, h('div', { class: 'pair' }, give, away));
   }

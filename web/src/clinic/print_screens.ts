@@ -9,7 +9,7 @@ import { painWords } from './pain';
 import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Visit } from './records';
 import { hashOf } from './routes';
 import { button, Said, type Screen } from './ui';
-import { itemWords, minutes, sideWords, visitClock, visitDay } from './words';
+import { bornWords, itemWords, minutes, sideWords, visitClock, visitDay } from './words';
 
 /** A sheet of paper: what is on it is seen before it is printed. */
 abstract class Sheet implements Screen {
@@ -53,7 +53,7 @@ abstract class Sheet implements Screen {
   }
 
   protected head(title: string, patient: Patient): Node[] {
-    return [h('h2', {}, title), h('p', { class: 'of' }, h('b', {}, patient.name), ` · ${patient.code} · ${sideWords(patient.side)}`, patient.born === '' ? '' : ` · ${patient.born}`)];
+    return [h('h2', {}, title), h('p', { class: 'of' }, h('b', {}, patient.name), ` · ${patient.code} · ${sideWords(patient.side)}`, patient.born === '' ? '' : ` · ${bornWords(patient.born)}`)];
   }
 }
 

@@ -7,6 +7,8 @@ export interface Tile { readonly id: number; readonly name: string; readonly col
 
 export interface RecordsState {
   readonly clinic: 'new' | 'locked' | 'open';
+  /** Before the clinic has begun: where the records will be. An empty folder may be a disk that is not mounted. */
+  readonly folder?: { readonly path: string; readonly empty: boolean };
   readonly tiles: readonly Tile[];
   readonly station: { readonly heard: boolean };
   /** Number of the open visit; 0: none. */
@@ -82,9 +84,20 @@ export interface Trial {
   /** null where nothing was measured. */
   readonly active_s: number | null;
   readonly helped_share: number | null;
+  /** Of the person's reaches: mean time, greatest speed, path over the straight line. */
+  readonly reach_s?: number | null;
+  readonly peak_speed_m_s?: number | null;
+  readonly path_ratio?: number | null;
   readonly results: readonly Result[];
   readonly state: 'measured' | 'waiting' | 'failed';
   readonly why?: string;
+}
+
+/** What was recorded outside of a visit, or while the records did not answer: nobody's yet. */
+export interface LooseSession extends Omit<Trial, 'item'> {
+  readonly id: number;
+  readonly duration_s: number;
+  readonly side: OneSide;
 }
 
 export interface Visit {

@@ -1,7 +1,7 @@
 // Where the page is, after the "#". An address carries numbers only: it is seen, kept and sent.
 
 export type Route =
-  | { readonly at: 'patients' } | { readonly at: 'new' } | { readonly at: 'settings' }
+  | { readonly at: 'patients' | 'new' | 'settings' | 'alone' }
   | { readonly at: 'patient' | 'edit' | 'progress'; readonly patient: number }
   | { readonly at: 'summary'; readonly patient: number; readonly visit: number }
   | { readonly at: 'visit' | 'end'; readonly visit: number };
@@ -11,8 +11,7 @@ export function routeOf(hash: string): Route {
   const [place, first, more, second] = parts;
   const number = (text: string | undefined): number => (/^\d{1,16}$/.test(text ?? '') ? Number(text) : 0);
   const id = number(first);
-  if (place === 'new') return { at: 'new' };
-  if (place === 'settings') return { at: 'settings' };
+  if (place === 'new' || place === 'settings' || place === 'alone') return { at: place };
   if (place === 'visit' && id > 0) return { at: more === 'end' ? 'end' : 'visit', visit: id };
   if (place === 'patient' && id > 0) {
     if (more === 'edit' || more === 'progress') return { at: more, patient: id };
@@ -24,9 +23,7 @@ export function routeOf(hash: string): Route {
 
 export function hashOf(route: Route): string {
   switch (route.at) {
-    case 'patients': return '#/patients';
-    case 'new': return '#/new';
-    case 'settings': return '#/settings';
+    case 'patients': case 'new': case 'settings': case 'alone': return `#/${route.at}`;
     case 'patient': return `#/patient/${route.patient}`;
     case 'edit': return `#/patient/${route.patient}/edit`;
     case 'progress': return `#/patient/${route.patient}/progress`;

@@ -98,7 +98,7 @@ export class WhoScreen implements Screen {
         say(said.element, '');
         try {
           if (hidden) await clinic.show(input.value);
-          else clinic.signedIn(await clinic.api.send('POST', '/api/sign_in', { account: tile.id, pin: input.value }));
+          else await clinic.signedIn(await clinic.api.send('POST', '/api/sign_in', { account: tile.id, pin: input.value }));
           await clinic.look((url, init) => fetch(url, init));
         } catch (problem) {
           said.problem(problem);

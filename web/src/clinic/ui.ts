@@ -1,7 +1,9 @@
 import { h, say } from '../console/dom';
+import type { EventT } from '../protocol';
 import { fill } from '../shared/i18n';
 import { Refused, Silent } from './api';
 import { texts } from './i18n';
+import { hashOf, type Route } from './routes';
 
 /** A part of the page that fills it below the header. */
 export interface Screen {
@@ -15,6 +17,9 @@ export interface Screen {
   readonly stays?: boolean;
   refresh?(): void;
   draw?(): void;
+  /** What the station renders and says, for screens that show it. */
+  sceneChanged?(): void;
+  take?(events: readonly EventT[]): void;
   close?(): void;
 }
 
@@ -31,6 +36,8 @@ export function problemWords(problem: unknown): string {
 export function button(words: string, test: string, press: () => unknown, kind = ''): HTMLButtonElement {
   return h('button', { type: 'button', class: `b ${kind}`.trim(), 'data-testid': test, onclick: () => void press() }, words);
 }
+
+export const link = (words: string, to: Route, test = ''): HTMLElement => h('a', { class: 'b', href: hashOf(to), ...(test === '' ? {} : { 'data-testid': test }) }, words);
 
 export function panel(title: string, kind: string, ...children: (Node | string | null)[]): HTMLElement {
   return h('section', { class: `panel ${kind}`.trim(), 'aria-label': title }, h('div', { class: 'hd' }, h('h2', {}, title)), ...children);
@@ -79,4 +86,20 @@ export async function once(of: HTMLButtonElement, act: () => Promise<void>): Pro
   if (of.getAttribute('aria-busy') === 'true') return;
   of.setAttribute('aria-busy', 'true');
   try { await act(); } finally { of.removeAttribute('aria-busy'); }
+}
+
+/** What cannot be taken back is pressed twice; `sure` says what the second press does. */
+export function twice(words: string, sure: string, test: string, said: Said, act: () => Promise<unknown>, then: () => void): HTMLButtonElement {
+  const press = button(words, test, () => {
+    const yes = button(sure, `${test}-yes`, () => once(yes, async () => {
+      try {
+        await act();
+        yes.replaceWith(press);
+        then();
+      } catch (problem) { said.problem(problem); }
+    }), 'danger');
+    press.replaceWith(yes);
+    yes.focus();
+  });
+  return press;
 }

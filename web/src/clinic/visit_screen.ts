@@ -1,11 +1,5 @@
-import { BigControls } from '../console/big_controls';
-import { builtFrom } from '../console/built_from';
 import { choice, h, say } from '../console/dom';
-import type { Panel } from '../console/model';
-import { ExercisePanelView } from '../console/panel_view';
-import { ScenePanel } from '../console/scene_panel';
 import type { EventT } from '../protocol';
-import type { HandLook, PacedView } from '../scene/paced_view';
 import { duration } from '../shared/format';
 import { FreshButtons } from '../shared/fresh_buttons';
 import { fill } from '../shared/i18n';
@@ -13,42 +7,29 @@ import { texts } from './i18n';
 import { NoteBox } from './notes';
 import type { Room } from './page';
 import { PainChoice, type When } from './pain';
-import { activeOf_s, itemNow, type OneSide, type Visit } from './records';
-import { hashOf } from './routes';
-import { besideTitle, button, panel, problemWords, Said, type Screen } from './ui';
+import { activeOf_s, itemNow, type Visit } from './records';
+import { gently, running, SideQuestion, Training } from './training';
+import { besideTitle, button, link, panel, problemWords, Said, type Screen } from './ui';
 import { clock, clockOf, helpWords, itemWords, minutes, sideWords } from './words';
 
-/** A gentle stop is over by then, or something is wrong [ms]. */
-const STOPPED_WITHIN_MS = 5000;
 /** The visit is read again this often [ms]. */
 const EVERY_MS = 4000;
 const MARKS = ['tired', 'spasm', 'cue', 'hands_on'] as const;
-
-/** What the program says of the visit it has set up; undefined from a program that says nothing of it. */
-interface VisitOfScene { readonly visit?: bigint | number; readonly visitItem?: number }
 
 /** A visit under way: the picture, the plan, what is set most, notes by one touch. It works with names hidden and records gone. */
 export class VisitScreen implements Screen {
   readonly element = h('main', { class: 'visit' });
   private readonly t = texts().visit;
-  private readonly picture = h('div', { class: 'picture' });
-  private readonly controls = h('div', { class: 'controls' });
+  private readonly training: Training;
   private readonly planned = h('div', {});
   private readonly clock = h('b', { class: 'num' });
   private readonly active = h('span', { class: 'num', 'data-testid': 'active' });
-  private readonly side = h('div', {});
+  private readonly side: SideQuestion;
   private readonly said = new Said();
   private readonly marked = h('p', { class: 'marked', role: 'status' });
   private readonly next: HTMLButtonElement;
   private readonly end: HTMLButtonElement;
   private readonly stop: HTMLButtonElement;
-  private panels: Panel[] = [];
-  private exercise: ExercisePanelView | undefined;
-  private scenePanel: ScenePanel | undefined;
-  private look: HandLook = 'skin';
-  private view: PacedView | undefined;
-  private viewTried = false;
-  private builtFrom = '';
   private shownPlan = '';
   private note: NoteBox | undefined;
   private painAsked: When | undefined;
@@ -57,15 +38,19 @@ export class VisitScreen implements Screen {
   private readonly painPlace = h('div', { class: 'pain-place' });
   private readonly painFresh = new FreshButtons(this.painPlace);
   private marks: readonly string[] = [];
+  /** The visit whose parts are shown; null once it is over. */
+  private shown: Visit | null | undefined;
   private closed = false;
   private busy = false;
   private read_ms = -Infinity;
 
   constructor(private readonly room: Room, private readonly id: number) {
     const { t } = this;
+    this.training = new Training(room);
+    this.side = new SideQuestion(String(id), () => this.visit?.side, t.wrongSide, () => this.refresh());
     this.next = button(t.next, 'next-item', () => this.goTo(this.now + 1), 'first wide');
     this.end = button(t.end, 'end-visit', () => this.ending(), 'wide');
-    this.stop = button(t.stop, 'gentle-stop', () => this.gently(), 'wide');
+    this.stop = button(t.stop, 'gentle-stop', () => gently(room, t.stop), 'wide');
     if (room.clinic.visit?.id === id) this.build();
     else void this.find();
   }
@@ -93,18 +78,21 @@ export class VisitScreen implements Screen {
   }
 
   /** Not before somebody has said which hand is in the device, and not with what another visit has set. */
-  startable(): boolean { return this.visit !== undefined && !this.busy && this.sideSaid && this.setUp; }
+  startable(): boolean { return this.visit !== undefined && !this.busy && this.side.said && this.setUp; }
 
   refresh(): void {
     const { visit, t } = this;
-    if (!visit) return;
+    if (!visit) {
+      if (this.shown) this.over(fill(t.endedElsewhere, { at: clock(new Date()) }));
+      return;
+    }
+    if (this.shown === null) return;
     say(this.clock, clock(new Date()));
     say(this.active, this.activeWords(visit));
-    for (const each of this.panels) each.refresh?.();
+    this.training.refresh();
+    this.side.refresh();
     this.showPlan(visit);
-    this.showSide(visit);
-    const rendering = ['rendering', 'paused'].includes(this.room.model.status.name);
-    this.stop.disabled = !rendering;
+    this.stop.disabled = !running(this.room);
     this.showPain(visit);
     if (this.said.element.textContent === '' && !this.setUp) this.said.say(t.notSetUp);
     else if (this.said.element.textContent === t.notSetUp && this.setUp) this.said.say('');
@@ -114,64 +102,48 @@ export class VisitScreen implements Screen {
     if (['in', 'hidden'].includes(this.room.clinic.stage)) void this.room.clinic.lookAtVisit().catch(() => {});
   }
 
-  draw(): void { this.scenePanel?.draw(); }
-  take(events: readonly EventT[]): void { this.exercise?.take(events); }
+  draw(): void { this.training.draw(); }
+  take(events: readonly EventT[]): void { this.training.take(events); }
+  sceneChanged(): void { this.training.sceneChanged(); }
 
   close(): void {
     this.closed = true;
     this.note?.close();
-    for (const each of this.panels) each.close?.();
-  }
-
-  /** The program loaded another exercise or hand: what shows it is built anew. */
-  sceneChanged(): void {
-    const { model } = this.room;
-    if (model.scene) this.view?.setScene(model.scene);
-    const built = builtFrom(model.scene);
-    if (built === this.builtFrom || !this.visit) return;
-    this.builtFrom = built;
-    for (const each of this.panels) each.close?.();
-    this.scenePanel = new ScenePanel(model, this.look, (look) => { this.look = look; });
-    this.exercise = new ExercisePanelView(model);
-    const big = new BigControls(model);
-    this.panels = [this.scenePanel, this.exercise, big];
-    this.picture.replaceChildren(this.scenePanel.element, this.exercise.element);
-    this.controls.replaceChildren(big.element);
-    if (this.viewTried) this.scenePanel.setView(this.view);
+    this.training.close();
   }
 
   private async find(): Promise<void> {
-    const { clinic } = this.room, { t } = this;
     this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.said.element));
     try {
-      await clinic.lookAtVisit();
+      await this.room.clinic.lookAtVisit();
       if (this.closed) return;
-      if (this.visit) return this.build();
-      this.said.say(clinic.visit ? t.another : t.over);
-      this.said.element.after(h('p', {}, h('a', { class: 'b', href: clinic.visit ? hashOf({ at: 'visit', visit: clinic.visit.id }) : hashOf({ at: 'patients' }) }, clinic.visit ? texts().visitOpen : texts().patients.title)));
+      if (this.visit) this.build();
+      else this.over(this.t.over);
     } catch (problem) {
       if (!this.closed) this.said.problem(problem);
     }
   }
 
+  /** It has ended, here or on another screen: nothing of it is left to press. */
+  private over(words: string): void {
+    const { clinic } = this.room, { shown } = this;
+    this.shown = null;
+    this.said.say(clinic.visit ? this.t.another : words);
+    this.element.replaceChildren(h('section', { class: 'panel narrow', 'data-testid': 'visit-over' }, this.said.element, h('div', { class: 'pair' },
+      clinic.visit ? link(texts().visitOpen, { at: 'visit', visit: clinic.visit.id }) : link(texts().patients.title, { at: 'patients' }),
+      shown?.patient ? link(texts().end.card.toPatient, { at: 'summary', patient: shown.patient, visit: this.id }) : null)));
+  }
+
   private build(): void {
-    const { t, room } = this, visit = this.visit!;
+    const { t, room } = this, visit = this.shown = this.visit!;
     const plan = besideTitle(panel(t.plan, 'planned', h('p', { class: 'session' }, this.clock, ' ', this.active), this.planned, this.said.element, h('div', { class: 'pair acts' }, this.next, this.stop, this.end)));
     const marks = panel(t.marks, 'marks', h('div', { class: 'mark-keys' }, ...MARKS.map((kind) => button(texts().notes.kinds[kind], `mark-${kind}`, () => this.mark(kind)))), this.marked);
     if (this.named) {
-      this.note = new NoteBox(room, `/api/visits/${this.id}/notes`, `note-visit-${this.id}`, visit.patient ?? 0, () => void room.clinic.lookAtVisit().catch(() => {}));
+      this.note = new NoteBox(room, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => void room.clinic.lookAtVisit().catch(() => {}));
       marks.append(this.note.element);
     }
-    this.element.replaceChildren(h('div', { class: 'col seen' }, this.side, this.picture, h('div', { class: 'under' }, marks, panel(t.pain, 'pains', this.painPlace))), h('div', { class: 'col' }, plan, this.controls));
-    this.sceneChanged();
-    void room.picture().then((view) => {
-      if (this.closed) return;
-      this.view = view;
-      this.viewTried = true;
-      if (view && room.model.scene) view.setScene(room.model.scene);
-      view?.setBodies(room.connection.bodies);
-      this.scenePanel?.setView(view);
-    });
+    this.element.replaceChildren(h('div', { class: 'col seen' }, this.side.element, this.training.picture, h('div', { class: 'under' }, marks, panel(t.pain, 'pains', this.painPlace))), h('div', { class: 'col' }, plan, this.training.controls));
+    this.training.begin();
     this.refresh();
   }
 
@@ -192,8 +164,10 @@ export class VisitScreen implements Screen {
     if (shown === this.shownPlan) return;
     this.shownPlan = shown;
     this.next.hidden = last;
-    this.next.classList.toggle('go', !last);
-    this.end.classList.toggle('go', last);
+    // What is pressed next: Start, until the item was trained.
+    const trained = visit.trials.some((trial) => trial.item === now);
+    this.next.classList.toggle('go', trained && !last);
+    this.end.classList.toggle('go', trained && last);
     this.next.disabled = this.end.disabled = this.busy;
     const following = visit.plan[now + 1];
     say(this.next, following ? fill(t.nextIs, { name: itemWords(following) }) : t.next);
@@ -207,52 +181,13 @@ export class VisitScreen implements Screen {
     })));
   }
 
-  // ---- which hand
-
-  private get sideKey(): string { return `wholehand.clinic.side.${this.id}`; }
-  private get sideSaid(): boolean {
-    try { return sessionStorage.getItem(this.sideKey) === this.visit?.side; } catch { return this.sideHere; }
-  }
-  private sideHere = false;
-
-  /** Asked once before the first start of a visit: a wrong side is the mistake that nobody sees. */
-  private showSide(visit: Visit): void {
-    const { t } = this;
-    const due = !this.sideSaid;
-    this.side.hidden = !due;
-    if (!due) {
-      if (this.side.childElementCount > 0) this.side.replaceChildren();
-      return;
-    }
-    if (this.side.childElementCount > 0) return;
-    const wrong = h('p', { class: 'said', role: 'alert' });
-    const answer = (side: OneSide): HTMLElement => button(sideWords(side), `side-${side}`, () => {
-      if (side !== visit.side) return say(wrong, fill(t.wrongSide, { side: sideWords(visit.side) }));
-      this.sideHere = true;
-      try { sessionStorage.setItem(this.sideKey, side); } catch { /* this page knows it */ }
-      this.refresh();
-      document.querySelector<HTMLElement>('[data-testid=arm]')?.focus();
-    }, 'large');
-    this.side.replaceChildren(h('section', { class: 'panel ask', 'aria-label': t.whichHand }, h('h2', {}, t.whichHand), h('p', {}, t.whichHandMore), h('div', { class: 'pair' }, answer('left'), answer('right')), wrong));
-  }
-
-  /** The program has set up this visit and item; one that says nothing of visits is believed. */
+  /** The program has set up this visit and item. */
   private get setUp(): boolean {
-    const { visit, visitItem } = (this.room.model.scene ?? {}) as VisitOfScene;
-    return visit === undefined || (Number(visit) === this.id && (visitItem ?? this.now) === this.now);
+    const { scene } = this.room.model;
+    return Number(scene?.visit ?? 0) === this.id && scene?.visitItem === this.now;
   }
 
   // ---- stop, next, end
-
-  /** Stops gently and waits until nothing pushes; says so where it does not end. */
-  private async gently(): Promise<boolean> {
-    const { model } = this.room;
-    const runs = (): boolean => ['rendering', 'paused', 'stopping'].includes(model.status.name);
-    if (['rendering', 'paused'].includes(model.status.name) && !(await model.command(this.t.stop, () => model.connection.stop())).accepted) return false;
-    const end_ms = performance.now() + STOPPED_WITHIN_MS;
-    while (runs() && performance.now() < end_ms) await new Promise((resolve) => setTimeout(resolve, 50));
-    return !runs();
-  }
 
   /** A gentle stop, then the item's exercise, help and limits. Nothing starts by it. */
   private async goTo(item: number): Promise<void> {
@@ -262,7 +197,7 @@ export class VisitScreen implements Screen {
     this.said.say('');
     this.refresh();
     try {
-      if (!await this.gently()) return this.said.say(t.doesNotStop);
+      if (!await gently(this.room, t.stop)) return this.said.say(t.doesNotStop);
       clinic.take(await clinic.api.send<Visit>('POST', `/api/visits/${this.id}/item`, { item }));
     } catch (problem) {
       this.said.say(`${problemWords(problem)} ${t.staysAsItIs}`);
@@ -276,7 +211,7 @@ export class VisitScreen implements Screen {
     if (this.busy) return;
     this.busy = true;
     try {
-      if (await this.gently()) this.room.go({ at: 'end', visit: this.id });
+      if (await gently(this.room, this.t.stop)) this.room.go({ at: 'end', visit: this.id });
       else this.said.say(this.t.doesNotStop);
     } finally {
       this.busy = false;
@@ -316,6 +251,6 @@ export function painChoice({ clinic }: Room, visit: Visit, when: When): PainChoi
   const key = when === 'before' ? 'pain_before' : 'pain_after';
   return new PainChoice(when, visit[key], (value) => {
     if (clinic.visit?.id === visit.id) clinic.visit = { ...clinic.visit, [key]: value };
-    void clinic.outbox.add(`/api/visits/${visit.id}/pain`, { when, value });
+    void clinic.outbox.add(`/api/visits/${visit.id}/pain`, { when, value }, `pain-${visit.id}-${when}`);
   });
 }

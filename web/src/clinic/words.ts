@@ -30,6 +30,8 @@ export const shortDay = (t_us: number): string => new Date(t_us / 1000).toLocale
 export const clock = (at: Date): string => at.toLocaleTimeString(locale(), CLOCK);
 export const clockOf = (t_us: number): string => clock(new Date(t_us / 1000));
 
+export const bornWords = (day: string): string => new Date(`${day}T00:00:00Z`).toLocaleDateString(locale(), { timeZone: 'UTC', day: 'numeric', month: 'long', year: 'numeric' });
+
 export const sideWords = (side: Side): string => texts().sides[side];
 export const itemWords = ({ exercise, level }: Pick<Item, 'exercise' | 'level'>): string => exerciseWords(exercise, level);
 export const helpWords = (help: Item['help']): string => texts().helps[help];
@@ -49,6 +51,7 @@ export function parameterWords(name: string, value: number): readonly [name: str
 /** As few decimals as it has, three figures at most. */
 export const number = (value: number): string => (Number.isFinite(value) ? String(Number(value.toPrecision(3))).replace('-', '−') : '–');
 
-export const resultName = (name: string): string => texts().results[name] ?? asWords(name.split('/').at(-1) ?? name);
+/** As the exercise's panel calls it; of an exercise that is not known here its name, without the unit. */
+export const resultName = (name: string): string => texts().results[name] ?? asWords(name.replace(/_(l|s|n|m|rad)$/, ''));
 export const resultWords = ({ name, value, unit }: Result): string => `${resultName(name)} ${number(value)}${unit === '' ? '' : ` ${unit}`}`;
 export const presetName = (id: string): string => texts().presets[id] ?? asWords(id);

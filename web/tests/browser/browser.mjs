@@ -108,10 +108,34 @@ export function expect(condition, words) {
 /** The pages said of nothing that it went wrong. */
 export const expectNoFaults = (...pages) => pages.forEach(({ faults }) => expect(faults.length === 0, faults.join('\n')));
 
-/** The page keeps nobody out. */
-export async function expectAccessible(page, words = '') {
-  const faults = await accessibilityFaults(page);
+/** The page keeps nobody out. `all`: also what is no more than a nuisance. */
+export async function expectAccessible(page, words = '', { all = false } = {}) {
+  const faults = await accessibilityFaults(page, all);
   expect(faults.length === 0, `${words} ${faults.join('\n')}`);
+}
+
+/** At 200 %, of a screen of 1280 x 800: nothing is scrolled sideways, nothing is cut off, and the page keeps nobody out. */
+export async function expectZoomable(page, words) {
+  const before = page.viewportSize();
+  await page.setViewportSize({ width: 640, height: 400 });
+  await until(`${words} as wide as a window of 640 px`, () => page.evaluate(() => document.documentElement.scrollWidth <= 640 && innerWidth === 640));
+  const cut = await page.evaluate(cutOff);
+  expect(cut.length === 0, `${words} at 200 %, cut off: ${cut.join(' | ')}`);
+  await expectAccessible(page, `${words} at 200 %:`, { all: true });
+  await page.setViewportSize(before);
+}
+
+/** What is pressed or read, and stands beyond the window's sides or beyond what holds it and does not scroll. Runs in the page. */
+function cutOff() {
+  const beyond = (inner, outer) => inner.left < outer.left - 1 || inner.right > outer.right + 1;
+  const hidden = (element) => ['hidden', 'clip'].includes(getComputedStyle(element).overflowX);
+  return [...document.querySelectorAll('main :is(h2, h3, p, b, small, dt, dd, th, td, label, button, a, input, select, textarea), header :is(button, select, b)')].filter((element) => {
+    const box = element.getBoundingClientRect();
+    if (box.width === 0 || box.height === 0 || getComputedStyle(element).visibility === 'hidden') return false;
+    if (beyond(box, { left: 0, right: innerWidth }) || (element.matches('button, .b') && element.scrollWidth > element.clientWidth + 1)) return true;
+    for (let outer = element.parentElement; outer; outer = outer.parentElement) if (hidden(outer) && beyond(box, outer.getBoundingClientRect())) return true;
+    return false;
+  }).map((element) => element.outerHTML.slice(0, 120));
 }
 
 /** In a window of 320 px, which is 1280 px zoomed four times, nothing is scrolled sideways (WCAG 2.2, SC 1.4.10). */
@@ -123,14 +147,14 @@ export async function expectNothingScrollsSideways(page, words) {
   await page.setViewportSize(before);
 }
 
-/** Faults that keep somebody out: serious and critical ones, by axe-core. */
-async function accessibilityFaults(page) {
+/** Faults that keep somebody out: serious and critical ones, by axe-core; or all. */
+async function accessibilityFaults(page, all) {
   await page.evaluate(AXE);
   // What is still appearing is read half transparent.
   await page.evaluate(() => { for (const a of document.getAnimations()) if (Number.isFinite(a.effect?.getComputedTiming().endTime)) a.finish(); });
   const { violations } = await page.evaluate(() => globalThis.axe.run({ resultTypes: ['violations'] }));
   return violations
-    .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+    .filter(({ impact }) => all || impact === 'serious' || impact === 'critical')
     .map(({ id, help, nodes }) => `${id}: ${help} (${nodes.map(({ html }) => html.slice(0, 100)).join(' | ')})`);
 }
 

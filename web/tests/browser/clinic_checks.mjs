@@ -2,7 +2,7 @@
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync } from 'node:fs';
 import { join } from 'node:path';
-import { expect, expectAccessible, expectNoFaults, expectNothingScrollsSideways, openPage, pageUrl, until } from './browser.mjs';
+import { expect, expectAccessible, expectNoFaults, expectNothingScrollsSideways, expectZoomable, openPage, pageUrl, until } from './browser.mjs';
 import { RENDERING, STOPPED } from './watcher.mjs';
 
 const PHRASE = 'a phrase for the test', PIN = '2468', CANARY = 'Canaria Zwitschermann';
@@ -42,13 +42,15 @@ async function stopIsInItsCorner(page, words) {
   expect(box && box.x + box.width > width - 24 && box.y < 24 && box.width > 44, `${words}: emergency stop at ${JSON.stringify(box)}`);
 }
 
-/** Three languages, light and dark, and a window of 320 px. What was typed is still there at the end. */
+/** Three languages, light and dark, 200 % and a window of 320 px. What was typed is still there at the end. */
 async function lookAt(t, page, words, everywhere = true) {
   for (const theme of ['light', 'dark']) {
     for (const language of everywhere ? LANGUAGES : ['en']) {
       await page.selectOption(id('language'), language);
       await page.waitForSelector(`html[lang=${language}]`);
-      await expectAccessible(page, `${words}, ${language}, ${theme}:`);
+      await expectAccessible(page, `${words}, ${language}, ${theme}:`, { all: true });
+      // Words are longest in French, colours were looked at.
+      if (theme === 'light' && language !== 'de') await expectZoomable(page, `${words}, ${language}`);
     }
     await page.click(id('theme'));
   }
@@ -94,6 +96,29 @@ async function beginVisit(page, hands, side = 'right') {
   await hands.press('arm');
   await until('rendering', async () => (await runState(page)) === RENDERING);
 }
+
+/** A clinic that has begun, with one patient. */
+async function withPatient(t) {
+  const program = await start(t);
+  const page = await open(t, program.url);
+  await begin(t, page, false);
+  await page.click(id('first-patient'));
+  const hands = new Hands(page);
+  await addPatient(page, hands, CANARY);
+  return { program, page, hands };
+}
+
+async function enterPin(page, pin = PIN) {
+  await page.waitForSelector(id('pin'));
+  await page.fill(id('pin'), pin);
+  await page.click(id('pin-ok'));
+}
+
+/** The records' process of a program. */
+const recordsOf = (program) => execFileSync('pgrep', ['-P', String(program.pid)], { encoding: 'utf8' }).trim().split('\n').map(Number)
+  .find((pid) => execFileSync('ps', ['-o', 'args=', '-p', String(pid)], { encoding: 'utf8' }).includes('clinic'));
+/** Refusals while nobody was signed in, and questions that nobody answered, are what was looked for. */
+const forgive = (page) => { page.faults = page.faults.filter((fault) => !/^(401|403|409|423) http|net::ERR_|Failed to load resource/.test(fault)); };
 
 async function endVisit(page) {
   await page.click(`${id('end-visit')}:enabled`);
@@ -166,21 +191,25 @@ export async function therapistKeepsAPatient(t) {
   return `${actions} actions for a new patient, ${again.count} presses for a returning one`;
 }
 
-/** Hidden names are not in the page; what was typed comes back to the same account; the visit stays usable. */
+/** Hidden names are not in the page; what was typed comes back to the same account, over a reload and a killed tab; the visit stays usable. */
 export async function namesDisappear(t) {
-  const program = await start(t);
-  const page = await open(t, program.url);
-  await begin(t, page, false);
-  await page.click(id('first-patient'));
-  const hands = new Hands(page);
-  await addPatient(page, hands, CANARY);
+  const { program, page, hands } = await withPatient(t);
+  const patient = Number(/patient\/(\d+)/.exec(page.url())[1]);
+  // A second therapist, at the same browser.
+  await page.click(id('to-settings'));
+  await page.fill(id('account-name'), 'B. Rossi');
+  await page.fill(id('account-pin'), '97531');
+  await page.click(id('add-account'));
+  await page.waitForSelector('.people :text("B. Rossi")');
+  await page.goto(`${page.url().replace(/#.*/, '')}#/patient/${patient}`);
   await page.fill(id('note'), 'Shoulder first, says Canaria');
   await page.waitForSelector('[data-testid=note-state]:has-text("saved")');
   await beginVisit(page, hands);
-  await page.click(id('hide-names'));
+  // Nobody touches it for five minutes: the page's clock is turned.
+  await page.evaluate(() => { const now = performance.now.bind(performance); performance.now = () => now() + 301_000; });
   await page.waitForSelector(id('show-names'));
-  const left = await page.evaluate(() => `${document.documentElement.outerHTML} ${document.title} ${location.href}`);
-  expect(!/Canaria|Zwitschermann/.test(left), 'a name is left in the page while names are hidden');
+  const left = await page.evaluate(() => `${document.documentElement.outerHTML} ${document.title} ${location.href} ${JSON.stringify({ ...localStorage, ...sessionStorage })}`);
+  expect(!/Canaria|Zwitschermann|Shoulder/.test(left), 'a name or a note is left in the page while names are hidden');
   await lookAt(t, page, 'visit, names hidden');
   expect((await runState(page)) === RENDERING, 'hiding names stopped the session');
   await page.click(id('mark-spasm'));
@@ -191,32 +220,55 @@ export async function namesDisappear(t) {
   await until('rendering', async () => (await runState(page)) === RENDERING);
   await page.click(id('emergency-stop'));
   await until('stopped', async () => (await runState(page)) === STOPPED);
+  // Other patients need the PIN.
+  await page.goto(`${page.url().replace(/#.*/, '')}#/patient/${patient}`);
+  await page.waitForSelector(id('show-names'));
+  expect(!(await page.content()).includes('Canaria'), 'an address led past the PIN');
   await page.click(id('show-names'));
   await page.waitForSelector(id('pin'));
   await lookAt(t, page, 'PIN');
-  await page.fill(id('pin'), PIN);
-  await page.click(id('pin-ok'));
+  await enterPin(page);
   await page.waitForSelector(`header :text("${CANARY}")`);
   // What is half typed outlives a reload, before it was saved.
   await page.fill(id('note'), 'Half a sent');
   await page.reload();
   await page.waitForSelector(id('note'));
   expect((await page.inputValue(id('note'))) === 'Half a sent' || (await page.locator(':text("Half a sent")').count()) > 0, 'a reload lost what was typed');
+  // The records are gone, then the tab is killed. What was typed waits, sealed, for the same person.
+  const records = recordsOf(program);
+  process.kill(records, 'SIGSTOP');
+  await page.fill(id('note'), 'Half a sentence of Canaria');
+  await page.waitForSelector('[data-testid=note-state]:has-text("when the records answer")');
+  const killed = page.context();
+  const again = await killed.newPage();
+  await page.close();
+  process.kill(records, 'SIGCONT');
+  again.faults = [];
+  await again.goto(pageUrl(program.url, '/clinic', { lang: 'en' }));
+  expect(!/Canaria/.test(await again.evaluate(() => JSON.stringify({ ...localStorage }))), 'what was typed can be read in the browser');
+  const enter = async (name, pin) => {
+    await again.click(`.tile:has-text("${name}")`);
+    await enterPin(again, pin);
+    await again.waitForSelector(id('to-patients'));
+    await again.goto(`${again.url().replace(/#.*/, '')}#/patient/${patient}`);
+    await again.waitForSelector(id('note'));
+  };
+  await again.waitForSelector('.tile');
+  await enter('B. Rossi', '97531');
+  expect((await again.inputValue(id('note'))) === '' && (await again.locator(':text("Half a sentence")').count()) === 0, 'another therapist is shown what was typed');
+  await again.click(id('to-settings'));
+  await again.click(id('sign-out'));
+  await again.waitForSelector('.tile');
+  await enter('A. Keller', PIN);
+  await until('the note in the list', () => again.reload().then(() => again.waitForSelector('.note-list')).then(() => again.locator('.note-list :text("Half a sentence of Canaria")').count()), { every_ms: 2000 });
   return 'no name in the page, and nothing typed was lost';
 }
 
 /** The records' process is killed in a session: it goes on, stop and marks work, and nothing is lost. */
 export async function recordsAreKilled(t) {
-  const program = await start(t);
-  const page = await open(t, program.url);
-  await begin(t, page, false);
-  await page.click(id('first-patient'));
-  const hands = new Hands(page);
-  await addPatient(page, hands, CANARY);
+  const { program, page, hands } = await withPatient(t);
   await beginVisit(page, hands);
-  const [child] = execFileSync('pgrep', ['-P', String(program.pid)], { encoding: 'utf8' }).trim().split('\n').map(Number)
-    .filter((pid) => execFileSync('ps', ['-o', 'args=', '-p', String(pid)], { encoding: 'utf8' }).includes('clinic'));
-  process.kill(child, 'SIGKILL');
+  process.kill(recordsOf(program), 'SIGKILL');
   await page.waitForSelector(`[data-testid=records-silent]:not([hidden]), ${id('show-names')}`);
   expect((await runState(page)) === RENDERING, 'the session did not go on without records');
   await page.click(id('mark-tired'));
@@ -231,13 +283,97 @@ export async function recordsAreKilled(t) {
   await lookAt(t, page, 'unlock', false);
   await page.fill(id('unlock-words'), PHRASE);
   await page.click(id('unlock'));
-  await page.waitForSelector(id('pin'));
-  await page.fill(id('pin'), PIN);
-  await page.click(id('pin-ok'));
+  await enterPin(page);
   await page.waitForSelector(`header :text("${CANARY}")`);
-  await until('the mark saved', () => page.evaluate(() => Object.keys(localStorage).every((key) => !key.endsWith('outbox'))));
-  // Refusals while nobody was signed in, and questions that nobody answered, are what was looked for.
-  page.faults = page.faults.filter((fault) => !/^(401|423) http|net::ERR_|Failed to load resource/.test(fault));
+  await until('the mark saved', () => page.evaluate(() => Object.keys(localStorage).every((key) => !key.includes('outbox'))));
+  forgive(page);
   expectNoFaults(page);
   return 'the session went on, and the mark is in the records';
+}
+
+/** Without records a session starts under the gentle preset only, from the page, and is given to a patient later. */
+export async function sessionWithoutRecords(t) {
+  const { program, page } = await withPatient(t);
+  // Somebody leaves a limit raised, at the console.
+  const gentle = await page.evaluate(() => JSON.parse(localStorage['wholehand.gentle']));
+  const limit = () => page.evaluate(() => { const { scene, state } = window.wholehandNow; return state.parameters[scene.parameters.findIndex(({ name }) => String(name) === 'effort_limit_hand_tip_n')]; });
+  expect(gentle.effort_limit_hand_tip_n === 3, `the gentle preset is ${JSON.stringify(gentle)}`);
+  const console_page = await openPage(t.plain, pageUrl(program.url, '/console', { lang: 'en' }));
+  for (let i = 0; i < 3; i += 1) await console_page.click(`${id('more-effort_limit_hand_tip_n')}`);
+  await until('a raised limit', async () => (await limit()) > 3);
+  await console_page.close();
+  const records = recordsOf(program);
+  process.kill(records, 'SIGSTOP');
+  await page.waitForSelector(id('to-alone'));
+  await lookAt(t, page, 'patient, records gone', false);
+  await page.click(id('to-alone'));
+  await page.waitForSelector(id('alone'));
+  await until('the gentle limit', async () => (await limit()) === 3);
+  await lookAt(t, page, 'session without records');
+  expect(/gentle preset/.test(await page.innerText('header')) && /3 N/.test(await page.innerText(id('alone'))), 'the screen does not name the gentle preset');
+  expect(await page.isDisabled(id('arm')), 'it may be started before somebody said which hand is in the device');
+  await page.click(id('side-right'));
+  await page.click(`${id('arm')}:enabled`);
+  await until('rendering', async () => (await runState(page)) === RENDERING);
+  // A page that is opened now finds it, with Stop and Pause.
+  const other = await open(t, program.url);
+  await other.waitForSelector(`${id('alone')}`);
+  await other.waitForSelector(`${id('pause')}:enabled`);
+  await stopIsInItsCorner(other, 'opened without records');
+  await other.close();
+  process.kill(records, 'SIGCONT');
+  await page.waitForSelector(`${id('records-silent')}[hidden]`, { state: 'attached' });
+  expect((await runState(page)) === RENDERING, 'the session ended when the records answered again');
+  await page.click(`${id('gentle-stop')}:enabled`);
+  await until('stopped', async () => (await runState(page)) === STOPPED);
+  await page.click(id('to-patients'));
+  await page.click(`[data-testid^=session-]`);
+  await lookAt(t, page, 'session without a patient');
+  await page.click(`${id('give-sessions')}:enabled`);
+  await page.click('[data-testid^=pick-]:not(input):not([data-testid=pick-cancel])');
+  await page.click(id('pick-yes'));
+  await until('no session left', async () => (await page.locator(id('loose-sessions')).count()) === 0);
+  await page.click('tbody [data-testid^=patient-]');
+  await until('the visit in the list', async () => (await page.locator('[data-testid=visits] .trial').count()) === 1);
+  forgive(page);
+  expectNoFaults(page);
+  return 'started at 3 N at the fingertips, given to the patient afterwards';
+}
+
+/** Two consoles on one patient: each is told what the other one did. */
+export async function twoConsoles(t) {
+  const { program, page, hands } = await withPatient(t);
+  const other = await open(t, program.url);
+  await enterPin(other);
+  await other.click('tbody [data-testid^=patient-]');
+  await other.waitForSelector(id('begin-visit'));
+  await beginVisit(page, hands);
+  await other.waitForSelector(`.hint:has-text("begun by A. Keller")`);
+  await other.click(`${id('begin-visit')}:has-text("Go on")`);
+  await other.click(id('side-right'));
+  await endVisit(other);
+  await other.click(id('finish-done'));
+  await other.waitForSelector(id('patient-card'));
+  await page.waitForSelector(`${id('visit-over')}:has-text("ended on another screen")`);
+  expect((await page.locator(`${id('arm')}:enabled`).count()) === 0, 'a visit that was ended can still be started');
+  await lookAt(t, page, 'visit ended elsewhere', false);
+  // Both change the same patient.
+  const edit = async (screen, words) => {
+    await screen.click(id('to-patients'));
+    await screen.click('tbody [data-testid^=patient-]');
+    await screen.click(id('edit-patient'));
+    await screen.fill(id('patient-warnings'), words);
+  };
+  await edit(page, 'mine');
+  await edit(other, 'theirs');
+  await other.click(id('save-patient'));
+  await other.waitForSelector(id('begin-visit'));
+  await page.click(id('save-patient'));
+  await page.waitForSelector(`${id('both-texts')}:has-text("theirs")`);
+  await expectAccessible(page, 'both texts:', { all: true });
+  await page.click(id('keep-mine'));
+  await page.waitForSelector(`${id('warnings')}:has-text("mine")`);
+  forgive(page);
+  expectNoFaults(page);
+  return 'an ended visit and a changed patient are said on the other screen';
 }

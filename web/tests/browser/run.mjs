@@ -80,6 +80,8 @@ const TESTS = [
   ['a therapist keeps a patient', clinic.therapistKeepsAPatient, PACED],
   ['names disappear, and nothing typed', clinic.namesDisappear, PACED],
   ['records are killed in a session', clinic.recordsAreKilled, PACED],
+  ['a session without records is gentle', clinic.sessionWithoutRecords, PACED],
+  ['two consoles on one patient', clinic.twoConsoles, PACED],
   ['replay of a recording', replays.recordingIsReplayed],
   ['replay of two beside each other', replays.twoAreReplayed],
   ['replay says what it cannot show', replays.badRecordingsAreSaid],

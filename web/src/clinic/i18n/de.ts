@@ -10,8 +10,11 @@ export const de: ClinicTexts = {
   answerAgain: 'Die Akten antworten wieder.',
   stages: {
     looking: { title: 'Die Akten werden gesucht', words: 'Einen Moment …' },
-    absent: { title: 'Die Akten antworten nicht', words: 'Es wird weiter versucht. Not-Halt und Konsole gehen inzwischen.' },
     without: { title: 'Keine Akten an diesem Platz', words: 'Starten Sie das Programm mit einem Ordner dafür: wholehand run --clinic ORDNER, oder ./start --clinic ORDNER.' },
+  },
+  alone: {
+    begin: 'Sitzung ohne Akten', title: 'Sitzung ohne Akten', words: 'Mit den sanften Werten. Sie wird aufgezeichnet. Wenn die Akten wieder antworten, ordnen Sie sie zu oder löschen sie.',
+    visitGoesOn: 'Die offene Sitzung geht weiter', visitWords: 'Mit ihren Grenzen. Plan und Name kommen mit den Akten zurück.', wrongSide: 'Das Gerät ist eingestellt für: {side}. Stellen Sie es um, oder wählen Sie in der Konsole die andere Hand.', leave: 'Zu den Personen, wie zuletzt gelesen',
   },
   refusals: {
     locked: 'Die Akten sind verschlossen. Geben Sie das Kennwort ein.', not_signed_in: 'Bitte melden Sie sich noch einmal an.', hidden: 'Die Namen sind ausgeblendet. Geben Sie Ihre PIN ein.',
@@ -22,14 +25,15 @@ export const de: ClinicTexts = {
   },
   sides: { right: 'rechte Hand', left: 'linke Hand', both: 'beide Hände' },
   helps: { full: 'Viel', some: 'Etwas', none: 'Keine' }, helpOf: 'Hilfe: {help}', min: '{n} min',
-  presets: { usual: 'Üblich', gentle: 'Sanft', medium: 'Mittel', normal: 'Normal', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
+  presets: { usual: 'Üblich', gentle: 'Sanft', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
   results: {
-    active_min: 'Aktive Minuten', score: 'Punkte', stars: 'Sterne', done: 'Geschafft', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg zu Luftlinie', helped_share: 'Geholfen',
-    steady: 'Ruhig gehalten', level: 'Stufe', time_s: 'Zeit', hits: 'Treffer',
+    poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', bands_done: 'Stufen geschafft',
+    active_min: 'Aktive Minuten', score: 'Punkte', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg zu Luftlinie', helped_share: 'Geholfen',
   },
   curves: { one: 'Erst eine Sitzung. Eine Kurve braucht zwei.', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.' },
   first: {
     title: 'Erster Start', words: 'Das Kennwort öffnet die Akten einmal am Tag. Ohne Kennwort und ohne Notschlüssel kann sie niemand mehr lesen.',
+    folder: 'Die Akten kommen nach {path}.', folderEmpty: 'Der Ordner ist leer.', folderAsk: 'Gab es schon Akten: Ist der Datenträger eingehängt?',
     phrase: 'Kennwort', phraseHint: '8 Zeichen oder mehr', again: 'Kennwort noch einmal', tile: 'Wer hier arbeitet', name: 'Name', pin: 'PIN', pinHint: '4 bis 8 Ziffern', make: 'Akten anlegen',
     short: 'Bitte 8 Zeichen oder mehr.', differs: 'Die beiden sind nicht gleich.', noName: 'Bitte geben Sie einen Namen ein.', badPin: 'Bitte geben Sie 4 bis 8 Ziffern ein.',
     code: { title: 'Notschlüssel', words: 'Er öffnet die Akten, wenn das Kennwort vergessen ist. Er wird nur dieses Mal gezeigt.', paper: 'Drucken Sie ihn und schliessen Sie ihn weg, nicht bei diesem Computer.', print: 'Drucken', kept: 'Ich habe ihn auf Papier', on: 'Weiter' },
@@ -42,6 +46,7 @@ export const de: ClinicTexts = {
     title: 'Personen', find: 'Name oder Code', fresh: 'Neue Person', count: '{n} Personen', countOne: '1 Person', name: 'Name', code: 'Code', hand: 'Hand', last: 'Letzte Sitzung', visits: 'Sitzungen', never: 'noch keine',
     empty: 'Noch niemand.', nobody: 'Niemand heisst «{find}».', failed: 'Seit {at} nicht gelesen. Es wird von selbst weiter versucht; bleibt es so, starten Sie das Programm neu.', asOf: 'Die Liste ist von {at}.',
     open: 'offen', unfinished: 'nicht beendet', goOn: 'Weiter', endIt: 'Beenden', without: 'Sitzung ohne Person', withoutMore: 'Mit den sanften Werten. Sie ordnen sie später zu oder löschen sie.', beginWith: 'Beginnen, {side}',
+    sessions: { title: 'Sitzungen ohne Person', words: 'Aufgezeichnet, während die Akten nicht antworteten, oder ausserhalb einer Sitzung.', choose: 'Sitzung vom {day}, {at}, wählen', give: 'Zuordnen', whose: 'Wessen Sitzung war es?', more: 'Und {n} weitere.' },
     noPatient: 'ohne Person', give: 'Zuordnen', giveTo: 'Wessen Sitzung war es?', giveYes: 'Zuordnen: {name}, {code}', remove: 'Löschen', removeYes: 'Endgültig löschen',
   },
   plan: {
@@ -50,7 +55,7 @@ export const de: ClinicTexts = {
   form: {
     title: 'Neue Person', edit: 'Angaben ändern', person: 'Person', hands: 'Grösse der Hand', limits: 'Kräfte', plan: 'Plan', preset: 'Beginnen mit', planPreset: 'Beginnen mit', ownPlan: 'eigener Plan', save: 'Speichern', back: 'Verwerfen',
     fields: { name: 'Name', code: 'Code', born: 'Geburtsdatum', number: 'Nummer', side: 'Betroffene Seite', hands: 'Hände', preset: 'Kräfte', parameters: 'Reichweite und Finger', warnings: 'Warnungen', plan: 'Plan' },
-    hints: { code: 'auf Listen, kein Name', born: 'freiwillig', number: 'freiwillig', warnings: 'vor jeder Sitzung zu sehen' },
+    hints: { code: 'kein Name', born: 'freiwillig', number: 'freiwillig', warnings: 'vor jeder Sitzung zu sehen' },
     length_m: 'Länge', breadth_m: 'Breite', measure: 'Länge: Handgelenksfalte bis Spitze des Mittelfingers. Breite: über die Knöchel, ohne Daumen.', handImage: '{side}, {length} mm lang, {breadth} mm breit', sideFirst: 'Wählen Sie zuerst die betroffene Seite.',
     reach: 'Reichweite und Finger', kept: 'Das wurde früher geschrieben und ist noch nicht gespeichert.', stays: 'Was Sie geschrieben haben, bleibt hier.', noName: 'Bitte geben Sie einen Namen ein.', noSide: 'Bitte wählen Sie eine Seite.',
     both: { title: 'Von jemand anderem geändert', words: 'Diese Angaben wurden an einem anderen Bildschirm gespeichert, während Sie schrieben.', yours: 'Ihre', now: 'Dort gespeichert', mine: 'Meine speichern', theirs: 'Die anderen nehmen' },
@@ -58,7 +63,7 @@ export const de: ClinicTexts = {
   patient: {
     patient: 'Person', reading: 'Wird gelesen …', failed: 'Seit {at} nicht gelesen. Es wird von selbst weiter versucht.', asOf: 'Stand von {at}.', visitCount: '{n} Sitzungen', oneVisit: '1 Sitzung', lastOn: 'zuletzt {day}', noVisit: 'noch keine Sitzung',
     progress: 'Verlauf', progressSince: 'Verlauf seit {day}', noProgress: 'Nach zwei Sitzungen stehen hier Kurven.', noClaim: 'Werte wie gemessen; keiner ist ein Urteil.', visits: 'Sitzungen', noVisits: 'Noch keine Sitzungen.', csv: 'Als CSV speichern', print: 'Verlauf drucken', all: 'Alle {n} zeigen', newest: 'Nur die neusten',
-    active: 'aktiv', painWords: 'Schmerz vorher {before}, nachher {after}', nothingDone: 'Nichts gemacht.', look: 'Ansehen', move: 'Verschieben', open: 'offen', unfinished: 'nicht beendet', noShow: 'nicht gekommen', helped: '{share} % geholfen', waiting: 'wird gemessen', failedTrial: 'nicht gemessen: {why}', noRecording: 'keine Aufnahme',
+    active: 'aktiv', painWords: 'Schmerz vorher {before}, nachher {after}', nothingDone: 'Nichts gemacht.', look: 'Ansehen', move: 'Verschieben', open: 'offen', unfinished: 'nicht beendet', noShow: 'nicht gekommen', helped: '{share} % geholfen', notByPerson: 'nicht von einer Person bewegt', waiting: 'wird gemessen', failedTrial: 'nicht gemessen: {why}', noRecording: 'keine Aufnahme',
     replay: 'Wiedergabe', report: 'Bericht', compare: 'Vergleich', notes: 'Notizen', person: 'Person', edit: 'Ändern', born: 'Geboren', number: 'Nummer', hand: 'Grösse, {side}', preset: 'Kräfte',
     more: 'Fehler und Seltenes', noShowNote: 'Heute nicht gekommen', noShowYes: 'Vermerken', moveTitle: 'Wem gehört die Sitzung vom {day}, {at}?', moveYes: 'Verschieben zu {name}, {code}', remove: 'Person löschen', removeYes: '{name} endgültig löschen',
     merge: { title: 'Doppelte vereinen', which: 'Wer ist doppelt zu {name}, {code}?', yes: 'Vereinen: {name}, {code} verschwindet, die Sitzungen kommen hierher' },
@@ -69,15 +74,15 @@ export const de: ClinicTexts = {
     kinds: { tired: 'Müde', spasm: 'Spasmus', cue: 'Hinweis gegeben', hands_on: 'Von Hand geholfen', next: 'Nächstes Mal', reason: 'Warum nichts gemacht wurde' },
   },
   pain: { unasked: 'nicht gefragt', before: 'Schmerz vorher', after: 'Schmerz jetzt', notAsked: 'Nicht gefragt', of: 'Schmerz {n} von 10' },
-  today: { title: 'Heute', from: 'Wie am {day}', fromPlan: 'Nach dem Plan', begin: 'Sitzung {n} beginnen', goOn: 'Sitzung weiterführen', otherOpen: 'Zur offenen Sitzung', side: 'Welche Hand heute?', change: 'Plan ändern', ready: 'Plan ist fertig', noPlan: 'Der Plan ist leer. Fügen Sie eine Übung hinzu.', notNow: 'Solange die Akten nicht antworten, kann keine Sitzung beginnen. Danach geht sofort eine ohne Person, mit den sanften Werten.' },
+  today: { title: 'Heute', from: 'Wie am {day}', fromPlan: 'Nach dem Plan', begin: 'Sitzung {n} beginnen', goOn: 'Sitzung weiterführen', openSince: 'Offen seit {at}, begonnen von {who}.', otherOpen: 'Zur offenen Sitzung', side: 'Welche Hand heute?', change: 'Plan ändern', ready: 'Plan ist fertig', noPlan: 'Der Plan ist leer. Fügen Sie eine Übung hinzu.', notNow: 'Solange die Akten nicht antworten, kann hier keine Sitzung beginnen. Eine Sitzung ohne Akten geht, mit den sanften Werten.' },
   visit: {
     title: 'Sitzung', plan: 'Plan', noPatient: 'Ohne Person', gentle: 'sanfte Werte', hiddenName: 'Name ausgeblendet', recorded: '● Aufnahme', unrecorded: 'Nicht aufgezeichnet', itemOf: '{n} von {m}', active: 'aktiv: {item} von {of} min, Sitzung {all}', inProgress: 'jetzt', done: 'gemacht', setUp: 'Einrichten',
-    next: 'Weiter im Plan', nextIs: 'Weiter: {name}', end: 'Sitzung beenden', stop: 'Sanft anhalten', marks: 'Mit einer Berührung notieren', noteTitle: 'Notizen', pain: 'Schmerz', another: 'Eine andere Sitzung ist offen.', over: 'Diese Sitzung ist zu Ende.',
+    next: 'Weiter im Plan', nextIs: 'Weiter: {name}', end: 'Sitzung beenden', stop: 'Sanft anhalten', marks: 'Mit einer Berührung notieren', noteTitle: 'Notizen', pain: 'Schmerz', another: 'Eine andere Sitzung ist offen.', over: 'Diese Sitzung ist zu Ende.', endedElsewhere: 'Diese Sitzung wurde an einem anderen Bildschirm beendet, {at}.',
     whichHand: 'Welche Hand ist im Gerät?', whichHandMore: 'Schauen Sie hin, dann drücken Sie. Danach lässt sich starten.', wrongSide: 'Diese Sitzung ist für: {side}. Stellen Sie das Gerät um, oder beenden Sie die Sitzung und beginnen Sie eine für die andere Hand.',
     notSetUp: 'Das Gerät hat die Werte dieser Sitzung nicht. Drücken Sie «Einrichten» neben einer Übung.', doesNotStop: 'Es hat nicht angehalten. Drücken Sie den Not-Halt.', staysAsItIs: 'Die Übung bleibt, wie sie ist.',
   },
   end: {
-    title: 'Ende der Sitzung', doneTitle: 'Gemacht', nothing: 'In dieser Sitzung wurde nichts gemacht.', notDone: 'nicht gemacht', of: '{done} von {planned}', result: 'Ergebnis', now: 'Heute', last: '{day}', lastNone: 'vorher', helped: 'Geholfen', noResults: 'Keine Ergebnisse.',
+    title: 'Ende der Sitzung', doneTitle: 'Gemacht', nothing: 'In dieser Sitzung wurde nichts gemacht.', notDone: 'nicht gemacht', of: '{done} von {planned}', result: 'Ergebnis', now: 'Heute', last: '{day}', lastNone: 'vorher', noResults: 'Keine Ergebnisse.',
     next: 'Wie es weitergeht', reason: 'Warum nichts gemacht wurde', finish: 'Sitzung abschliessen', unfinished: 'Offen lassen', back: 'Zurück zur Übung',
     card: { title: 'Ihr Training heute', trained: 'Sie haben {min} trainiert.', next: 'Nächstes Mal:', nextPatient: 'Nächste Person', toPatient: 'Sitzung ansehen', print: 'Karte drucken' },
   },

@@ -8,8 +8,11 @@ export const en = {
   answerAgain: 'The records answer again.',
   stages: {
     looking: { title: 'Looking for the records', words: 'One moment …' },
-    absent: { title: 'The records do not answer', words: 'It is tried again. Emergency stop and the console work meanwhile.' },
     without: { title: 'No records on this station', words: 'Start the program with a folder for them: wholehand run --clinic FOLDER, or ./start --clinic FOLDER.' },
+  },
+  alone: {
+    begin: 'Session without records', title: 'Session without records', words: 'Under the gentle preset. It is recorded. When the records answer again you give it to a patient, or delete it.',
+    visitGoesOn: 'The open visit goes on', visitWords: 'With its limits. Its plan and its name come back with the records.', wrongSide: 'The station has the {side} set up. Change hand and device, or choose the other hand in the console.', leave: 'To the patients as they were read last',
   },
   refusals: {
     locked: 'The records are locked. Enter the pass phrase.', not_signed_in: 'Please sign in again.', hidden: 'Names are hidden. Enter your PIN.',
@@ -20,14 +23,15 @@ export const en = {
   } as Record<string, string>,
   sides: { right: 'right hand', left: 'left hand', both: 'both hands' },
   helps: { full: 'Full', some: 'Some', none: 'None' }, helpOf: 'Help: {help}', min: '{n} min',
-  presets: { usual: 'Usual', gentle: 'Gentle', medium: 'Medium', normal: 'Normal', strong: 'Strong', first: 'First visit', short: 'Short', long: 'Long' } as Record<string, string>,
+  presets: { usual: 'Usual', gentle: 'Gentle', strong: 'Strong', first: 'First visit', short: 'Short', long: 'Long' } as Record<string, string>,
   results: {
-    active_min: 'Active minutes', score: 'Score', stars: 'Stars', done: 'Done', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Path over straight line', helped_share: 'Helped',
-    steady: 'Grip held steady', level: 'Level', time_s: 'Time', hits: 'Hits',
+    poured_total_l: 'Poured', spilt_l: 'Spilt', bands_done: 'Levels done',
+    active_min: 'Active minutes', score: 'Score', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Path over straight line', helped_share: 'Helped',
   } as Record<string, string>,
   curves: { one: 'One visit so far. A curve needs two.', none: 'Nothing measured yet.', image: '{name} over {n} visits, from {first} to {last}.' },
   first: {
     title: 'First start', words: 'The pass phrase opens the records once a day. Without it, and without the recovery code, nobody can read them again.',
+    folder: 'The records are made in {path}.', folderEmpty: 'The folder is empty.', folderAsk: 'If there were records before: is its disk mounted?',
     phrase: 'Pass phrase', phraseHint: '8 characters or more', again: 'Pass phrase again', tile: 'Who works here', name: 'Name', pin: 'PIN', pinHint: '4 to 8 digits', make: 'Make the records',
     short: 'Please use 8 characters or more.', differs: 'The two are not the same.', noName: 'Please enter a name.', badPin: 'Please enter 4 to 8 digits.',
     code: { title: 'Recovery code', words: 'It opens the records if the pass phrase is forgotten. It is shown this once.', paper: 'Print it and lock it away, not beside this computer.', print: 'Print', kept: 'I have it on paper', on: 'Go on' },
@@ -40,6 +44,7 @@ export const en = {
     title: 'Patients', find: 'Name or code', fresh: 'New patient', count: '{n} patients', countOne: '1 patient', name: 'Name', code: 'Code', hand: 'Hand', last: 'Last visit', visits: 'Visits', never: 'none yet',
     empty: 'No patients yet.', nobody: 'Nobody is called “{find}”.', failed: 'Not read since {at}. It is tried again by itself; if it stays so, start the program again.', asOf: 'The list is as of {at}.',
     open: 'open', unfinished: 'unfinished', goOn: 'Go on', endIt: 'End it', without: 'Visit without a patient', withoutMore: 'Under the gentle preset. You give it to a patient later, or delete it.', beginWith: 'Begin, {side}',
+    sessions: { title: 'Sessions without a patient', words: 'Recorded while the records did not answer, or outside of a visit.', choose: 'Choose the session of {day}, {at}', give: 'Give to a patient', whose: 'Whose session was it?', more: 'And {n} more.' },
     noPatient: 'no patient', give: 'Give to a patient', giveTo: 'Whose visit was it?', giveYes: 'Give it to {name}, {code}', remove: 'Delete', removeYes: 'Delete for good',
   },
   plan: {
@@ -48,7 +53,7 @@ export const en = {
   form: {
     title: 'New patient', edit: 'Edit patient', person: 'Person', hands: 'Size of the hand', limits: 'Forces', plan: 'Plan', preset: 'Start with', planPreset: 'Start with', ownPlan: 'own plan', save: 'Save', back: 'Discard',
     fields: { name: 'Name', code: 'Code', born: 'Birth date', number: 'Number', side: 'Affected side', hands: 'Hands', preset: 'Forces', parameters: 'Reach and fingers', warnings: 'Warnings', plan: 'Plan' },
-    hints: { code: 'on recordings’ lists, not a name', born: 'optional', number: 'optional', warnings: 'seen before each visit' } as Record<string, string>,
+    hints: { code: 'not a name', born: 'optional', number: 'optional', warnings: 'seen before each visit' } as Record<string, string>,
     length_m: 'Length', breadth_m: 'Breadth', measure: 'Length: wrist crease to the tip of the middle finger. Breadth: across the knuckles, without the thumb.', handImage: '{side}, {length} mm long, {breadth} mm broad', sideFirst: 'Choose the affected side first.',
     reach: 'Reach and fingers', kept: 'This was typed before and is not saved yet.', stays: 'What you typed stays here.', noName: 'Please enter a name.', noSide: 'Please choose a side.',
     both: { title: 'Changed by somebody else', words: 'This patient was saved on another screen while you typed.', yours: 'Yours', now: 'Saved there', mine: 'Save mine', theirs: 'Take theirs' },
@@ -56,7 +61,7 @@ export const en = {
   patient: {
     patient: 'Patient', reading: 'Reading …', failed: 'Not read since {at}. It is tried again by itself.', asOf: 'Shown as of {at}.', visitCount: '{n} visits', oneVisit: '1 visit', lastOn: 'last on {day}', noVisit: 'no visit yet',
     progress: 'Progress', progressSince: 'Progress since {day}', noProgress: 'Curves stand here after two visits.', noClaim: 'Values as measured; none is a judgement.', visits: 'Visits', noVisits: 'No visits yet.', csv: 'Save as CSV', print: 'Print progress', all: 'Show all {n}', newest: 'Show the newest only',
-    active: 'active', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', noShow: 'did not come', helped: 'helped {share} %', waiting: 'being measured', failedTrial: 'not measured: {why}', noRecording: 'no recording',
+    active: 'active', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', noShow: 'did not come', helped: 'helped {share} %', notByPerson: 'not moved by a person', waiting: 'being measured', failedTrial: 'not measured: {why}', noRecording: 'no recording',
     replay: 'Replay', report: 'Report', compare: 'Compare', notes: 'Notes', person: 'Person', edit: 'Edit', born: 'Born', number: 'Number', hand: 'Size, {side}', preset: 'Forces',
     more: 'Mistakes and rare things', noShowNote: 'Did not come today', noShowYes: 'Note it', moveTitle: 'To whom does the visit of {day}, {at} belong?', moveYes: 'Move to {name}, {code}', remove: 'Delete this patient', removeYes: 'Delete {name} for good',
     merge: { title: 'Join with a double', which: 'Who is the double of {name}, {code}?', yes: 'Join: {name}, {code} goes, the visits come here' },
@@ -67,15 +72,15 @@ export const en = {
     kinds: { tired: 'Tired', spasm: 'Spasm', cue: 'Cue given', hands_on: 'Hands-on', next: 'Next time', reason: 'Why nothing was done' } as Record<string, string>,
   },
   pain: { unasked: 'not asked', before: 'Pain before', after: 'Pain now', notAsked: 'Not asked', of: 'Pain {n} of 10' },
-  today: { title: 'Today', from: 'As on {day}', fromPlan: 'From the plan', begin: 'Begin visit {n}', goOn: 'Go on with the visit', otherOpen: 'Go to the open visit', side: 'Which hand today?', change: 'Change plan', ready: 'Plan is ready', noPlan: 'The plan is empty. Add an exercise.', notNow: 'A visit cannot begin while the records do not answer. Once they do, one without a patient can begin at once, under the gentle preset.' },
+  today: { title: 'Today', from: 'As on {day}', fromPlan: 'From the plan', begin: 'Begin visit {n}', goOn: 'Go on with the visit', openSince: 'Open since {at}, begun by {who}.', otherOpen: 'Go to the open visit', side: 'Which hand today?', change: 'Change plan', ready: 'Plan is ready', noPlan: 'The plan is empty. Add an exercise.', notNow: 'A visit cannot begin while the records do not answer. A session without records can, under the gentle preset.' },
   visit: {
     title: 'Visit', plan: 'Plan', noPatient: 'No patient', gentle: 'gentle preset', hiddenName: 'Name hidden', recorded: '● Recording', unrecorded: 'Not recorded', itemOf: '{n} of {m}', active: 'active: {item} of {of} min, visit {all}', inProgress: 'now', done: 'done', setUp: 'Set up',
-    next: 'Next in plan', nextIs: 'Next: {name}', end: 'End visit', stop: 'Stop gently', marks: 'Note with one touch', noteTitle: 'Notes', pain: 'Pain', another: 'Another visit is open.', over: 'This visit has ended.',
+    next: 'Next in plan', nextIs: 'Next: {name}', end: 'End visit', stop: 'Stop gently', marks: 'Note with one touch', noteTitle: 'Notes', pain: 'Pain', another: 'Another visit is open.', over: 'This visit has ended.', endedElsewhere: 'This visit was ended on another screen, {at}.',
     whichHand: 'Which hand is in the device?', whichHandMore: 'Look at the person, then press. Start works after that.', wrongSide: 'This visit is for the {side}. Change the device, or end this visit and begin one for the other hand.',
     notSetUp: 'The station does not have this visit’s settings. Press “Set up” beside an exercise.', doesNotStop: 'It has not stopped. Press Emergency stop.', staysAsItIs: 'The exercise stays as it is.',
   },
   end: {
-    title: 'End of visit', doneTitle: 'Done', nothing: 'Nothing was done in this visit.', notDone: 'not done', of: '{done} of {planned}', result: 'Result', now: 'Today', last: '{day}', lastNone: 'before', helped: 'Helped', noResults: 'No results.',
+    title: 'End of visit', doneTitle: 'Done', nothing: 'Nothing was done in this visit.', notDone: 'not done', of: '{done} of {planned}', result: 'Result', now: 'Today', last: '{day}', lastNone: 'before', noResults: 'No results.',
     next: 'What comes next', reason: 'Why nothing was done', finish: 'Finish visit', unfinished: 'Leave it unfinished', back: 'Back to the exercise',
     card: { title: 'Your training today', trained: 'You trained for {min}.', next: 'Next time:', nextPatient: 'Next patient', toPatient: 'Look at the visit', print: 'Print the card' },
   },

@@ -1,0 +1,241 @@
+// Tasks of daily life: their rules, the shipped ones played by virtual patients, and bad files.
+#include "assembly/run.hpp"
+#include "exercise/bar_table.hpp"
+#include "exercise/kitchen/task_steps.hpp"
+#include "support/figure.hpp"
+#include "support/file_bytes.hpp"
+#include "support/folder.hpp"
+#include "support/rig_tools.hpp"
+#include "support/says.hpp"
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
+
+namespace wholehand::test {
+namespace {
+
+using kitchen::KitchenTask;
+using kitchen::Seen;
+using kitchen::Step;
+using kitchen::TaskSteps;
+using kitchen::Verb;
+
+constexpr double kTick_s = 1e-3;
+
+Step stepOf(Verb verb) {
+  Step step;
+  step.verb = verb;
+  step.within_m = 0.03;
+  step.force_n = 1.0;
+  step.to = 0.1, step.tolerance = 0.01;
+  step.for_s = 0.5;
+  step.center_m = step.half_size_m = Eigen::Vector3d::Constant(0.1);
+  return step;
+}
+
+/// Ticks until the only step ends; 0: not within 2 s.
+int ticksUntilDone(Verb verb, const Seen& seen) {
+  KitchenTask task;
+  task.things.emplace_back();
+  task.steps = {stepOf(verb)};
+  TaskSteps steps(task);
+  for (int k = 1; k <= 2000; ++k) {
+    if (steps.tick(seen, kTick_s)) return k;
+  }
+  return 0;
+}
+
+TEST(TaskSteps, EachVerb_EndsByWhatItAsksForAndByNothingElse) {
+  Seen away;
+  away.palm_m = 1.0, away.handle_n = 0.5;
+  for (const Verb verb : {Verb::kReach, Verb::kTake, Verb::kMove, Verb::kHold, Verb::kPress,
+                          Verb::kPut, Verb::kLetGo}) {
+    Seen seen = away;
+    seen.center_m.setConstant(1.0);
+    EXPECT_EQ(ticksUntilDone(verb, seen), 0) << kitchen::kVerbs[static_cast<int>(verb)];
+  }
+  Seen near = away;
+  near.palm_m = 0.03;
+  EXPECT_EQ(ticksUntilDone(Verb::kReach, near), 1);
+  Seen taken = away;
+  taken.squeeze_n = 1.0;
+  EXPECT_NEAR(ticksUntilDone(Verb::kTake, taken), 200, 1);
+  Seen moved = away;
+  moved.q = 0.109;
+  EXPECT_EQ(ticksUntilDone(Verb::kMove, moved), 1);
+  EXPECT_NEAR(ticksUntilDone(Verb::kHold, moved), 500, 1);
+  Seen pressed = away;
+  pressed.handle_n = 1.0;
+  EXPECT_NEAR(ticksUntilDone(Verb::kPress, pressed), 500, 1);
+  Seen there = away;
+  there.center_m.setConstant(0.19);
+  EXPECT_NEAR(ticksUntilDone(Verb::kPut, there), 200, 1);
+  Seen free = away;
+  free.handle_n = 0.0;
+  EXPECT_NEAR(ticksUntilDone(Verb::kLetGo, free), 200, 1);
+}
+
+TEST(TaskSteps, GripThatTrembles_CountsAndOneThatOpensBeginsAnew) {
+  KitchenTask task;
+  task.things.emplace_back();
+  task.steps = {stepOf(Verb::kTake)};
+  for (const double low_n : {0.5, 0.1}) {
+    TaskSteps steps(task);
+    bool done = false;
+    for (int k = 0; k < 1000 && !done; ++k) {
+      Seen seen;
+      seen.squeeze_n = k / 100 % 2 == 0 ? 1.5 : low_n;
+      done = steps.tick(seen, kTick_s);
+    }
+    EXPECT_EQ(done, low_n > 0.25) << low_n;
+  }
+}
+
+TEST(TaskSteps, Score_IsWholeWithinParAndFallsToNothingAtThreeTimesIt) {
+  KitchenTask task;
+  task.things.emplace_back();
+  task.steps = {stepOf(Verb::kReach), stepOf(Verb::kReach)};
+  task.par_s = 1.0;
+  Seen far, near;
+  far.palm_m = 1.0;
+  TaskSteps steps(task);
+  (void)steps.tick(near, kTick_s);
+  EXPECT_DOUBLE_EQ(steps.score(), 50.0);
+  for (int k = 0; k < 1999; ++k) (void)steps.tick(far, kTick_s);
+  (void)steps.tick(near, kTick_s);
+  EXPECT_TRUE(steps.done());
+  EXPECT_NEAR(steps.score(), 75.0, 1e-6);  // twice par: half of half
+}
+
+struct Played {
+  double score = 0.0, done = 0.0, time_s = 0.0, deepest_m = 0.0, error_m = 0.0;
+  int faults = 0;
+};
+
+Played play(const std::string& task, int level, const std::string& hand, const std::string& patient,
+            std::uint64_t seed_of_player) {
+  ModelFiles files = exerciseFiles(task, level, hand);
+  files.patient = config("patients/") + patient + ".toml";
+  Models models = load(files);
+  std::unique_ptr<Player> player = models.exercise->makePlayer({seed_of_player});
+  const auto rig = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
+  const SceneBody& body = rig->models.scene.bodies[0];
+  EXPECT_TRUE(rig->renderer->arm());
+  Played out;
+  runTicks(*rig->renderer, 25'000, [&](const TickRecord& r) {
+    rig->listener->afterTick(r);
+    if (any(r.faults & kStoppingFaults)) ++out.faults;
+    for (int i = 0; i < r.contact_count; ++i) {
+      out.deepest_m = std::max(out.deepest_m, -r.contacts[i].distance_m);
+    }
+    const ExerciseRecord& e = r.exercise;
+    if (e.value_count != kitchen::kValues) return;
+    out.score = e.values[kitchen::kScore], out.done = e.values[kitchen::kDone];
+    out.time_s = e.values[kitchen::kTime];
+    const Pose on_path = poseOn(*body.joint, body.pose, e.values[kitchen::kJoint]);
+    const Eigen::Vector3d center_m = on_path * body.com_m;
+    out.error_m = std::max(out.error_m, (center_m - r.bodies[0].position_m.eigen()).norm());
+  });
+  return out;
+}
+
+TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
+  std::mt19937_64 random(seed());
+  const std::vector<std::string> tasks{"drawer", "cupboard-door"},
+      hands{"adult-median-right", "adult-median-left", "woman-p05-right", "man-p95-left"},
+      patients{"relaxed-adult", "spastic", "tremor", "spastic-fist"};
+  double deepest_m = 0.0, longest_s = 0.0, error_m = 0.0;
+  int done = 0;
+  const int plays = cases(40) / 4 + 1;
+  for (int k = 0; k < plays; ++k) {
+    const auto one = [&](const std::vector<std::string>& of) { return of[random() % of.size()]; };
+    const std::string task = one(tasks), hand = one(hands), patient = one(patients);
+    const int level = 1 + static_cast<int>(random() % 3);
+    SCOPED_TRACE(task + ", level " + std::to_string(level) + ", " + hand + ", " + patient);
+    const Played played = play(task, level, hand, patient, random() % 100);
+    EXPECT_EQ(played.faults, 0);
+    EXPECT_EQ(played.done, 1.0);
+    EXPECT_GT(played.score, 90.0);
+    done += played.done > 0.5 ? 1 : 0;
+    deepest_m = std::max(deepest_m, played.deepest_m);
+    longest_s = std::max(longest_s, played.time_s);
+    error_m = std::max(error_m, played.error_m);
+  }
+  figure("kitchen, plays done of " + std::to_string(plays), done, "");
+  figure("kitchen, longest play", longest_s, "s");
+  figure("kitchen, deepest overlap of hand and thing", 1e3 * deepest_m, "mm");
+  figure("kitchen, error of a joint", error_m, "m");
+  EXPECT_LE(deepest_m, 0.5e-3);
+  EXPECT_LE(error_m, 1e-12);  // rounding of quaternions; the pose is computed from q
+}
+
+/// A folder with the shipped drawer, one of its files changed.
+struct FaultyDrawer {
+  std::string task = bytesOfFile(config("exercises/drawer.toml")),
+              scene = bytesOfFile(config("scenes/drawer.toml"));
+
+  [[nodiscard]] std::string says(int level = 1) const {
+    const Folder folder;
+    folder.write("scenes/drawer.toml", scene);
+    folder.write("scenes/assets/drawer.urdf", bytesOfFile(config("scenes/assets/drawer.urdf")));
+    const std::string path = folder.write("exercises/drawer.toml", task);
+    const auto loaded = loadExercise(path, level, shippedDevice(), shippedHand());
+    return loaded.ok() ? "" : format(loaded.errors());
+  }
+};
+
+TEST(Kitchen, BadFiles_AreNamedByKeyValueAndRemedy) {
+  struct Case {
+    bool in_scene;
+    std::string find, with, says, remedy;
+  };
+  const Case cases[] = {
+      {false, "verb = \"take\"", "verb = \"grab\"", "steps[1].verb", "reach"},
+      {false, "thing = \"drawer\"\nwithin_m", "thing = \"door\"\nwithin_m", "steps[0].thing",
+       "add it there"},
+      {false, "body = \"drawer\"", "body = \"worktop\"", "is fixed", "give it a joint"},
+      {false, "body = \"drawer\"", "body = \"nothing\"", "has no such body", "write the name"},
+      {false, "to_m = 0.1\n", "to_m = 0.4\n", "beyond the joint's range", "0 .. 0.12"},
+      {false, "to_m = 0.1\n", "to_rad = 0.1\n", "to_rad", ""},
+      {false, "force_n = 1.0", "force_n = 0.0", "force_n", "40] N"},
+      {true, "axis = [-1.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "has no direction", "[0, 0, 1]"},
+      {true, "axis = [-1.0, 0.0, 0.0]", "axis = [nan, 0.0, 0.0]", "axis", ""},
+      {true, "range_m = [0.0, 0.12]", "range_m = [0.12, 0.0]", "range_m", ""},
+      {true, "range_m = [0.0, 0.12]", "range_m = [0.02, 0.12]", "does not contain 0",
+       "move the body"},
+      {true, "range_m = [0.0, 0.12]", "", "range_m", ""},
+      {true, "friction_n = 2.0", "friction_n = -2.0", "friction_n", "[0, 100] N"},
+      {true, "friction_n = 2.0", "friction_nm = 2.0", "friction_nm", ""},
+      {true, "type = \"slide\"", "type = \"screw\"", "type", "hinge"},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.find + " -> " + c.with);
+    FaultyDrawer faulty;
+    std::string& text = c.in_scene ? faulty.scene : faulty.task;
+    const std::size_t at = text.find(c.find);
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, c.find.size(), c.with);
+    const std::string said = faulty.says();
+    EXPECT_TRUE(test::says(said, c.says)) << said;
+    EXPECT_TRUE(test::says(said, c.remedy)) << said;
+  }
+  EXPECT_EQ(FaultyDrawer().says(), "");
+  EXPECT_TRUE(test::says(FaultyDrawer().says(4), "ask for 1 .. 3"));
+}
+
+TEST(Mirror, OfASceneTwice_IsTheScene) {
+  const auto loaded = orThrow(
+      loadExercise(config("exercises/cupboard-door.toml"), 1, shippedDevice(), shippedHand()));
+  SceneModel twice = loaded.scene;
+  mirror(twice);
+  const SceneBody &once = twice.bodies[0], &before = loaded.scene.bodies[0];
+  // Opened by the same q, the handle is at the mirrored place.
+  const Eigen::Vector3d right = poseOn(*before.joint, before.pose, 0.8) * Eigen::Vector3d::Zero(),
+                        left = poseOn(*once.joint, once.pose, 0.8) * Eigen::Vector3d::Zero();
+  EXPECT_LE((left - Eigen::Vector3d(right.x(), -right.y(), right.z())).norm(), 1e-15);
+  mirror(twice);
+  EXPECT_EQ(twice.bodies[0].joint->axis, before.joint->axis);
+  EXPECT_EQ(twice.bodies[0].pose.rotation, before.pose.rotation);
+}
+
+}  // namespace
+}  // namespace wholehand::test

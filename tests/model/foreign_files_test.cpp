@@ -1,0 +1,538 @@
+// Object files as other people's programs write them.
+#include "model/foreign/foreign_file.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/mesh/mesh_file.hpp"
+#include "model/mesh/solid.hpp"
+#include "model/mesh_samples.hpp"
+#include "model/scene/scene_model.hpp"
+#include "model/toml/toml_file.hpp"
+#include "model/urdf/urdf.hpp"
+#include "support/figure.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+namespace wholehand::test {
+namespace {
+
+using Eigen::Affine3d;
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+// A box of 60 x 40 x 20 mm: 48 cm3, with a corner at the origin. Corners count z first, then y, x.
+const Vector3d kBox_m(0.06, 0.04, 0.02);
+constexpr double kBox_m3 = 48e-6;
+const std::vector<Eigen::Vector3i> kBoxFaces = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5},
+                                                {0, 4, 5}, {0, 5, 1}, {2, 3, 7}, {2, 7, 6},
+                                                {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+
+std::vector<Vector3d> boxCorners(const Vector3d& low = Vector3d::Zero(),
+                                 const Vector3d& high = kBox_m) {
+  std::vector<Vector3d> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back((i & 4) != 0 ? high.x() : low.x(), (i & 2) != 0 ? high.y() : low.y(),
+                         (i & 1) != 0 ? high.z() : low.z());
+  }
+  return corners;
+}
+
+std::string objCorners(const std::vector<Vector3d>& corners) {
+  std::string text;
+  for (const Vector3d& p : corners) text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+  return text;
+}
+
+std::string objFaces(int first = 1) {
+  std::string text;
+  for (const Eigen::Vector3i& t : kBoxFaces) {
+    text += fmt::format("f {} {} {}\n", t[0] + first, t[1] + first, t[2] + first);
+  }
+  return text;
+}
+
+const std::string kBoxObj = objCorners(boxCorners()) + objFaces();
+
+Expected<MeshCollider> load(const Folder& folder, const std::string& name,
+                            const std::string& bytes) {
+  return loadMeshCollider(folder.write(name, bytes), Vector3d::Ones());
+}
+
+std::string refusalOf(const Folder& folder, const std::string& name, const std::string& bytes) {
+  const Expected<MeshCollider> mesh = load(folder, name, bytes);
+  return mesh ? "" : format(mesh.errors());
+}
+
+/// A DAE whose visual scene holds `nodes`; its geometry is the box.
+std::string dae(const std::string& nodes, const std::string& more = "") {
+  std::string corners, faces;
+  for (const Vector3d& p : boxCorners()) corners += fmt::format("{} {} {} ", p.x(), p.y(), p.z());
+  for (const Eigen::Vector3i& t : kBoxFaces) faces += fmt::format("{} {} {} ", t[0], t[1], t[2]);
+  return R"(<?xml version="1.0" encoding="utf-8"?><COLLADA version="1.4.1"><asset><unit meter="1"/>
+<up_axis>Z_UP</up_axis></asset>)" +
+         more + R"(<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a"
+count="24">)" +
+         corners + R"(</float_array><technique_common><accessor source="#a" count="8" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
+</accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/>
+</vertices><triangles count="12"><input semantic="VERTEX" source="#v" offset="0"/><p>)" +
+         faces + R"(</p></triangles></mesh></geometry></library_geometries><library_visual_scenes>
+<visual_scene id="s">)" +
+         nodes + R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/>
+</scene></COLLADA>)";
+}
+
+const std::string kInstance = "<instance_geometry url=\"#g\"/>";
+
+std::string glbOf(std::string json, const std::string& data) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto chunk = [](const std::string& body, const char* type) {
+    return littleEndian(static_cast<std::uint32_t>(body.size())) + std::string(type, 4) + body;
+  };
+  const std::string chunks = chunk(json, "JSON") + chunk(data, "BIN\0");
+  return "glTF" + littleEndian(std::uint32_t{2}) +
+         littleEndian(static_cast<std::uint32_t>(12 + chunks.size())) + chunks;
+}
+
+/// A GLB whose scene is node 0, and whose mesh 0 is the box.
+std::string glb(const std::string& nodes) {
+  std::string data;
+  for (const Vector3d& p : boxCorners()) {
+    for (const double x : p) data += littleEndian(static_cast<float>(x));
+  }
+  for (const Eigen::Vector3i& t : kBoxFaces) {
+    for (const int i : t) data += littleEndian(static_cast<std::uint16_t>(i));
+  }
+  return glbOf(R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[)" + nodes +
+                   R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+"buffers":[{"byteLength":168}],"bufferViews":[{"buffer":0,"byteLength":96},
+{"buffer":0,"byteOffset":96,"byteLength":72}],"accessors":[{"bufferView":0,"count":8,
+"componentType":5126,"type":"VEC3"},{"bufferView":1,"count":36,"componentType":5123,
+"type":"SCALAR"}]})",
+               data);
+}
+
+/// The collider is the box, placed by `map`: volume times its determinant, centre moved; and its
+/// surface is wound outward as the file's is.
+void expectBox(const std::string& path, const Affine3d& map, double tolerance) {
+  const MeshCollider mesh = orThrow(loadMeshCollider(path, Vector3d::Ones()));
+  ASSERT_EQ(mesh.shapes.size(), 1U);
+  const ShapeMoments m = moments(mesh.shapes[0]);
+  const double volume_m3 = kBox_m3 * std::abs(map.linear().determinant());
+  EXPECT_NEAR(m.volume_m3 / volume_m3, 1.0, tolerance);
+  EXPECT_LT((m.center_m - map * (kBox_m / 2.0)).norm(), tolerance * kBox_m.norm());
+  const MeshSurface surface = orThrow(readMesh(path)).surface;
+  EXPECT_NEAR(signedVolume(surface) / volume_m3, 1.0, tolerance);
+}
+
+TEST(ForeignMesh, NodesOfDaeAndGlb_ArePlacedHoweverLittle) {
+  const Folder folder;
+  const double half_degree = pi / 360.0;
+  Affine3d mirrored = Affine3d::Identity(), nested = Affine3d::Identity();
+  mirrored.scale(Vector3d(-1.0, 1.0, 1.0));
+  nested.translate(Vector3d(0.0, 0.0, 0.005))
+      .rotate(Eigen::AngleAxisd(half_degree, Vector3d::UnitX()));
+  nested.scale(Vector3d(1.0, 2.0, 0.995));
+  nested.translate(Vector3d(0.001, 0.0, 0.0));
+  const struct {
+    const char *name, *dae, *glb;
+    Affine3d map;
+  } cases[] = {
+      {"shift", "<translate>0 0.009 0</translate>", R"("translation":[0,0.009,0])",
+       Affine3d(Eigen::Translation3d(0.0, 0.009, 0.0))},
+      {"scale", "<scale>0.991 0.991 0.991</scale>", R"("scale":[0.991,0.991,0.991])",
+       Affine3d(Eigen::Scaling(0.991))},
+      {"turn", "<rotate>0 0 1 0.5</rotate>", R"("rotation":[0,0,0.0043633093,0.9999904807])",
+       Affine3d(Eigen::AngleAxisd(half_degree, Vector3d::UnitZ()))},
+      {"mirror", "<scale>-1 1 1</scale>", R"("scale":[-1,1,1])", mirrored},
+      {"matrix", "<matrix>1 0 0 0.001 0 1 0 0.002 0 0 1 0.003 0 0 0 1</matrix>",
+       R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0.001,0.002,0.003,1])",
+       Affine3d(Eigen::Translation3d(0.001, 0.002, 0.003))},
+  };
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.name);
+    expectBox(folder.write("n.dae", dae(std::string("<node>") + c.dae + kInstance + "</node>")),
+              c.map, 1e-9);
+    expectBox(folder.write("n.glb", glb(std::string("{\"mesh\":0,") + c.glb + "}")), c.map, 1e-6);
+  }
+  expectBox(folder.write("n.dae", dae("<node><translate>0 0 0.005</translate><rotate>1 0 0 0.5"
+                                      "</rotate><node><scale>1 2 0.995</scale><node><translate>"
+                                      "0.001 0 0</translate>" +
+                                      kInstance + "</node></node></node>")),
+            nested, 1e-9);
+  expectBox(folder.write("n.glb", glb(R"({"children":[1],"translation":[0,0,0.005],
+"rotation":[0.0043633093,0,0,0.9999904807]},{"children":[2],"scale":[1,2,0.995]},
+{"mesh":0,"translation":[0.001,0,0]})")),
+            nested, 1e-6);
+}
+
+TEST(ForeignMesh, OneGeometryPlacedTwice_IsTwoPieces) {
+  const Folder folder;
+  const std::string twice = "<node>" + kInstance + "</node><node><translate>0 0.049 0</translate>" +
+                            "<instance_node url=\"#n\"/></node>";
+  const std::string library =
+      "<library_nodes><node id=\"n\">" + kInstance + "</node></library_nodes>";
+  const MeshCollider mesh = orThrow(load(folder, "two.dae", dae(twice, library)));
+  ASSERT_EQ(mesh.shapes.size(), 2U);  // 9 mm apart
+  EXPECT_NEAR(moments(mesh.shapes[1]).center_m.y(), 0.049 + 0.02, 1e-12);
+  EXPECT_NEAR(moments(mesh.shapes[0]).volume_m3 + moments(mesh.shapes[1]).volume_m3, 2.0 * kBox_m3,
+              1e-15);
+  EXPECT_TRUE(mesh.notices.empty());
+  // Nodes that hold one another would never end.
+  EXPECT_TRUE(
+      says(refusalOf(folder, "loop.dae", dae("<node id=\"n\"><instance_node url=\"#n\"/></node>")),
+           "nodes that hold one another"));
+  EXPECT_TRUE(says(refusalOf(folder, "loop.glb", glb(R"({"children":[0]})")),
+                   "nodes that hold one another"));
+}
+
+TEST(ForeignMesh, UpAxis_IsNamedAsIgnored) {
+  const Folder folder;
+  std::string y_up = dae("<node>" + kInstance + "</node>");
+  y_up.replace(y_up.find("Z_UP"), 4, "Y_UP");
+  const MeshCollider mesh = orThrow(load(folder, "y.dae", y_up));
+  ASSERT_EQ(mesh.notices.size(), 1U);
+  EXPECT_TRUE(says(format(mesh.notices), "y.dae has <up_axis> Y_UP, which is ignored"));
+  EXPECT_TRUE(says(format(orThrow(load(folder, "y.glb", glb(R"({"mesh":0})"))).notices),
+                   "y.glb is of glTF, whose y axis points up, which is ignored"));
+}
+
+TEST(ForeignMesh, TextureThatCannotBeRead_IsNoFault) {
+  const Folder folder;
+  const std::string images =
+      "<library_images><image id=\"i\"><init_from></init_from></image>"
+      "<image id=\"j\"><init_from>gone.png</init_from></image></library_images>";
+  expectBox(folder.write("t.dae", dae("<node>" + kInstance + "</node>", images)),
+            Affine3d::Identity(), 1e-9);
+}
+
+TEST(ForeignMesh, EveryLineOfAnObj_IsUnderstood) {
+  const Folder folder;
+  std::string crlf, blanks, colours, weights, no_zero, comments, joined;
+  for (const char c : kBoxObj) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  for (const Vector3d& p : boxCorners()) {
+    const std::string xyz = fmt::format("{} {} {}", p.x(), p.y(), p.z());
+    blanks += "  \tv   " + xyz + "  \n";
+    colours += "v " + xyz + " 0.5 0.5 1\n";
+    weights += "v " + xyz + " 1.0\n";
+    comments += "v " + xyz + " # a corner\n";
+    joined += fmt::format("v {} \\\n{} {}\n", p.x(), p.y(), p.z());
+    std::string bare = "v";
+    for (const double x : p) bare += fmt::format(" {:.2f}", x).erase(1, 1);
+    no_zero += bare + "\n";
+  }
+  std::string negative = objCorners(boxCorners()), slashes = negative + "vt 0 0\nvn 0 0 1\n", quads;
+  for (const Eigen::Vector3i& t : kBoxFaces) {
+    negative += fmt::format("f {} {} {}\n", t[0] - 8, t[1] - 8, t[2] - 8);
+    slashes += fmt::format("f {}/1/1 {}//1 {}/1\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  }
+  quads = objCorners(boxCorners()) +
+          "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
+  const std::string spare = "v 0.03 0.02 0.01\n";
+  const struct {
+    const char* name;
+    std::string text;
+  } cases[] = {
+      {"byte order mark", "\xEF\xBB\xBF" + objCorners(boxCorners()) + spare + objFaces()},
+      {"byte order mark and CRLF", "\xEF\xBB\xBF" + crlf},
+      {"CR alone",
+       [&] {
+         std::string cr = kBoxObj;
+         std::replace(cr.begin(), cr.end(), '\n', '\r');
+         return cr;
+       }()},
+      {".06", no_zero + objFaces()},
+      {"blanks", blanks + objFaces()},
+      {"colours", colours + objFaces()},
+      {"weights", weights + objFaces()},
+      {"comments", comments + spare + objFaces()},
+      {"joined", joined + objFaces()},
+      {"name with a backslash",
+       "usemtl C:\\looks\\\n" + objCorners(boxCorners()) + spare + objFaces()},
+      {"negative", negative},
+      {"slashes", slashes},
+      {"quads", quads},
+      {"faces first", objFaces() + objCorners(boxCorners())},
+      {"no line end", kBoxObj.substr(0, kBoxObj.size() - 1)},
+  };
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.name);
+    expectBox(folder.write("c.obj", c.text), Affine3d::Identity(), 1e-9);
+  }
+}
+
+TEST(ForeignMesh, LineOfAnObjThatIsNot_IsNamed) {
+  const Folder folder;
+  const struct {
+    const char *lines, *says;
+  } cases[] = {
+      {"v 1 2\n", "its line 1 has a corner of 2 numbers"},
+      {"\nv 1 2 x\n", "its line 2 has \"x\" where a number belongs"},
+      {"v 1 2 3 0.5\n", "its line 1 has a corner of weight 0.5"},
+      {"v 1,0 2 3\n", "its line 1 has \"1,0\""},
+      {"vertex 1 2 3\n", "its line 1 starts with \"vertex\", which is no word of OBJ"},
+      {"# a\nsurf 0 1 0 1\n", "its line 2 starts with \"surf\", of curved surfaces"},
+      {"f 1 2 99\n", "its line 1 names the corner 99; there are 8"},
+      {"f 1 2 0\n", "its line 1 has \"0\" where the number of a corner belongs"},
+      {"f -1 -2 -3\n", "its line 1 names the corner -1; there are 0"},
+      {"f 1 2\n", "its line 1 has a face of 2 corners"},
+  };
+  for (const auto& c : cases) {
+    const std::string said = refusalOf(folder, "c.obj", c.lines + kBoxObj);
+    EXPECT_TRUE(says(said, c.says)) << said;
+  }
+}
+
+// A U of three boxes: 24 + 20 + 20 cm3; its hull is the box around it, 144 cm3.
+std::string letterU(const std::string& between, bool shared) {
+  const Vector3d low[] = {{0, 0, 0}, {0, 0, 0.01}, {0.05, 0, 0.01}};
+  const Vector3d high[] = {{0.06, 0.04, 0.01}, {0.01, 0.04, 0.06}, {0.06, 0.04, 0.06}};
+  std::string corners, faces, both;
+  for (int i = 0; i < 3; ++i) {
+    const std::string own = objCorners(boxCorners(low[i], high[i]));
+    const std::string name = fmt::format(fmt::runtime(between), i);
+    corners += own;
+    faces += name + objFaces(8 * i + 1);
+    both += name + own + objFaces(8 * i + 1);
+  }
+  return shared ? corners + faces : both;
+}
+
+TEST(ForeignMesh, ConvexObjectsOrGroupsOfOneObj_ArePieces) {
+  const Folder folder;
+  for (const char* between : {"o convex_{}\n", "g convex_{}\n", "o all\ng piece{}\n"}) {
+    for (const bool shared : {false, true}) {
+      const MeshCollider mesh = orThrow(load(folder, "u.obj", letterU(between, shared)));
+      ASSERT_EQ(mesh.shapes.size(), 3U) << between;
+      double volume_m3 = 0.0;
+      for (const Shape& shape : mesh.shapes) volume_m3 += moments(shape).volume_m3;
+      EXPECT_NEAR(volume_m3, 64e-6, 1e-15);
+      EXPECT_TRUE(mesh.notices.empty()) << format(mesh.notices);
+    }
+  }
+  // In one object, boxes that touch in corners are one surface.
+  const MeshCollider one = orThrow(load(folder, "u.obj", letterU("o all\n", false)));
+  ASSERT_EQ(one.shapes.size(), 1U);
+  EXPECT_TRUE(says(format(one.notices), "125 % larger in volume"));  // 144 / 64
+  // A box whose faces are groups is the box, and two apart in one object are two.
+  std::string looks = objCorners(boxCorners());
+  for (std::size_t i = 0; i < kBoxFaces.size(); ++i) {
+    const Eigen::Vector3i& t = kBoxFaces[i];
+    looks += fmt::format("g side{}\nf {} {} {}\n", i, t[0] + 1, t[1] + 1, t[2] + 1);
+  }
+  EXPECT_EQ(orThrow(load(folder, "looks.obj", looks)).shapes.size(), 1U);
+  const std::string apart = kBoxObj + objCorners(boxCorners({0.1, 0, 0}, {0.16, 0.04, 0.02}));
+  const MeshCollider two = orThrow(load(folder, "apart.obj", apart + objFaces(9)));
+  EXPECT_EQ(two.shapes.size(), 2U);
+}
+
+TEST(ForeignMesh, FlatPartOfPieces_IsLeftOutAndNamed) {
+  const Folder folder;
+  const std::string flat = "o flat\nv 0 0 1\nv 0.1 0 1\nv 0 0.1 1\nf -3 -2 -1\n";
+  const MeshCollider mesh = orThrow(load(folder, "u.obj", letterU("o {}\n", false) + flat));
+  EXPECT_EQ(mesh.shapes.size(), 3U);
+  EXPECT_TRUE(says(format(mesh.notices), "has 1 part without volume")) << format(mesh.notices);
+}
+
+TEST(ForeignMesh, SurfaceOfTwoSides_IsReadOnce) {
+  const Folder folder;
+  std::string both = kBoxObj;
+  for (const Eigen::Vector3i& t : kBoxFaces) {
+    both += fmt::format("f {} {} {}\n", t[2] + 1, t[1] + 1, t[0] + 1);
+  }
+  const MeshCollider mesh = orThrow(load(folder, "both.obj", both));
+  EXPECT_NEAR(moments(mesh.shapes[0]).volume_m3, kBox_m3, 1e-15);
+  EXPECT_TRUE(mesh.notices.empty()) << format(mesh.notices);
+  const MeshCollider bent = orThrow(load(
+      folder, "bent.obj", both + "v 0.03 0.02 0.01\nf 1 2 9\nf 9 2 1\n"));  // a fin of two sides
+  EXPECT_TRUE(says(format(bent.notices), "of 48 cm3")) << format(bent.notices);
+}
+
+TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
+  const Folder folder;
+  std::string facets, binary(80, ' ');
+  binary += littleEndian(std::uint32_t{12});
+  const std::vector<Vector3d> corners = boxCorners();
+  for (const Eigen::Vector3i& t : kBoxFaces) {
+    facets += "FACET NORMAL nan nan nan\n  OUTER LOOP\n";
+    for (int i = 0; i < 3; ++i) binary += littleEndian(0.0F);
+    for (const int corner : t) {
+      const Vector3d& p = corners[corner];
+      facets += fmt::format("    VERTEX {} {} {}\n", p.x(), p.y(), p.z());
+      for (const double x : p) binary += littleEndian(static_cast<float>(x));
+    }
+    facets += "  ENDLOOP\nENDFACET\n";
+    binary += littleEndian(std::uint16_t{0});
+  }
+  std::string named = binary, uncounted = binary;
+  named.replace(0, 5, "solid");
+  uncounted.replace(80, 4, std::string(4, '\0'));
+  expectBox(folder.write("c.stl", "SOLID facet vertex\n" + facets + "ENDSOLID\n"),
+            Affine3d::Identity(), 1e-9);
+  expectBox(folder.write("c.stl", binary), Affine3d::Identity(), 1e-6);
+  expectBox(folder.write("c.stl", binary + "by some program\n"), Affine3d::Identity(), 1e-6);
+  expectBox(folder.write("c.stl", named), Affine3d::Identity(), 1e-6);
+  expectBox(folder.write("c.stl", uncounted), Affine3d::Identity(), 1e-6);
+  EXPECT_TRUE(says(refusalOf(folder, "c.stl", binary.substr(0, binary.size() - 60)),
+                   "announces 12 triangles and holds 10"));
+}
+
+TEST(ForeignMesh, QuantisedGlb_IsRead) {
+  // Corners as unsigned shorts, of which the node makes metres, as KHR_mesh_quantization has it.
+  const auto quantised = [](const char* normalized, double scale) {
+    std::string data;
+    for (const Vector3d& p : boxCorners()) {
+      for (const double x : p) data += littleEndian(static_cast<std::uint16_t>(x * 1e5 + 0.5));
+      data += std::string(2, '\0');  // rows of 8 bytes
+    }
+    for (const Eigen::Vector3i& t : kBoxFaces) {
+      for (const int i : t) data += static_cast<char>(i);
+    }
+    return glbOf(
+        fmt::format(R"({{"asset":{{"version":"2.0"}},"extensionsRequired":["KHR_mesh_quantization"],
+"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0,"scale":[{0},{0},{0}]}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
+"buffers":[{{"byteLength":100}}],"bufferViews":[{{"buffer":0,"byteLength":64,"byteStride":8}},
+{{"buffer":0,"byteOffset":64,"byteLength":36}}],"accessors":[{{"bufferView":0,"count":8,{1}
+"componentType":5123,"type":"VEC3"}},{{"bufferView":1,"count":36,"componentType":5121,
+"type":"SCALAR"}}]}})",
+                    scale, normalized),
+        data);
+  };
+  const Folder folder;
+  expectBox(folder.write("q.glb", quantised("", 1e-5)), Affine3d::Identity(), 1e-9);
+  expectBox(folder.write("q.glb", quantised("\"normalized\":true,", 65535e-5)),
+            Affine3d::Identity(), 1e-9);
+}
+
+TEST(ForeignMesh, SizeOutOfRange_NamesTheScaleThatHelps) {
+  const Folder folder;
+  const auto said = [&](double scale) {
+    const auto mesh = loadMeshCollider(folder.write("c.obj", kBoxObj), Vector3d::Constant(scale));
+    return mesh ? "" : format(mesh.errors());
+  };
+  EXPECT_TRUE(says(said(1000.0), "with its scale times 0.001 it is 0.07483 m across"));
+  EXPECT_TRUE(says(said(0.001), "with its scale times 1000 it is 0.07483 m across"));
+}
+
+const std::string kBoxLink =
+    R"(<link name="b"><inertial><mass value="0.1"/><inertia ixx="1.667e-5" iyy="3.333e-5"
+izz="4.333e-5"/></inertial><collision><geometry><box size="0.06 0.04 0.02"/></geometry></collision>
+</link>)";
+
+/// The scene of one body from that URDF.
+Expected<SceneModel> sceneOf(const Folder& folder, const std::string& links) {
+  folder.write("r.urdf", "<robot name=\"r\">" + links + "</robot>");
+  return loadSceneFile(folder.write("s.toml", R"(kind = "scene"
+version = 1
+name = "s"
+gravity_m_s2 = [0.0, 0.0, 0.0]
+[[bodies]]
+name = "t"
+shape = "urdf"
+file = "r.urdf"
+position_m = [0.3, 0.0, 0.0]
+)"));
+}
+
+std::string fixedJoint(const char* parent, const char* child) {
+  return fmt::format(R"(<joint name="{1}" type="fixed"><parent link="{0}"/><child link="{1}"/>
+<origin xyz="0 0 0.05"/></joint>)",
+                     parent, child);
+}
+
+TEST(ForeignUrdf, FramesAndBallast_AreLinksWithoutColliders) {
+  const Folder folder;
+  EXPECT_EQ(orThrow(sceneOf(folder, kBoxLink + "<link name=\"f\"/>" + fixedJoint("b", "f")))
+                .bodies[0]
+                .mass_kg,
+            0.1);
+  EXPECT_TRUE(sceneOf(folder, kBoxLink + R"(<link name="f"><inertial><mass value="0"/>
+<inertia ixx="0" iyy="0" izz="0"/></inertial></link>)" +
+                                  fixedJoint("b", "f"))
+                  .ok());
+  const SceneModel root =
+      orThrow(sceneOf(folder, "<link name=\"f\"/>" + kBoxLink + fixedJoint("f", "b")));
+  EXPECT_NEAR(root.bodies[0].com_m.z(), 0.05, 1e-15);
+  // 0.1 kg at the box's centre, 0.3 kg 50 mm above it.
+  const SceneModel heavy = orThrow(
+      sceneOf(folder, kBoxLink + R"(<link name="w"><inertial><mass value="0.3"/><inertia ixx="1e-5"
+iyy="1e-5" izz="1e-5"/></inertial></link>)" +
+                          fixedJoint("b", "w")));
+  EXPECT_NEAR(heavy.bodies[0].mass_kg, 0.4, 1e-15);
+  EXPECT_NEAR(heavy.bodies[0].com_m.z(), 0.3 / 0.4 * 0.05, 1e-15);
+  EXPECT_TRUE(says(format(sceneOf(folder, "<link name=\"f\"/>").errors()),
+                   "link[f]: has no collider, nor has any other link"));
+}
+
+TEST(ForeignUrdf, FlatMesh_IsLeftOutOfABodyThatHasMore) {
+  const Folder folder;
+  folder.write("flat.obj", "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nf 1 2 3\n");
+  const std::string flat =
+      "<collision><geometry><mesh filename=\"flat.obj\"/></geometry></collision>";
+  std::string both = kBoxLink;
+  both.insert(both.find("<collision>"), flat);
+  const SceneModel scene = orThrow(sceneOf(folder, both));
+  EXPECT_EQ(scene.bodies[0].shapes.size(), 1U);
+  ASSERT_EQ(scene.notices.size(), 1U);
+  EXPECT_TRUE(says(format(scene.notices), "it encloses no volume; it is left out"));
+  EXPECT_TRUE(says(format(sceneOf(folder, "<link name=\"b\">" + flat + "</link>").errors()),
+                   "encloses no volume"));
+}
+
+TEST(ForeignUrdf, MeshNamesOfEveryForm_AreFound) {
+  const Folder folder;
+  folder.write("my cups/meshes/a cup.obj", kBoxObj);
+  for (const char* name :
+       {"../meshes/a%20cup.obj", "../meshes/a cup.obj", "..\\meshes\\a cup.obj",
+        "..\\meshes\\a%20cup.obj", "package://my cups/meshes/a%20cup.obj",
+        "package://my%20cups/meshes/a%20cup.obj", "model://my cups/meshes/a cup.obj"}) {
+    const UrdfBody body = orThrow(loadUrdf(folder.write(
+        "my cups/urdf/c.urdf",
+        R"(<robot name="r"><link name="a"><collision><geometry><mesh filename=")" +
+            std::string(name) + R"(" scale="2"/></geometry></collision></link></robot>)")));
+    EXPECT_NEAR(moments(body.shapes.at(0)).volume_m3, 8.0 * kBox_m3, 1e-14) << name;
+  }
+}
+
+TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {
+  const struct {
+    const char *name, *text, *is, *remedy;
+  } cases[] = {
+      {"m.xml", "<?xml version=\"1.0\"?>\n<!-- a hand -->\n<mujoco><worldbody/></mujoco>",
+       "is MJCF", "mjcf2urdf"},
+      {"m.sdf", "<sdf version=\"1.6\"><model name=\"m\"/></sdf>", "is SDF", "sdf2urdf"},
+      {"m.xacro",
+       "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:box/><link name=\"a\"/></robot>",
+       "is xacro", "xacro IN > out.urdf"},
+      {"m.gltf", "{\"asset\":{\"version\":\"2.0\"}}", "is glTF", "npx @gltf-transform/cli copy"},
+      {"m.step", "ISO-10303-21;\nHEADER;\n", "is STEP", "gmsh"},
+      {"m.c3d", "\x02\x50\x08{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{", "is C3D", "c3d2csv"},
+      {"m.bvh", "HIERARCHY\nROOT Hips\n", "is BVH", "bvh2csv"},
+      {"m.trc", "PathFileType\t4\t(X/Y/Z)\tm.trc\n", "is TRC", "tr '\\t' ','"},
+      {"m.txt", "version https://git-lfs.github.com/spec/v1\noid sha256:0\n",
+       "is a pointer of Git LFS", "git lfs pull"},
+  };
+  const Folder folder;
+  for (const auto& c : cases) {
+    const std::string path = folder.write(c.name, c.text);
+    const std::string as_toml = format(fileKind(path).errors());
+    EXPECT_EQ(as_toml.find(path + ": is "), 0U) << as_toml;
+    for (const std::string& said : {as_toml, format(loadUrdf(path).errors()),
+                                    format(loadMeshCollider(path, Vector3d::Ones()).errors())}) {
+      EXPECT_TRUE(says(said, c.is)) << said;
+      EXPECT_TRUE(says(said, c.remedy)) << said;
+    }
+  }
+  const std::string urdf = folder.write("r.urdf", "<robot name=\"r\">" + kBoxLink + "</robot>");
+  EXPECT_TRUE(says(format(fileKind(urdf).errors()), "r.urdf: is a URDF; name it in a scene"));
+  EXPECT_TRUE(says(format(fileKind(folder.write("box.obj", kBoxObj)).errors()), "is a mesh (OBJ)"));
+}
+
+}  // namespace
+}  // namespace wholehand::test
