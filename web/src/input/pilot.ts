@@ -55,6 +55,7 @@ const DWELL_S = 0.8;
 const LANE_M = 0.012;
 /** A hand this far sideways from a target's lane is near it [m]. */
 const NEAR_M = 0.045;
+const NEAR_HANDLE_M = 0.11;
 /** A hand that closes is no farther from the grip than this, away from the person [m]. */
 const AT_GRIP_M = 0.03;
 /** Drawn back, to within this [m]. */
@@ -207,7 +208,7 @@ export class Pilot {
       const says = squeezes ? !before || this.meant === undefined : dwelt;
       if (says && sight.reachable(sight.grips[wanted]!)) this.meant = wanted;
     } else if (!squeezes) this.meant = undefined;
-    else if (Math.abs(sight.hand.y - laneOf(sight.grips[own]!, sight.beside)) < NEAR_M) this.meant ??= own;
+    else if (Math.abs(sight.hand.y - laneOf(sight.grips[own]!, sight.beside, sight.onJoint)) < (sight.onJoint ? NEAR_HANDLE_M : NEAR_M)) this.meant ??= own;
     if (this.meant !== undefined) this.leaving = false;
   }
 
@@ -220,7 +221,7 @@ export class Pilot {
     // A fist that goes in jams between two targets: it opens first.
     if (sight.closed && own === goal && Math.abs(sight.hand.x - grip.x) > AT_GRIP_M) return move({}, { squeeze: false });
     if (inside && own !== goal) return { ...move({ x: sight.closed ? 0 : -SPEED_M_S }, { squeeze: false }), goal: undefined };
-    const aside_m = laneOf(grip, sight.beside) - sight.aim.y;
+    const aside_m = laneOf(grip, sight.beside, sight.onJoint) - sight.aim.y;
     if (inside || Math.abs(aside_m) <= LANE_M) return move({ x: SPEED_M_S });
     return move({ y: Math.sign(aside_m) * Math.min(SPEED_M_S, 6 * Math.abs(aside_m)) });
   }
