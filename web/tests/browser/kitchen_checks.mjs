@@ -20,7 +20,7 @@ export async function drawerIsOpenedAndShut(t) {
   await until('a shut drawer', async () => (await open_cm()) < 1);
   await says('Le tiroir est fermé. Bravo');
   const done = await game.locator('.row .tick:not([hidden])').count();
-  expect(done === 4, `${done} of the 4 rows of the card are done`);
+  expect(done === 3, `${done} of the 3 rows of the card are done`);
   for (const page of [game, console]) await expectAccessible(page);
   return `opened ${most_cm} cm, and shut`;
 }

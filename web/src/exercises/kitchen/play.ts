@@ -11,8 +11,8 @@ import { jointOf, type KitchenStep, type KitchenTask, type Verb } from './task';
 /** Scores from which on a done task has two stars, and three. */
 const TWO_STARS = 70;
 const THREE_STARS = 90;
-/** The card has room for so many. */
-const MOST_ROWS = 4;
+/** The card has room for so many beside a meter: the last, the present one, the next. */
+const MOST_ROWS = 3;
 const STEP: Bells = { tones_hz: [523, 784], apart_s: 0.14 };
 const ALL: Bells = { tones_hz: [392, 523, 659, 784, 1047], apart_s: 0.17 };
 
