@@ -149,7 +149,7 @@ const shadeOf = (shop: Workshop): Material => surface(shop.quality, { color: new
 export function makeInside(front: Extent, { low, high }: Extent, shop: Workshop): Group {
   const root = new Group(), from_x = front.high[0] + INSIDE_M, to_x = Math.max(high[0], from_x + 0.1) - 0.005, middle_y = (low[1] + high[1]) / 2, shelf_z = (low[2] + high[2]) / 2 - 0.03;
   const box = (x0: number, x1: number, z0: number, z1: number): Extent => ({ low: [x0, low[1] + 0.005, z0], high: [x1, high[1] - 0.005, z1] });
-  root.add(boardIn(box(to_x - 0.01, to_x, low[2], high[2]), shadeOf(shop), 0.001, shop), boardIn(box(from_x, to_x, shelf_z - 0.012, shelf_z), shop.wood('#e6d3b3'), 0.002, shop));
+  root.add(boardIn(box(to_x - 0.01, to_x, low[2], high[2] - 0.005), shadeOf(shop), 0.001, shop), boardIn(box(from_x, to_x, shelf_z - 0.012, shelf_z), shop.wood('#e6d3b3'), 0.002, shop));
   for (const [k, color] of ['#e9e2d3', '#c8643c', '#4f8f95'].entries()) {
     const bowl = vase(shop, [[1e-4, 0], [0.026, 0], [0.05, 0.042], [0.046, 0.042], [0.024, 0.006], [1e-4, 0.006]], color);
     bowl.position.set(from_x + 0.06, middle_y, shelf_z + 0.02 * k);
