@@ -9,6 +9,9 @@ import { fr as barFr } from '../src/exercises/cocktail_bar/i18n/fr';
 import { de as graspDe } from '../src/exercises/free_grasping/i18n/de';
 import { en as graspEn } from '../src/exercises/free_grasping/i18n/en';
 import { fr as graspFr } from '../src/exercises/free_grasping/i18n/fr';
+import { de as kitchenDe } from '../src/exercises/kitchen/i18n/de';
+import { en as kitchenEn } from '../src/exercises/kitchen/i18n/en';
+import { fr as kitchenFr } from '../src/exercises/kitchen/i18n/fr';
 import { de as levelDe } from '../src/exercises/squeeze_to_level/i18n/de';
 import { en as levelEn } from '../src/exercises/squeeze_to_level/i18n/en';
 import { fr as levelFr } from '../src/exercises/squeeze_to_level/i18n/fr';
@@ -21,7 +24,7 @@ const places = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
 
 test.each([
   ['de', de, en], ['fr', fr, en], ['de, of the bar', barDe, barEn], ['fr, of the bar', barFr, barEn], ['de, of free grasping', graspDe, graspEn],
-  ['fr, of free grasping', graspFr, graspEn], ['de, of the levels', levelDe, levelEn], ['fr, of the levels', levelFr, levelEn],
+  ['fr, of free grasping', graspFr, graspEn], ['de, of the levels', levelDe, levelEn], ['fr, of the levels', levelFr, levelEn], ['de, of the kitchen', kitchenDe, kitchenEn], ['fr, of the kitchen', kitchenFr, kitchenEn],
 ])('Texts_In_%s_HaveTheKeysAndPlacesOfEnglish', (_name, texts, english) => {
   expect(Object.keys(texts).sort()).toEqual(Object.keys(english).sort());
   for (const [key, value] of Object.entries(english)) {

@@ -45,7 +45,7 @@ export class SteeredHand {
     const reported = out.reported = JSON.parse(await out.line()) as Reported;
     out.axes = reported.axes;
     out.scene = {
-      axes: reported.axes, bodies: reported.bodies.map((name) => ({ name })), valueNames: reported.values, exerciseJson: reported.exercise,
+      axes: reported.axes, bodies: reported.bodies.map((name) => ({ name, shapes: [] })), valueNames: reported.values, exerciseJson: reported.exercise,
       rightHand: reported.right_hand, capsules: [{ part: HandPart.Palm, link: reported.palm_link }],
     } as unknown as SceneT;
     out.perceiver = new Perceiver(out.scene, targetsOf(out.scene));

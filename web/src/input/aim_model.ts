@@ -4,7 +4,7 @@ import type { Limits } from './limits';
 import type { Perception } from './perceiver';
 import { Pilot } from './pilot';
 import { partOfAxis, placeOnAxis } from './axis_range';
-import { approach, clamp, closedEnd, FIRMEST, isHandAxis, postureOf, squeezeOfFingers } from './posture';
+import { approach, clamp, closedEnd, FIRMEST, HOOKED, isHandAxis, postureOf, squeezeOfFingers } from './posture';
 import { nextSqueeze } from './squeeze';
 import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
 import { Yielding } from './yielding';
@@ -70,6 +70,12 @@ interface Way {
 interface Near extends Guide {
   at?: number;
   wanted: boolean;
+}
+
+/** The person moves what is held along its joint; across it the hand stays at the grip. */
+function alongJoint(said: Guide, grip: Triple, away: Triple): Guide {
+  const across = (key: 'y' | 'z'): number | undefined => (Math.abs(away[key]) > 0.5 * Math.hypot(away.x, away.y, away.z) ? undefined : grip[key]);
+  return { pace: 1, stretch: said.stretch, mayClose: true, y: across('y'), z: across('z') };
 }
 
 /**
@@ -180,17 +186,17 @@ export class AimModel {
     const help: Near = carries ? { pace: 1, stretch: 0, mayClose: true, at: goal, wanted: true } : this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
     const wanted = asksToSqueeze(wish.squeeze);
     this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
-    const away = help.at === undefined ? undefined : seen.awayFromUse?.[help.at];
+    const away = help.at === undefined || seen.onJoint ? undefined : seen.awayFromUse?.[help.at];
     const carried = away !== undefined && (holds ?? !isInPlace(away));
     const force = !away ? seen : { ...seen, ...(carried ? holdZone(seen.squeezeLow_n) : useZone(seen.squeezeLow_n, seen.squeezeHigh_n)) };
     this.thumbShare = approach(this.thumbShare, away ? CARRYING_THUMB : 1, dt_s);
     this.squeezePart = nextSqueeze(this.squeezePart, this.waits ? false : wish.squeeze, force, this.config, this.config.help !== 'none', away ? FIRMEST : 1, dt_s);
-    this.stretch = help.stretch;
+    this.stretch = (seen.onJoint ? HOOKED : 1) * help.stretch;
     // On its way to the target an open hand is not meant to touch even that.
     this.yielding.look(seen.touches, (wanted && !this.waits) || help.wanted ? help.at : undefined, dt_s);
     this.axes.forEach((axis, i) => {
       const next = isHandAxis(axis.name)
-        ? this.handAxis(axis.name, wish, help.stretch, i, seen, dt_s)
+        ? this.handAxis(axis.name, wish, this.stretch, i, seen, dt_s)
         : this.armAxis(axis, wish, help, seen, i, dt_s);
       this.q[i] = clamp(this.within(axis.name, next, i, dt_s), axis.lower, closedEnd(axis.name, axis.upper));
     });
@@ -266,10 +272,12 @@ export class AimModel {
     const asked = { x: this.asked('x', wish, aim.x), y: this.asked('y', wish, aim.y) };
     // A cursor that stays near the target does not ask for another one.
     if (wish.place.y !== undefined && wish.velocity.y === 0 && (depthOf(aim.x, back_m, grip) > 0.2 || asked.x > 0)) asked.y = 0;
-    const said = guide({ aim, hand, back_m, grip, beside: seen.beside }, asked, this.squeezePart > 0.02);
+    const said = guide({ aim, hand, back_m, grip, beside: seen.beside, onJoint: seen.onJoint }, asked, this.squeezePart > 0.02);
     // An open hand is meant to touch the target once it is at the grip, not while something keeps it away.
     const arrived = Math.hypot(hand.x - grip.x, hand.y - grip.y) <= ARRIVED_M;
     const wanted = asked.x >= 0 && said.x !== undefined && (arrived || this.squeezePart > 0);
+    const led = seen.onJoint && this.squeezePart > 0.02 ? seen.awayFromUse?.[at] : undefined;
+    if (led) return { ...alongJoint(said, grip, led), at, wanted };
     return { ...said, mayClose: goal === undefined ? said.mayClose : said.mayClose && said.channel !== undefined, at, wanted };
   }
 

@@ -36,10 +36,14 @@ export interface Reaching {
   grip: Triple;
   /** +1: a right hand's palm looks to the left, to +y. */
   beside: number;
+  /** The target is a handle before a front. */
+  onJoint?: boolean;
 }
 
 /** Sideways from where the palm touches, on the way in and out [m]. */
 const BESIDE_M = 0.024;
+/** The same before a front, where stretched fingers have no room: they are hooked, and pass the handle sideways [m]. */
+const HOOKED_BESIDE_M = 0.09;
 /** Reaching this far of the way in counts as being inside the row. */
 export const INSIDE = 0.2;
 /** A target farther sideways than this is none of the hand's business [m]. */
@@ -51,8 +55,8 @@ const AT_Y_M = 0.006;
 const PAST_M = 0.012;
 
 /** Where a hand goes in and out beside a target [m, along y]. */
-export function laneOf(grip: Triple, beside: number): number {
-  return grip.y - beside * BESIDE_M;
+export function laneOf(grip: Triple, beside: number, onJoint = false): number {
+  return grip.y - beside * (onJoint ? HOOKED_BESIDE_M : BESIDE_M);
 }
 
 /** The target that the palm of a hand at `y` looks at, an index; the nearest where it looks past all. */
@@ -82,11 +86,11 @@ export function depthOf(x: number, back_m: number, grip: Triple): number {
   return clamp((x - back_m) / Math.max(grip.x - back_m, 1e-3), 0, 1);
 }
 
-export function guide({ aim, hand, back_m, grip, beside }: Reaching, asked: Asked, closing: boolean): Guide {
+export function guide({ aim, hand, back_m, grip, beside, onJoint }: Reaching, asked: Asked, closing: boolean): Guide {
   const depth = depthOf(aim.x, back_m, grip);
   const inside = Math.max(depth, depthOf(hand.x, back_m, grip)) > INSIDE;
   const stretch = clamp(depth / INSIDE, 0, 1);
-  const lane_y = laneOf(grip, beside);
+  const lane_y = laneOf(grip, beside, onJoint);
   const there = Math.abs(aim.x - grip.x) <= AT_X_M;
   const touching = there && Math.abs(aim.y - grip.y) <= AT_Y_M;
   const channel = inside ? [Math.min(lane_y, grip.y), Math.max(lane_y, grip.y)] as const : undefined;

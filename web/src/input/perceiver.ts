@@ -1,4 +1,5 @@
-import type { GraspTargets } from '../exercises/exercise';
+import { Quaternion, Vector3 } from 'three';
+import type { GraspTargets, Position } from '../exercises/exercise';
 import { ExerciseValues } from '../exercises/values';
 import { HandPart, type SceneT, type WorldStateT } from '../protocol';
 import type { Triple } from './wish';
@@ -21,6 +22,8 @@ export interface Perception {
   grips: readonly Triple[];
   /** How far each target that is carried is from where it is squeezed [m]; undefined: it is squeezed where it is. */
   awayFromUse?: readonly (Triple | undefined)[];
+  /** Targets are on joints: one is led to its use while it is held, and never lifted. */
+  onJoint?: boolean;
   /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
   beside: number;
   /** Summed normal force on the grasped target and the zone in which it is held well [N]. */
@@ -39,6 +42,13 @@ export interface Perception {
 
 /** A cursor this far sideways from a target's axis is on it [m]. */
 const POINTED_M = 0.055;
+
+/** Where a grip of a body is in the world [m]; undefined: the program does not report the body. */
+function gripOf(body: WorldStateT['bodies'][number] | undefined, at_m: Position): Triple | undefined {
+  const p = body?.positionM, q = body?.orientationXyzw;
+  if (!p || !q) return undefined;
+  return new Vector3(at_m.x, at_m.y, at_m.z).applyQuaternion(new Quaternion(q.x, q.y, q.z, q.w)).add(p);
+}
 
 /** Finds in every state what aiming looks at. Made once for a scene. */
 export class Perceiver {
@@ -68,6 +78,7 @@ export class Perceiver {
       device: state.qM,
       grips: this.gripsNow(state),
       awayFromUse: targets.grips.map((_, grip) => targets.awayFromUse?.(state, grip)),
+      onJoint: targets.onJoint,
       beside: this.side,
       squeeze_n: values.get(state, 'squeeze_n'),
       squeezeLow_n: zone.low_n,
@@ -83,7 +94,7 @@ export class Perceiver {
 
   /** The target at a place of the row [m, world y]; undefined: none is near. */
   targetAt(state: WorldStateT, y_m: number): number | undefined {
-    const off_m = this.targets.grips.map(({ body, at_m }) => Math.abs((state.bodies[body]?.positionM?.y ?? Infinity) + at_m.y - y_m));
+    const off_m = this.targets.grips.map(({ body, at_m }) => Math.abs((gripOf(state.bodies[body], at_m)?.y ?? Infinity) - y_m));
     const nearest = off_m.indexOf(Math.min(...off_m));
     return nearest >= 0 && off_m[nearest]! <= POINTED_M ? nearest : undefined;
   }
@@ -103,11 +114,11 @@ export class Perceiver {
     const palm = state.links[this.palmLink]?.positionM;
     if (!palm) return [];
     return this.targets.grips.flatMap(({ body, at_m }) => {
-      const position = state.bodies[body]?.positionM;
-      if (!position) return [];
+      const at = gripOf(state.bodies[body], at_m);
+      if (!at) return [];
       // The palm's place in the world against the avatar's coordinates: wherever the device stands.
       const device = (key: keyof Triple, fromPalm: number): number =>
-        position[key] + at_m[key] - fromPalm - (palm[key] - (state.qS[this.axes[key]] ?? 0));
+        at[key] - fromPalm - (palm[key] - (state.qS[this.axes[key]] ?? 0));
       return [{
         x: device('x', GRIP_FROM_PALM.x), y: device('y', this.side * GRIP_FROM_PALM.y), z: device('z', GRIP_FROM_PALM.z),
       }];

@@ -15,6 +15,8 @@ export interface Sight {
   grips: readonly Triple[];
   /** How far each target that is carried is from where it is squeezed [m]. */
   awayFromUse?: readonly (Triple | undefined)[];
+  /** Targets are on joints: one is led to its use while it is held, and never lifted. */
+  onJoint?: boolean;
   squeeze_n: number;
   squeezeLow_n: number;
   /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
@@ -53,10 +55,14 @@ const DWELL_S = 0.8;
 const LANE_M = 0.012;
 /** A hand this far sideways from a target's lane is near it [m]. */
 const NEAR_M = 0.045;
+const NEAR_HANDLE_M = 0.11;
 /** A hand that closes is no farther from the grip than this, away from the person [m]. */
 const AT_GRIP_M = 0.03;
 /** Drawn back, to within this [m]. */
 const BACK_AT_M = 0.004;
+/** How fast a target on a joint is led, and how soon the hand slows down [m/s, 1/s]. */
+const LED_M_S = 0.06;
+const SLOWS_PER_S = 3;
 
 /** What is held is squeezed well, or eased for a moment. */
 const isWell = ({ squeeze_n, squeezeLow_n, easesOff }: Sight): boolean => easesOff === true || (squeezeLow_n > 0 && squeeze_n >= squeezeLow_n);
@@ -135,11 +141,19 @@ export class Pilot {
     if (help === 'full' && sight.letGo) wish.squeeze = false;
     if (sight.easesOff && keepsForce(wish.squeeze, help)) wish.squeeze = ROUND;
     if (help === 'none') return { wish, leaving: false };
-    if (help === 'full' && this.meant !== undefined && sight.closed && asksToSqueeze(wish.squeeze) && sight.awayFromUse?.[this.meant]) {
+    const away = this.meant === undefined ? undefined : sight.awayFromUse?.[this.meant], takes = help === 'full' && away !== undefined && sight.closed && asksToSqueeze(wish.squeeze);
+    if (takes && sight.onJoint) return this.lead(wish, away);
+    if (takes && this.meant !== undefined) {
       this.carry = { target: this.meant, carry: new Carry() };
     }
     if (this.tooFar) return { wish: { ...wish, squeeze: false }, leaving: false, outOfReach: true };
     return this.meant === undefined ? this.alone(wish, own, inside) : this.reach(wish, sight, own, inside, this.meant);
+  }
+
+  /** What is held goes the way of its joint. */
+  private lead(wish: Wish, { x, y, z }: Triple): Course {
+    const speed = Math.min(SLOWS_PER_S, LED_M_S / Math.max(Math.hypot(x, y, z), 1e-6));
+    return { wish: { ...wish, place: {}, velocity: { x: speed * x, y: speed * y, z: speed * z } }, goal: this.meant, leaving: false, carries: true };
   }
 
   /** What is carried is put back before the hand lets go of it. Undefined: it is no longer carried. */
@@ -194,7 +208,7 @@ export class Pilot {
       const says = squeezes ? !before || this.meant === undefined : dwelt;
       if (says && sight.reachable(sight.grips[wanted]!)) this.meant = wanted;
     } else if (!squeezes) this.meant = undefined;
-    else if (Math.abs(sight.hand.y - laneOf(sight.grips[own]!, sight.beside)) < NEAR_M) this.meant ??= own;
+    else if (Math.abs(sight.hand.y - laneOf(sight.grips[own]!, sight.beside, sight.onJoint)) < (sight.onJoint ? NEAR_HANDLE_M : NEAR_M)) this.meant ??= own;
     if (this.meant !== undefined) this.leaving = false;
   }
 
@@ -207,7 +221,7 @@ export class Pilot {
     // A fist that goes in jams between two targets: it opens first.
     if (sight.closed && own === goal && Math.abs(sight.hand.x - grip.x) > AT_GRIP_M) return move({}, { squeeze: false });
     if (inside && own !== goal) return { ...move({ x: sight.closed ? 0 : -SPEED_M_S }, { squeeze: false }), goal: undefined };
-    const aside_m = laneOf(grip, sight.beside) - sight.aim.y;
+    const aside_m = laneOf(grip, sight.beside, sight.onJoint) - sight.aim.y;
     if (inside || Math.abs(aside_m) <= LANE_M) return move({ x: SPEED_M_S });
     return move({ y: Math.sign(aside_m) * Math.min(SPEED_M_S, 6 * Math.abs(aside_m)) });
   }

@@ -13,6 +13,9 @@ interface HandAxisPosture {
   closed_rad: number;
 }
 
+/** The stretch of fingers that point sideways, at 100°, to pass behind a bar before a front. */
+export const HOOKED = -35 / 57;
+
 const POSTURES: Readonly<Record<string, HandAxisPosture>> = {
   finger_flexion: { open_rad: 65 * DEGREE, stretched_rad: 8 * DEGREE, closed_rad: 165 * DEGREE },
   thumb_circumduction: { open_rad: 20 * DEGREE, stretched_rad: 5 * DEGREE, closed_rad: 20 * DEGREE },
@@ -38,14 +41,15 @@ export function isHandAxis(name: string): boolean {
 
 /**
  * Position of a hand axis [rad] at a squeeze of 0 (open) to 1 (as closed as can be asked).
- * @param stretch of an open hand: 1 stretched, to go in beside a target, 0 half bent
+ * @param stretch of an open hand: 1 stretched, to go in beside a target, 0 half bent, HOOKED
  */
 export function postureOf(name: string, squeeze: number, stretch = 0): number {
   const posture = POSTURES[name];
   if (!posture) return 0;
   const { open_rad, stretched_rad, closed_rad } = posture;
   const turns = name === 'thumb_circumduction';
-  const open = turns ? stretched_rad : open_rad + clamp(stretch, 0, 1) * (stretched_rad - open_rad);
+  const open = turns ? stretched_rad : open_rad + clamp(stretch, HOOKED, 1) * (stretched_rad - open_rad);
+  if (stretch < 0 && !turns) return Math.max(open, postureOf(name, squeeze));   // hooked fingers do not open to close
   if (squeeze <= ROUND) return open + (clamp(squeeze, 0, ROUND) / ROUND) * (open_rad - open);
   return open_rad + ((clamp(squeeze, ROUND, FIRMEST) - ROUND) / (1 - ROUND)) * (closed_rad - open_rad);
 }

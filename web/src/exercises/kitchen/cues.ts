@@ -1,15 +1,17 @@
 // What shows a first-timer the next step: a ring at the handle, an arrow along or about its joint, the body as it is to be,
 // a hand that closes or opens.
 import { DoubleSide, Group, Mesh, PlaneGeometry, Quaternion, Vector3, type BufferGeometry } from 'three';
+import { ShapeType, type BodyT, type ShapeT } from '../../protocol';
 import { toThree } from '../../scene/frames';
 import { flat } from '../../scene/materials';
 import { picture } from '../../scene/textures';
+import type { Position } from '../exercise';
 import { moved, pointOf, type Placed } from './joint';
 import { HANDS, PASSES } from './pictures';
 import { Ribbon, type HalfWidth } from './ribbon';
 import type { Handle, Joint, KitchenStep } from './task';
 
-const ARROW = { points: 25, half_m: 0.006, head_m: 0.03, head_half_m: 0.017, over_m: 0.028 } as const;
+const ARROW = { points: 25, half_m: 0.006, head_m: 0.03, head_half_m: 0.017, over_m: 0.028, least_m: 0.1 } as const;
 const RING = { points: 73, half_m: 0.0035, round_m: 0.02 } as const;
 /** A goal nearer than this needs no arrow [m or rad]. */
 const NEAR = 0.006;
@@ -24,10 +26,10 @@ const even: HalfWidth = (_, edge_m) => RING.half_m + edge_m;
 const pointed: HalfWidth = (left_m, edge_m) =>
   left_m <= ARROW.head_m ? ARROW.head_half_m * left_m / ARROW.head_m + edge_m * (left_m > 0 ? 1.6 : 0) : ARROW.half_m + edge_m;
 
-/** From q to the goal, along the way of a point of the body, three.js's frame. The shaft's end and the head's begin are one place. */
-export function wayOf(now: Placed, joint: Joint, dq: number, point: Vector3): Vector3[] {
-  const local = { x: point.x, y: point.y, z: point.z };
-  return Array.from({ length: ARROW.points }, (_, i) => toThree(pointOf(moved(now, joint, dq * i / (ARROW.points - 1)), local)));
+/** To the goal, along the way of a point of the body, three.js's frame. A short way begins behind the point, so that its direction is seen. */
+export function wayOf(now: Placed, joint: Joint, dq: number, point: Position): Vector3[] {
+  const far_m = pointOf(moved(now, joint, dq), point).distanceTo(pointOf(now, point)), long = Math.max(1, ARROW.least_m / Math.max(far_m, 1e-6));
+  return Array.from({ length: ARROW.points }, (_, i) => toThree(pointOf(moved(now, joint, dq * (1 - long * (1 - i / (ARROW.points - 1)))), point)));
 }
 
 /** A long round around a bar. */
@@ -61,18 +63,19 @@ function handSign(kind: keyof typeof HANDS): Mesh {
   return new Mesh(new PlaneGeometry(SIGN.wide_m, SIGN.wide_m), flat('#ffffff', { map, transparent: true }));
 }
 
-/** The body as it is to be: pale, and a frame around its front. */
-export function makeGhost(body: Group, front: { readonly at: Vector3; readonly half: Vector3 } | undefined): Group {
-  const ghost = new Group(), pale = flat('#fff6df', { transparent: true, opacity: 0.2, depthWrite: false });
-  for (const child of body.children) {
-    if (!(child instanceof Mesh)) continue;
+/** The body as it is to be: what is taken of it pale, and a frame around its front. @param piece one child for each shape */
+export function makeGhost(piece: Group, { shapes }: BodyT, front: ShapeT | undefined): Group {
+  const ghost = new Group(), pale = flat('#fff6df', { transparent: true, opacity: 0.22, depthWrite: false });
+  piece.children.forEach((child, i) => {
+    if (!(child instanceof Mesh) || (shapes[i]!.type === ShapeType.Box && shapes[i] !== front)) return;
     const mesh = new Mesh(child.geometry as BufferGeometry, pale);
     mesh.position.copy(child.position);
     mesh.quaternion.copy(child.quaternion);
     ghost.add(mesh);
-  }
-  if (!front) return ghost;
-  const { at, half } = front, bar = (y: number, z: number, wide: number, tall: number): void => {
+  });
+  const at = front?.inBody?.positionM, half = front?.halfExtentsM;
+  if (!at || !half) return ghost;
+  const bar = (y: number, z: number, wide: number, tall: number): void => {
     for (const [more, color, x] of [[EDGE_M, INK, 0], [0, '#fff4dc', -0.0006]] as const) {
       const mesh = new Mesh(new PlaneGeometry(tall + more, wide + more), flat(color, { side: DoubleSide }));
       mesh.rotation.y = -Math.PI / 2;

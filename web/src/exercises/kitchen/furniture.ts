@@ -6,7 +6,6 @@ import { BodyT, ShapeType, type ShapeT } from '../../protocol';
 import { surface } from '../../scene/materials';
 import { makeBody } from '../../scene/plain_bodies';
 import type { Quality } from '../../scene/quality';
-import { brass } from '../../scene/stage';
 import { numbers, picture } from '../../scene/textures';
 
 /** Boxes with no side longer than this, and bars that are thinner, are metal [m]. */
@@ -42,7 +41,7 @@ export class Workshop {
   private readonly woods = new Map<string, Material>();
 
   constructor(readonly quality: Quality) {
-    this.metal = brass(quality);
+    this.metal = surface(quality, { color: new Color('#565d63'), metalness: quality === 'high' ? 0.75 : 0, roughness: 0.36, envMapIntensity: 1.4 });   // darker than every skin
   }
 
   wood(color: string): Material {
@@ -113,13 +112,16 @@ export function makeContents(body: BodyT, shop: Workshop): Group {
   if (!floor || !at) return root;
   const [long, wide, thick] = sizeOf(floor), z = at.z + thick / 2;
   const cloth = (color: string) => surface(shop.quality, { color: new Color(color), roughness: 0.95 });
-  ['#3f7f86', '#f6ead2', '#d98f4e'].forEach((color, k) => root.add(shop.board([0.62 * long, 0.27 * wide, 0.013], [at.x - 0.06 * long, at.y + 0.3 * wide, z + 0.0075 + 0.0125 * k], cloth(color), 0.006)));
-  for (let i = 0; i < 4; i++) {   // spoons of wood
-    const shaft = shop.bar(0.004, 0.72 * long, shop.wood('#b9824a')), bowl = shop.bar(0.014, 0.007, shop.wood('#b9824a')), y = at.y + (0.08 - 0.15 * i) * wide;
-    shaft.rotation.y = Math.PI / 2;
-    shaft.position.set(at.x + 0.05 * long, y, z + 0.006);
-    bowl.position.set(at.x - 0.32 * long, y, z + 0.007);
-    root.add(shaft, bowl);
-  }
+  ['#3f7f86', '#f6ead2', '#d98f4e', '#f6ead2', '#3f7f86', '#f6ead2'].forEach((color, k) => {
+    root.add(shop.board([0.6 * long, 0.3 * wide, 0.013], [at.x - 0.08 * long, at.y + 0.3 * wide, z + 0.0075 + 0.0125 * k], cloth(color), 0.006));
+  });
+  ['#d08a4a', '#8f4a3c', '#6f8f4a', '#e0b84a'].forEach((color, k) => {   // jars of spice
+    const x = at.x - (0.26 - 0.24 * (k % 2)) * long, y = at.y - (0.06 + 0.22 * Math.floor(k / 2)) * wide;
+    for (const [r, tall, up, tone] of [[0.022, 0.062, 0.031, color], [0.0235, 0.016, 0.07, '#e9dcc2']] as const) {
+      const part = shop.bar(r, tall, shop.wood(tone));
+      part.position.set(x, y, z + up);
+      root.add(part);
+    }
+  });
   return root;
 }

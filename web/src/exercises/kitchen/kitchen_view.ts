@@ -11,10 +11,10 @@ import { ExerciseValues } from '../values';
 import { Cues, makeGhost } from './cues';
 import { colorOf, frontOf, makeContents, makePiece, Workshop, type Size } from './furniture';
 import { moved, placedOf, pointOf, type Placed } from './joint';
-import { kitchen, makeRow, makeThings, makeWorktop, type Extent } from './room';
+import { kitchen, makeInside, makeRow, makeThings, makeWorktop, type Extent } from './room';
 import { handleOf, jointOf, usedBodies, type KitchenTask } from './task';
 
-/** A fixed body is a worktop if it is this flat. */
+/** A fixed body is a worktop if it is this flat; the widest is. */
 const FLAT = 0.25;
 /** Where the scene has no worktop: how far it comes before what is taken, how thick it is [m], and its colour. */
 const BEFORE_M = 0.25;
@@ -22,6 +22,8 @@ const SLAB_M = 0.03;
 const BEECH = '#d9b98c';
 /** The picture looks at what is so far under the worktop of something built in [m]. */
 const LOOK_UNDER_M = 0.24;
+/** Beyond a handle's ends there is room for its cue [m]. */
+const CUE_M = 0.05;
 
 export class KitchenView implements ExerciseView {
   readonly root = new Group();
@@ -50,9 +52,8 @@ export class KitchenView implements ExerciseView {
       this.program.add(piece);
     });
     for (const body of usedBodies(task)) {
-      const piece = this.pieces.get(body)!, p = frontOf(scene.bodies[body]!), at = p?.inBody?.positionM, h = p?.halfExtentsM;
-      const ghost = makeGhost(piece, at && h ? { at: new Vector3(at.x, at.y, at.z), half: new Vector3(h.x, h.y, h.z) } : undefined);
-      piece.add(...makeContents(scene.bodies[body]!, this.shop).children);
+      const piece = this.pieces.get(body)!, ghost = makeGhost(piece, scene.bodies[body]!, frontOf(scene.bodies[body]!));
+      piece.add(makeContents(scene.bodies[body]!, this.shop));
       ghosts.set(body, ghost);
       this.program.add(ghost);
     }
@@ -64,7 +65,7 @@ export class KitchenView implements ExerciseView {
 
   placement(state: WorldStateT | undefined): { place: CameraPlace; outline: Vector3[] } {
     if (state) this.place ??= this.furnish(state);
-    return { place: this.place ?? { ...DEFAULT_PLACE, right: this.scene.rightHand }, outline: outlineOfScene(this.scene, state) };
+    return { place: this.place ?? { ...DEFAULT_PLACE, right: this.scene.rightHand }, outline: this.outline(state) };
   }
 
   placeBehind(): void { /* Nothing here turns with the picture. */ }
@@ -93,12 +94,26 @@ export class KitchenView implements ExerciseView {
 
   anchors(): Anchors { return { goal: undefined, target: this.target?.clone() }; }
 
+  /** The hand, and handles now and where they are to be. */
+  private outline(state: WorldStateT | undefined): Vector3[] {
+    if (!state) return [];
+    const now = this.task.steps[this.values.get(state, 'instruction')], q = this.values.get(state, 'joint_q');
+    const handles = this.task.steps.flatMap(({ body, to }) => {
+      const placed = placedOf(state.bodies[body]), joint = jointOf(this.task, body), { at_m, length_m } = handleOf(this.scene.bodies[body]!);
+      if (!placed) return [];
+      const there = joint && to !== undefined ? moved(placed, joint, to - (now?.body === body ? q : 0)) : placed;
+      return [-1, 1].map((end) => toThree(pointOf(there, { ...at_m, z: at_m.z + end * (length_m / 2 + CUE_M) })));
+    });
+    return [...outlineOfScene({ capsules: this.scene.capsules, bodies: [] }, { links: state.links, bodies: [] }), ...handles];
+  }
+
   /** Builds what stands around the bodies, where they are at first. */
   private furnish(state: WorldStateT): CameraPlace {
     const { scene, task, shop, program } = this, { body } = task.steps[0]!, placed = placedOf(state.bodies[body]);
     const row_x = placed ? pointOf(placed, handleOf(scene.bodies[body]!).at_m).x : -DEFAULT_PLACE.row_z;
     const fixed = [...this.pieces].flatMap(([i, piece]) => (scene.bodies[i]!.fixed ? [{ i, piece, ...extentOf(placedOf(state.bodies[i]), scene.bodies[i]!.shapes) }] : []));
-    const slab = fixed.find(({ low, high }) => high[2] - low[2] < FLAT * Math.min(high[0] - low[0], high[1] - low[1]));
+    const wide = ({ low, high }: Extent): number => (high[0] - low[0]) * (high[1] - low[1]);
+    const slab = fixed.filter(({ low, high }) => high[2] - low[2] < FLAT * Math.min(high[0] - low[0], high[1] - low[1])).sort((a, b) => wide(b) - wide(a))[0];
     const around = fixed.filter((one) => one !== slab), front = this.shutFront(state);
     const top_z = slab ? slab.high[2] : Math.max(DEFAULT_PLACE.counter_y, Math.min(0, ...around.map(({ low }) => low[2])));
     const place = { right: scene.rightHand, counter_y: top_z, row_z: -row_x };
@@ -106,20 +121,21 @@ export class KitchenView implements ExerciseView {
     slab?.piece.clear();
     program.add(makeWorktop(slab ? slab.low[0] : row_x - BEFORE_M, top_z, slab ? slab.high[2] - slab.low[2] : SLAB_M, row_x, slab ? colorOf(scene.bodies[slab.i]!) : BEECH, shop));
     program.add(makeThings(row_x, top_z, scene.rightHand ? 1 : -1, shop));
+    if (front?.turns) program.add(makeInside(front, unionOf([front, ...around]), shop));
     if (!slab || !front || front.high[2] > slab.high[2]) return place;
     program.add(makeRow(front, unionOf([front, ...around]), slab, front.color, shop));
     return { ...place, counter_y: top_z - LOOK_UNDER_M };
   }
 
   /** The first front that is on a joint, at its joint's 0. */
-  private shutFront(state: WorldStateT): Extent & { readonly color: string } | undefined {
+  private shutFront(state: WorldStateT): Extent & { readonly color: string; readonly turns: boolean } | undefined {
     const { scene, task } = this, now = task.steps[Math.min(this.values.get(state, 'instruction'), task.steps.length - 1)]!;
     for (const { body, joint } of task.things) {
       const front = joint && frontOf(scene.bodies[body]!), placed = placedOf(state.bodies[body]);
       if (!front || !placed) continue;
       // Of other bodies than the present step's no coordinate is told: they are where they begin.
       const shut = now.body === body ? moved(placed, joint, -this.values.get(state, 'joint_q')) : placed;
-      return { ...extentOf(shut, [front]), color: colorOf(scene.bodies[body]!) };
+      return { ...extentOf(shut, [front]), color: colorOf(scene.bodies[body]!), turns: joint.type === 'hinge' };
     }
     return undefined;
   }

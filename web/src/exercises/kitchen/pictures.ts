@@ -6,7 +6,7 @@ const INK = '#2A1C14';
 const line = (d: string, wide = 7): string => `<path d="${d}" fill="none" stroke="${INK}" stroke-width="${wide}" stroke-linecap="round" stroke-linejoin="round"/>`;
 const bar = (x: number): string => `<rect x="${x - 7}" y="20" width="14" height="60" rx="7" fill="#B9C0C4" stroke="${INK}" stroke-width="4"/>`;
 
-/** Strokes of a hand before a disc of 100 by 100, the bar that it holds first. */
+/** Strokes of a hand on a disc of 100 by 100. */
 export const HANDS = {
   open: [['M37 54L33 26', 10], ['M47 50L46 18', 10], ['M57 50L60 20', 10], ['M66 55L74 30', 10], ['M38 70L21 56', 11], ['M44 66L60 66L57 76L47 76Z', 20]],
   closed: [['M38 36H60', 11], ['M37 49H62', 11], ['M38 62H60', 11], ['M66 40V62', 16], ['M62 74L46 72', 11]],

@@ -11,6 +11,8 @@ import { jointOf, type KitchenStep, type KitchenTask, type Verb } from './task';
 /** Scores from which on a done task has two stars, and three. */
 const TWO_STARS = 70;
 const THREE_STARS = 90;
+/** The card has room for so many beside a meter: the last, the present one, the next. */
+const MOST_ROWS = 3;
 const STEP: Bells = { tones_hz: [523, 784], apart_s: 0.14 };
 const ALL: Bells = { tones_hz: [392, 523, 659, 784, 1047], apart_s: 0.17 };
 
@@ -61,7 +63,7 @@ export class KitchenPlay implements Play {
 
   prompt(state: WorldStateT): Prompt {
     const step = this.now(state);
-    return { title: this.plain.prompt(state).title, more: step ? text(`more.${step.verb}`) : '' };
+    return { title: this.plain.prompt(state).title, more: step ? text(`more.${step.verb}`) : '', urgent: step?.to !== undefined };
   }
 
   donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: text('done.effort') }; }
@@ -86,7 +88,7 @@ export class KitchenPlay implements Play {
     return { shown: true, value: share(q), low: share(low), high: share(high), zone: isWell ? 'right' : 'low', label: labelOf(this.scene, 'joint_q') || text(`verb.${step.verb}`) };
   }
 
-  /** One row for each step. */
+  /** A row for each step; of many those about the present one. */
   card(state: WorldStateT): TaskCard {
     const { steps } = this.task, all = this.shown.done(state) ? steps.length : this.values.get(state, 'instruction');
     const rows = steps.map((step, i): TaskStep => {
@@ -96,7 +98,8 @@ export class KitchenPlay implements Play {
         ...this.amounts(step, state), picture: () => verbDisc(step.verb),
       };
     });
-    return { label: this.shown.title, count: text('count', { n: Math.min(all, steps.length), m: steps.length }), title: this.shown.title, steps: rows };
+    const first = Math.max(0, Math.min(all - 1, rows.length - MOST_ROWS));
+    return { label: this.shown.title, count: text('count', { n: Math.min(all, steps.length), m: steps.length }), title: this.shown.title, steps: rows.slice(first, first + MOST_ROWS) };
   }
 
   praise(state: WorldStateT): Praise {

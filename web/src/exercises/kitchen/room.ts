@@ -1,5 +1,5 @@
 // The kitchen around: a tiled wall, a worktop of beech, the row of fronts in which a task's cabinet stands, things on the worktop.
-import { Color, Group, LatheGeometry, Mesh, PlaneGeometry, RepeatWrapping, SphereGeometry, Vector2, type BufferGeometry, type Texture } from 'three';
+import { Color, Group, LatheGeometry, Mesh, PlaneGeometry, RepeatWrapping, SphereGeometry, Vector2, type BufferGeometry, type Material, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import { turnOf } from '../../scene/camera';
 import type { Quality } from '../../scene/quality';
@@ -13,6 +13,8 @@ const TILE = { wide_m: 0.15, tall_m: 0.075, across: 6, down: 8 } as const;
 const GAP_M = 0.005;
 const NEIGHBOUR_M = 0.42;
 const PLINTH_M = 0.05;
+/** A shelf begins so far behind a door [m]. */
+const INSIDE_M = 0.02;
 
 /** Glazed tiles in a running bond, no two quite of one tone. */
 function tileTexture(): Texture {
@@ -138,13 +140,29 @@ export function makeThings(row_x: number, z: number, side: number, shop: Worksho
 /** An upright box of the world [m]. */
 export interface Extent { readonly low: Size; readonly high: Size }
 
+const boardIn = ({ low, high }: Extent, material: Material, edge_m: number, shop: Workshop): Mesh =>
+  shop.board([high[0] - low[0], high[1] - low[1], high[2] - low[2]], [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2], material, edge_m);
+
+const shadeOf = (shop: Workshop): Material => surface(shop.quality, { color: new Color('#4a3829'), roughness: 0.95 });
+
+/** What is seen behind a door that opens: a dark back, a shelf, bowls on it. @param around the boards of its cupboard */
+export function makeInside(front: Extent, { low, high }: Extent, shop: Workshop): Group {
+  const root = new Group(), from_x = front.high[0] + INSIDE_M, to_x = Math.max(high[0], from_x + 0.1) - 0.005, middle_y = (low[1] + high[1]) / 2, shelf_z = (low[2] + high[2]) / 2 - 0.03;
+  const box = (x0: number, x1: number, z0: number, z1: number): Extent => ({ low: [x0, low[1] + 0.005, z0], high: [x1, high[1] - 0.005, z1] });
+  root.add(boardIn(box(to_x - 0.01, to_x, low[2], high[2] - 0.005), shadeOf(shop), 0.001, shop), boardIn(box(from_x, to_x, shelf_z - 0.012, shelf_z), shop.wood('#e6d3b3'), 0.002, shop));
+  for (const [k, color] of ['#e9e2d3', '#c8643c', '#4f8f95'].entries()) {
+    const bowl = vase(shop, [[1e-4, 0], [0.026, 0], [0.05, 0.042], [0.046, 0.042], [0.024, 0.006], [1e-4, 0.006]], color);
+    bowl.position.set(from_x + 0.06, middle_y, shelf_z + 0.02 * k);
+    root.add(bowl);
+  }
+  return root;
+}
+
 /** The kitchen around a front that is built in under a worktop: fronts beside it, the shade behind, a plinth. */
 export function makeRow(front: Extent, around: Extent, worktop: Extent, color: string, shop: Workshop): Group {
-  const root = new Group(), wood = shop.wood(color), shade = surface(shop.quality, { color: new Color('#4a3829'), roughness: 0.95 });
+  const root = new Group(), wood = shop.wood(color), shade = shadeOf(shop);
   const near_x = front.low[0], thick = front.high[0] - near_x, under_z = worktop.low[2], seam_z = front.low[2] - GAP_M / 2;
-  const fill = (low: Size, high: Size, material: typeof shade, edge_m: number): void => {
-    root.add(shop.board([high[0] - low[0], high[1] - low[1], high[2] - low[2]], [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2], material, edge_m));
-  };
+  const fill = (low: Size, high: Size, material: Material, edge_m: number): void => { root.add(boardIn({ low, high }, material, edge_m, shop)); };
   for (const side of [-1, 1]) {
     for (let i = 0; i < 5; i++) {
       const from = (side < 0 ? around.low[1] : around.high[1]) + side * i * NEIGHBOUR_M, y0 = Math.min(from, from + side * NEIGHBOUR_M) + GAP_M / 2, y1 = y0 + NEIGHBOUR_M - GAP_M;
@@ -153,7 +171,7 @@ export function makeRow(front: Extent, around: Extent, worktop: Extent, color: s
       fill([near_x + thick + 0.004, y0 - GAP_M, around.low[2]], [near_x + thick + 0.02, y1 + GAP_M, under_z], shade, 0.001);
     }
   }
-  fill([front.high[0] + 0.3, around.low[1], around.low[2]], [front.high[0] + 0.31, around.high[1], under_z], shade, 0.001);
+  fill([front.high[0] + 0.3, around.low[1], around.low[2] - 0.5], [front.high[0] + 0.31, around.high[1], under_z], shade, 0.001);
   fill([near_x + PLINTH_M, -WALL.width_m / 2, around.low[2] - 0.6], [near_x + PLINTH_M + 0.02, WALL.width_m / 2, around.low[2] - GAP_M], shade, 0.001);
   return root;
 }

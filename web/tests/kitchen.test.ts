@@ -1,0 +1,156 @@
+// Tasks of the kitchen in the page: read from the scene message, with nothing that the page knows of one task.
+import { Vector3 } from 'three';
+import { describe, expect, it } from 'vitest';
+import type { SceneT } from '../src/protocol';
+import { playOf, targetsOf } from '../src/exercises';
+import { wayOf } from '../src/exercises/kitchen/cues';
+import { moved, placedOf } from '../src/exercises/kitchen/joint';
+import { KitchenPlay, shareOf } from '../src/exercises/kitchen/play';
+import { handleOf, jointOf, taskOf } from '../src/exercises/kitchen/task';
+import { Perceiver } from '../src/input/perceiver';
+import { Pilot, type Sight } from '../src/input/pilot';
+import { restingWish } from '../src/input/wish';
+import { DOOR, DRAWER, HINGE, kitchenScene, kitchenState } from './kitchen_scene';
+
+const STEPS = DRAWER.steps.length;
+
+describe('the task', () => {
+  it('is read from the scene, and from no other exercise', () => {
+    expect(taskOf(kitchenScene())?.steps.map(({ verb }) => verb)).toEqual(['reach', 'take', 'move', 'hold', 'move', 'let_go']);
+    const other = (json: string): unknown => taskOf({ ...kitchenScene(), exerciseJson: json } as SceneT);
+    for (const json of ['', '{', 'null', '{"kind":"free_grasping"}', '{"kind":"kitchen"}']) expect(other(json)).toBeUndefined();
+    expect(other('{"kind":"kitchen","steps":[{"verb":"dance","body":0}]}')).toBeUndefined();
+    expect(other('{"kind":"kitchen","steps":[{"verb":"reach","body":99}]}')).toBeUndefined();
+    expect(taskOf(null)).toBeUndefined();
+  });
+
+  it('is taken at its longest bar', () => {
+    expect(handleOf(kitchenScene().bodies[0]!)).toMatchObject({ at_m: { x: 0, y: 0, z: 0 }, radius_m: 0.0125, length_m: 0.12 });
+  });
+});
+
+describe('a joint', () => {
+  it('slides along its axis', () => {
+    const joint = jointOf(taskOf(kitchenScene())!, 0)!, { at } = moved(placedOf(kitchenState({}).bodies[0])!, joint, 0.1);
+    expect(at.distanceTo(new Vector3(0, 0.03, 0.004))).toBeLessThan(1e-12);
+  });
+
+  // A quarter turn to the left takes what is a to the left of the hinge and b before it to a before and b to its right.
+  it('turns about its axis, position and orientation', () => {
+    const joint = jointOf(taskOf(kitchenScene(DOOR))!, 0)!, now = placedOf(kitchenState({}, DOOR).bodies[0])!, { at, turn } = moved(now, joint, Math.PI / 2);
+    expect(at.x).toBeCloseTo(HINGE.x - (0.03 - HINGE.y), 12);
+    expect(at.y).toBeCloseTo(HINGE.y + (0.1 - HINGE.x), 12);
+    expect(new Vector3(1, 0, 0).applyQuaternion(turn).distanceTo(new Vector3(0, 1, 0))).toBeLessThan(1e-12);
+  });
+
+  it('is where the program reports it to be, from any coordinate', () => {
+    const joint = jointOf(taskOf(kitchenScene(DOOR))!, 0)!, from = placedOf(kitchenState({ joint_q: 0.2 }, DOOR).bodies[0])!, to = placedOf(kitchenState({ joint_q: 0.9 }, DOOR).bodies[0])!;
+    expect(moved(from, joint, 0.7).at.distanceTo(to.at)).toBeLessThan(1e-12);
+    expect(moved(from, joint, 0.7).turn.angleTo(to.turn)).toBeLessThan(1e-7);
+  });
+
+  it('has an arrow that ends at the goal, however near that is', () => {
+    const joint = jointOf(taskOf(kitchenScene())!, 0)!, now = placedOf(kitchenState({ joint_q: 0.09 }).bodies[0])!, way = wayOf(now, joint, 0.01, { x: 0, y: 0, z: 0.1 });
+    // Bar at 0.1 m shut, 0 at the goal; three.js's z is towards the person.
+    expect(way.at(-1)!.distanceTo(new Vector3(-0.03, 0.104, 0))).toBeLessThan(1e-12);
+    expect(way[0]!.distanceTo(way.at(-1)!)).toBeCloseTo(0.1, 12);
+    expect(way[0]!.z).toBeLessThan(way.at(-1)!.z);
+  });
+});
+
+describe('the handle', () => {
+  const scene = kitchenScene(), targets = targetsOf(scene);
+
+  it('is wanted until all is done, and let go of in the last step', () => {
+    const at = (instruction: number) => ({ wanted: targets.wanted(kitchenState({ instruction })), letGo: targets.letGo(kitchenState({ instruction })) });
+    expect(at(0)).toEqual({ wanted: 0, letGo: false });
+    expect(at(3)).toEqual({ wanted: 0, letGo: false });
+    expect(at(5)).toEqual({ wanted: 0, letGo: true });
+    expect(at(STEPS)).toEqual({ wanted: -1, letGo: true });
+  });
+
+  it('has the way that its joint is to go, and none while it is only taken', () => {
+    expect(targets.awayFromUse!(kitchenState({ instruction: 1 }), 0)).toBeUndefined();
+    expect(targets.awayFromUse!(kitchenState({ instruction: 2, joint_q: 0.03 }), 0)!.x).toBeCloseTo(-0.07, 12);
+    expect(targets.awayFromUse!(kitchenState({ instruction: 4, joint_q: 0.08 }), 0)!.x).toBeCloseTo(0.08, 12);
+  });
+
+  it('of a door is led along its arc, not through it', () => {
+    const way = targetsOf(kitchenScene(DOOR)).awayFromUse!(kitchenState({ instruction: 2 }, DOOR), 0)!, radius = Math.hypot(0.1 - HINGE.x, 0.03 - HINGE.y);
+    // A chord of 0.15 rad.
+    expect(Math.hypot(way.x, way.y, way.z)).toBeCloseTo(2 * radius * Math.sin(0.075), 12);
+  });
+
+  it('turns with its body', () => {
+    const links = [{ positionM: { x: 0, y: 0, z: 0 } }], shifted = kitchenScene(DOOR);
+    for (const { inBody } of shifted.bodies[0]!.shapes) inBody!.positionM!.x -= 0.05;
+    const seen = new Perceiver({ ...shifted, axes: [{ name: 'x' }, { name: 'y' }, { name: 'z' }], capsules: [] } as unknown as SceneT, targetsOf(shifted));
+    const grip = (q: number) => seen.see(Object.assign(kitchenState({ joint_q: q }, DOOR), { links, qM: [0, 0, 0], qS: [0, 0, 0] }) as never).grips[0]!;
+    const bar = kitchenState({ joint_q: Math.PI / 2 }, DOOR).bodies[0]!.positionM!;
+    // 0.05 m before the body is, after a quarter turn, 0.05 m to its right.
+    expect(grip(Math.PI / 2).y - grip(0).y).toBeCloseTo(bar.y - 0.05 - 0.03, 12);
+  });
+});
+
+describe('help', () => {
+  const sight: Sight = {
+    hand: { x: 0, y: 0, z: 0 }, aim: { x: 0, y: 0, z: 0 }, back_m: -0.08, grips: [{ x: 0, y: 0, z: 0 }], awayFromUse: [{ x: -0.1, y: 0, z: 0 }], onJoint: true,
+    squeeze_n: 4, squeezeLow_n: 2, beside: 1, target: 0, reachable: () => true, closed: true, letGo: false,
+  };
+
+  it('draws what is held along its joint, does not lift it, and lets go at the end', () => {
+    const pilot = new Pilot();
+    pilot.steer({ ...restingWish(), squeeze: true }, { ...sight, awayFromUse: [undefined] }, 'full', 0.01);
+    const pulls = pilot.steer({ ...restingWish(), squeeze: true }, sight, 'full', 0.01).wish;
+    expect(pulls.velocity.x).toBeLessThan(-0.03);
+    expect([pulls.velocity.y, pulls.velocity.z, pulls.squeeze]).toEqual([0, 0, true]);
+    expect(pilot.steer({ ...restingWish(), squeeze: true }, { ...sight, letGo: true, awayFromUse: [undefined] }, 'full', 0.01).wish.squeeze).toBe(false);
+  });
+
+  it('pulls nothing for a person who is not helped', () => {
+    expect(new Pilot().steer({ ...restingWish(), squeeze: true }, sight, 'none', 0.01).wish.velocity.x).toBe(0);
+  });
+});
+
+describe('the game', () => {
+  const play = playOf(kitchenScene(), null)!;
+  const at = (now: Readonly<Record<string, number>>) => {
+    const state = kitchenState(now);
+    play.follow(state);
+    return state;
+  };
+
+  it('says the task\'s own words, and has rows for the steps about the present one', () => {
+    expect(play).toBeInstanceOf(KitchenPlay);
+    const state = at({ instruction: 2, joint_q: 0.05 }), card = play.card(state)!;
+    expect([play.prompt(state, false).title, card.title]).toEqual(['Do step 2', 'A drawer']);
+    expect(card.steps.map(({ name, is }) => `${name} ${is}`)).toEqual(['Take hold done', 'Move now', 'Hold later']);
+    expect(play.card(at({ instruction: 0 }))!.steps.map(({ name }) => name)).toEqual(['Reach', 'Take hold', 'Move']);
+    expect(play.card(at({ instruction: 5 }))!.steps.map(({ name }) => name)).toEqual(['Hold', 'Move', 'Let go']);
+    expect(card.count).toBe('2 of 6 done');
+    expect(play.words.title()).toBe('A drawer');
+  });
+
+  it('tells how far a step is, both ways', () => {
+    const open = { verb: 'move', body: 0, to: 0.1 } as const;
+    expect([shareOf(open, 0.05, 0, 0), shareOf(open, 0.2, 0, 0), shareOf({ ...open, to: 0 }, 0.02, 0.1, 0)].map((share) => share.toFixed(6))).toEqual(['0.500000', '1.000000', '0.800000']);
+    expect(shareOf({ ...open, verb: 'hold', for_s: 2 }, 0.1, 0.1, 0.5)).toBe(0.25);
+  });
+
+  it('meters where the joint is while it is to be somewhere, and never calls the way there too much', () => {
+    expect(play.meter(at({ instruction: 1 }))).toBeNull();
+    const open = play.meter(at({ instruction: 2, joint_q: 0.06, goal_low: 0.09, goal_high: 0.11 }))!;
+    expect(open).toMatchObject({ zone: 'low', label: 'Opened' });
+    expect([open.value, open.low, open.high].map((share) => share.toFixed(6))).toEqual(['0.500000', '0.750000', '0.916667']);
+    expect(play.meter(at({ instruction: 3, joint_q: 0.1, goal_low: 0.09, goal_high: 0.11 }))!.zone).toBe('right');
+    expect(play.meter(at({ instruction: 4, joint_q: 0.08, goal_low: -0.01, goal_high: 0.01 }))!.zone).toBe('low');
+  });
+
+  it('praises what is done, and begins anew', () => {
+    const done = at({ instruction: STEPS, done: 1, score: 95 });
+    expect([play.phase(done), play.donePrompt(done).title, play.praise(done, true)!.stars]).toEqual(['success', 'All done', 3]);
+    expect(play.card(done)!.steps.every(({ is }) => is === 'done')).toBe(true);
+    expect(play.follow(kitchenState({ instruction: 0 }))).toBe(true);
+    expect(play.follow(kitchenState({ instruction: 1 }))).toBe(false);
+  });
+});
