@@ -337,6 +337,16 @@ bool Clinic::tryToLog(std::int64_t account, const std::string& what, std::int64_
   }
 }
 
+// Erased rows are overwritten at once; the log beside the database has them until it is emptied.
+void Clinic::tryToCompact() {
+  if (!compact_due_ || !db_) return;
+  try {
+    compact(*db_);
+    compact_due_ = false;
+  } catch (const DatabaseError&) {  // the next minute tries again
+  }
+}
+
 Json Clinic::state(Call&) {
   const bool is_new = db_->number("SELECT COUNT(*) FROM clinic") == 0;
   Json tiles = Json::array();
@@ -553,6 +563,7 @@ void Clinic::backUpIfDue() {
   constexpr std::int64_t kDay_us = 86'400 * kSecond_us;
   const Lock lock(mutex_);
   const std::int64_t now_us = clock_.now_us();
+  tryToCompact();
   if (options_.backups.empty() || !db_ || std::abs(now_us - last_backup_us_) < kDay_us) return;
   try {
     if (db_->number("SELECT COUNT(*) FROM clinic") == 0) return;

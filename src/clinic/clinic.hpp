@@ -61,8 +61,8 @@ class Clinic {
   /// Measures recordings that the database does not know as they are; call every few seconds. Stops
   /// early when `stop` returns true.
   void lookAtRecordings(const Measure& measure, const std::function<bool()>& stop);
-  /// Makes a backup when the last one is a day old, and removes those of 30 days; call every
-  /// minute.
+  /// Makes a backup when the last one is a day old, and removes those of 30 days; frees what was
+  /// erased and is not freed yet. Call every minute.
   void backUpIfDue();
 
  private:
@@ -135,6 +135,7 @@ class Clinic {
            std::int64_t visit = 0, const std::string& detail = {});
   /// Writes the log where it can: a full disk keeps nobody from reading.
   bool tryToLog(std::int64_t account, const std::string& what, std::int64_t patient = 0);
+  void tryToCompact();
   void begin(Call& call) { call.transaction.emplace(*db_); }
 
   // clinic_patients.cpp
@@ -227,6 +228,7 @@ class Clinic {
   std::set<std::string> present_;  ///< recordings of the last look, and the one being written
   std::int64_t last_backup_us_ = 0;
   std::string backup_problem_;
+  bool compact_due_ = false;  ///< rows were erased; a full disk kept their pages from being freed
 };
 
 /// Measured values, one a line, by code, without names and notes; needs no key. @param patient 0:

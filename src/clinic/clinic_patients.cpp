@@ -515,7 +515,8 @@ Json Clinic::erasePatient(Call& call) {
   log(call.session.account, "erased", id);
   call.after.emplace_back([this, &call, files] {
     const auto left = removeFiles(options_.folder, options_.recordings, files);
-    compact(*db_);
+    compact_due_ = true;
+    tryToCompact();
     const std::int64_t gone_us = last_backup_us_ == 0 ? 0 : last_backup_us_ + kBackupsKept_us;
     call.answer.body =
         Json({{"erased", true}, {"recordings_left", left}, {"gone_from_backups_us", gone_us}})

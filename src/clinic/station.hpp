@@ -38,7 +38,8 @@ struct StationReply {
   std::string why;  ///< for a person, in English
 };
 
-/// The station that renders. Any thread; open() and close() wait for the reply, 5 s at most.
+/// The station that renders. Any thread; open() and close() wait for the reply, 5 s at most, or 20
+/// s while the hand is rehearsed.
 class Station {
  public:
   virtual ~Station() = default;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -33,7 +34,9 @@ namespace fb = wholehand::protocol;
 using Tcp = net::ip::tcp;
 using ErrorCode = boost::system::error_code;
 
+using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kReplyWithin{5}, kConnectWithin{5}, kConnectAgain{1};
+constexpr std::chrono::seconds kRehearsedWithin{20};
 constexpr std::size_t kLargestMessage_bytes = std::size_t{64} << 20U;  // a scene with its meshes
 
 using Socket = websocket::stream<beast::tcp_stream, false>;
@@ -96,8 +99,14 @@ class StationClient::Link {
     const std::uint64_t connection = connection_;
     replies_[id] = std::nullopt;
     net::post(io_, [this, bytes = std::move(bytes)]() mutable { send(std::move(bytes)); });
-    heard_.wait_for(lock, kReplyWithin,
-                    [&] { return replies_[id].has_value() || connection != connection_; });
+    const auto answered = [&] { return replies_[id].has_value() || connection != connection_; };
+    const auto began = Clock::now();
+    for (auto until = began + kReplyWithin; !heard_.wait_until(lock, until, answered);) {
+      // A rehearsal that goes on is no silence.
+      const auto later = std::min(rehearsed_ + kReplyWithin, began + kRehearsedWithin);
+      if (later <= until) break;
+      until = later;
+    }
     StationReply reply{StationReply::What::kSilent,
                        "the station did not answer within 5 s; see its console"};
     if (connection != connection_) reply.why = "the connection to the station ended";
@@ -178,9 +187,10 @@ class StationClient::Link {
       const std::lock_guard lock(mutex_);
       scene_ = std::move(now);
     } else if (const fb::WorldState* state = message->payload_as_WorldState()) {
+      const std::lock_guard lock(mutex_);
+      if (state->rehearsed_ticks() > 0) rehearsed_ = Clock::now();
       // The values of a scene's parameters come after it, in its order.
       if (state->parameters() == nullptr || state->parameters()->size() != names_.size()) return;
-      const std::lock_guard lock(mutex_);
       for (std::size_t i = 0; i < names_.size(); ++i) {
         scene_.values[names_[i]] = asWritten(state->parameters()->Get(static_cast<unsigned>(i)));
       }
@@ -226,6 +236,7 @@ class StationClient::Link {
   mutable std::mutex mutex_;        ///< guards the following
   std::condition_variable heard_;
   StationScene scene_;
+  Clock::time_point rehearsed_;  ///< when a rehearsal was last under way
   std::uint32_t last_id_ = 0;
   std::uint64_t connection_ = 0;  ///< counts
   std::map<std::uint32_t, std::optional<StationReply>> replies_;

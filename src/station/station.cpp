@@ -1719,7 +1719,8 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
   const bool rendered =
       had_session && live_->running() && status().run_state == RunState::kRendering;
   std::optional<Rehearsal> rehearsal;
-  if (config_.rehearse && rendered) {  // a load that cannot be rendered stops nothing
+  // A load that cannot be rendered stops nothing, and begins no visit.
+  if (config_.rehearse && (rendered || task.order.is<orders::OpenVisit>())) {
     OrderReply passed = rehearseNext(*models, task, rehearsal);
     if (!passed.accepted) return passed;
   }

@@ -23,8 +23,8 @@ PLAN = [{"exercise": "cocktail-bar", "level": 1, "minutes": 5, "help": "full", "
 
 
 class Clinic(PacedTest):
-    def start(self):
-        self.run_ = self.start_app("run", "--clinic", "clinic", "--port", 0, "--no-rehearsal")
+    def start(self, *how):
+        self.run_ = self.start_app("run", "--clinic", "clinic", "--port", 0, *(how or ("--no-rehearsal",)))
         self.url = self.run_.stdout.readline().strip().rstrip("/")
         self.token = None
         self.wait_for_records()
@@ -152,6 +152,44 @@ class Clinic(PacedTest):
         self.assertNotIn("Quillfeather", said)
         with_name = [path for path in self.folder.rglob("*") if path.is_file() and b"Quillfeather" in path.read_bytes()]
         self.assertEqual(with_name, [])
+
+    def test_hand_of_any_size_is_written_certified_and_rehearsed_before_begin_is_answered(self):
+        self.start("--seed", 1)
+        self.begin_clinic()
+        for number, length_m in enumerate((0.150, 0.163, 0.215)):
+            patient = self.add_patient(f"P-{number}", length_m)
+            began = time.monotonic()
+            visit = self.begin_visit(patient)
+            self.assertEqual(visit.get("state"), "open", visit)
+            print(f"figure: hand of {1e3 * length_m:.0f} mm: written, certified, rehearsed in "
+                  f"{time.monotonic() - began:.2f} s")
+            self.stop(self.play(0.2))
+            self.done("POST", f"/visits/{visit['id']}/finish", {"state": "done"})
+        said = self.expect_ended_by(self.run_, signal.SIGINT)
+        self.assertEqual(said.count("rehearsal "), 3, said)  # arming needs none more
+
+    def test_what_is_set_in_a_visit_is_what_the_next_begins_with(self):
+        self.start()
+        self.begin_clinic()
+        patient = self.add_patient()
+        visit = self.begin_visit(patient)
+        page = client.Page(int(self.url.split(":")[2]), role="therapist")
+        self.assertTrue(page.answer(page.say(client.SET_PARAMETER, "effort_limit_arm_n", ("d", 9.5)))[0])
+        page.close()
+        changed = {"effort_limit_arm_n": 9.5}
+        self.wait_until(self.run_, lambda: self.ask("GET", f"/visits/{visit['id']}")["changed"] == changed)
+        self.kill_records()
+        self.wait_for_records()
+        self.sign_in()
+        self.done("POST", f"/visits/{visit['id']}/finish", {"state": "done"})
+        self.assertEqual(self.done("GET", f"/patients/{patient['id']}")["parameters"], changed)
+        self.begin_visit(patient)
+        self.stop(self.play(0.2))
+        self.expect_ended_by(self.run_, signal.SIGINT)
+        import h5py
+        newest = max((self.folder / "out/recordings").glob("*.h5"))
+        with h5py.File(newest, locking=False) as file:
+            self.assertEqual(file["ticks/effort_limit"][0, 0], 9.5)
 
     def test_records_that_are_killed_lose_nothing_answered_and_hold_up_no_session(self):
         self.start()

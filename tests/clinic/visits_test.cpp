@@ -180,6 +180,44 @@ TEST(Visits, ClockSetBackADay_VisitDoesNotEndBeforeItBegan) {
   EXPECT_EQ(isoTime(kNoon_us, -210), "2026-11-28T08:30:00-03:30");
 }
 
+TEST(Visits, ClockSetBackADay_NotesAndTheNextVisitAreKept) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
+  const std::string notes = fmt::format("/api/visits/{}/notes", visit);
+  b.post(notes, {{"text", "before"}, {"at_us", kNoon_us}});
+  b.clock.now -= kDay_us;  // the clock that only goes on goes on
+  b.post(notes, {{"text", "after"}, {"at_us", kNoon_us - kDay_us}});
+  EXPECT_EQ(b.status, 200);
+  b.post(notes, {{"text", "of the page's clock"}, {"at_us", kNoon_us}});
+  EXPECT_EQ(b.status, 200);
+  for (int i = 0; i < 12; ++i, b.clock.steady += kSecond_us) b.clinic->lookAtStation();
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["notes"].size(), 3U);
+  b.finish(visit);
+  b.finish(b.beginVisit(id));
+  EXPECT_EQ(b.get(fmt::format("/api/patients/{}", id))["visits"].size(), 2U);
+}
+
+TEST(Visits, DaylightSavingBetweenTwo_EachSaysItsOwnLocalTime) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001");
+  const auto visit_at = [&](const char* utc, int offset_min) {
+    b.clock.now = *timeOf(utc);
+    b.clock.offset = offset_min;
+    b.finish(b.beginVisit(id));
+  };
+  visit_at("2026-10-25T00:30:00Z", 120);
+  visit_at("2026-10-25T01:10:00Z", 60);  // an hour of the day comes twice
+  const std::string csv = b.raw("GET", "/api/export/all.csv", "").body;
+  const std::size_t first = csv.find(",2026-10-25T02:30:00+02:00,");
+  const std::size_t second = csv.find(",2026-10-25T02:10:00+01:00,");
+  ASSERT_NE(second, std::string::npos) << csv;
+  EXPECT_LT(first, second);
+  const Json visits = b.get(fmt::format("/api/patients/{}", id))["visits"];
+  EXPECT_EQ(visits[0]["offset_min"], 60);
+  EXPECT_EQ(visits[1]["offset_min"], 120);
+  EXPECT_GT(visits[0]["began_us"], visits[1]["began_us"]);
+}
+
 TEST(Visits, Mistakes_MovedMergedDeletedNoted) {
   Bench b;
   const std::int64_t right = b.addPatient("P-001"), wrong = b.addPatient("P-002");

@@ -240,6 +240,36 @@ TEST_F(Visits, WithoutAnOpenVisit_TheClinicsGentleLimitsHold) {
   EXPECT_EQ(record.effort_limit[0], 6.0);
 }
 
+// A hand of any size is rehearsed before somebody is asked to begin, not while they wait.
+TEST_F(Visits, Opening_RehearsesTheHand_ArmingNoMore) {
+  StationConfig config = barConfig();
+  config.visit_hands_folder = folder_ + "/hands";
+  load(config);
+  run(false);
+  const OrderReply reply = open(ofVisit(6));
+  ASSERT_TRUE(reply.accepted) << reply.reason;
+  EXPECT_TRUE(says("rehearsal "));
+  const std::size_t said = log().rfind("rehearsal ");
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(log().rfind("rehearsal "), said);
+}
+
+TEST_F(Visits, HandWhoseRehearsalFails_BeginsNoVisit) {
+  StationConfig config = barConfig();
+  config.visit_hands_folder = folder_ + "/hands";
+  config.rehearsal.most_of_period = 1e-6;  // 1 ns
+  load(config);
+  run(false);
+  const auto before = values();
+  orders::OpenVisit visit = ofVisit(6);
+  visit.parameters = {{"effort_limit_arm_n", 3.0}};
+  const OrderReply reply = open(visit);
+  EXPECT_EQ(reply.refusal, Refusal::kRehearsalFailed) << reply.reason;
+  EXPECT_EQ(station_->scene()->visit.number, 0U);
+  EXPECT_EQ(values(), before);
+}
+
 TEST_F(Visits, WithoutAClinic_AreNotHere) {
   run(false);
   EXPECT_EQ(open(ofVisit(1)).refusal, Refusal::kNotHere);

@@ -2,6 +2,8 @@
 
 /** After so long without an answer there is none [ms]. */
 const WITHIN_MS = 6000;
+/** Where the station opens a visit it rehearses the hand, up to 20 s. */
+const REHEARSED_WITHIN_MS = 21_000, REHEARSES = /\/(visits|guest_visits|item)$/;
 
 /** The records refused: nothing was changed. */
 export class Refused extends Error {
@@ -74,7 +76,7 @@ export class ClinicApi {
     const base = this.base();
     if (base === '') throw this.silent();
     const ended = new AbortController();
-    const timer = setTimeout(() => ended.abort(), WITHIN_MS);
+    const timer = setTimeout(() => ended.abort(), REHEARSES.test(path) ? REHEARSED_WITHIN_MS : WITHIN_MS);
     try {
       const headers: Record<string, string> = {};
       if (this.token !== '') headers.Authorization = `Bearer ${this.token}`;
