@@ -51,7 +51,8 @@ export class TodayPanel {
     const number = patient.visits.filter(tookPlace).length + 1;
     say(begin, open ? (own ? t.goOn : t.otherOpen) : fill(t.begin, { n: number }));
     begin.disabled = !open && (this.side === undefined || this.plan.length === 0 || clinic.silentSince !== undefined);
-    say(this.hint, open ? (own ? fill(t.openSince, { at: visitClock(open), who: accountName(this.room)(open.account) }) : '') : clinic.silentSince ? t.notNow : this.plan.length === 0 ? t.noPlan : '');
+    const preparing = begin.getAttribute('aria-busy') === 'true';
+    say(this.hint, preparing ? t.preparing : open ? (own ? fill(t.openSince, { at: visitClock(open), who: accountName(this.room)(open.account) }) : '') : clinic.silentSince ? t.notNow : this.plan.length === 0 ? t.noPlan : '');
   }
 
   private showTotal(): void { say(this.total, `${this.from} · ${minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0))}`); }

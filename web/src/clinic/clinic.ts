@@ -69,7 +69,7 @@ export class Clinic {
   get tile(): Tile | undefined { return this.api.token === '' ? undefined : this.state?.tiles.find(({ id }) => id === this.account); }
 
   /** Asks the station where the records are, once, then the records how they are. */
-  async look(station: Fetch): Promise<void> {
+  async look(station: Fetch = (url, init) => fetch(url, init)): Promise<void> {
     await this.restored;
     // A process that was started again may listen elsewhere.
     if (this.port === 0 || this.silentSince) await this.findPort(station);

@@ -4,7 +4,7 @@ import { texts } from './i18n';
 import type { Room } from './page';
 import { Refused } from './api';
 import type { SignedIn } from './clinic';
-import { COLOURS, colourChoice } from './sign_in';
+import { COLOURS, colourChoice, goodPin } from './sign_in';
 import { button, Field, once, problemWords, Said, textInput, type Screen } from './ui';
 
 /** Makes the clinic: its pass phrase, the first tile, then the recovery code, which is shown this once. */
@@ -35,7 +35,7 @@ export class FirstStart implements Screen {
     phrase.refuse([...phrase.input.value].length < 8 ? t.short : '');
     again.refuse(again.input.value === phrase.input.value ? '' : t.differs);
     name.refuse(name.input.value.trim() === '' ? t.noName : '');
-    pin.refuse(/^\d{4,8}$/.test(pin.input.value) ? '' : t.badPin);
+    pin.refuse(goodPin(pin.input.value) ? '' : t.badPin);
     const wrong = [phrase, again, name, pin].find(({ input }) => input.getAttribute('aria-invalid') === 'true');
     if (wrong) return wrong.input.focus();
     this.said.say('');
@@ -58,7 +58,7 @@ export class FirstStart implements Screen {
     const on = button(t.on, 'code-done', async () => {
       await this.room.clinic.signedIn(made);
       this.stays = false;
-      void this.room.clinic.look((url, init) => fetch(url, init));
+      void this.room.clinic.look();
     }, 'go wide');
     on.disabled = true;
     kept.addEventListener('change', () => { on.disabled = !kept.checked; });

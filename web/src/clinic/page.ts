@@ -19,7 +19,7 @@ import { ProgressPrint, VisitPrint } from './print_screens';
 import { isOpen } from './records';
 import { hashOf, routeOf, type Route } from './routes';
 import { SettingsScreen } from './settings_screen';
-import { UnlockScreen, WhoScreen } from './sign_in';
+import { inColour, UnlockScreen, WhoScreen } from './sign_in';
 import { running } from './training';
 import { button, problemWords, type Screen } from './ui';
 import { VisitScreen } from './visit_screen';
@@ -76,7 +76,7 @@ export class ClinicPage implements Room {
     addEventListener('hashchange', () => { this.door = false; this.update(); });
     answerPresses(document);
     this.build();
-    const look = (): void => void this.clinic.look((url, init) => fetch(url, init)).finally(() => setTimeout(look, LOOK_MS));
+    const look = (): void => void this.clinic.look().finally(() => setTimeout(look, LOOK_MS));
     look();
     setInterval(() => this.clinic.watch(), 1000);
   }
@@ -233,7 +233,7 @@ export class ClinicPage implements Room {
       to(t.patients.title, 'to-patients', { at: 'patients' }, at === 'patients'),
       ...(visit ? [to(t.visitOpen, 'to-visit', { at: 'visit', visit: visit.id }, at === 'visit')] : []),
       to(t.settings.title, 'to-settings', { at: 'settings' }, at === 'settings'),
-      h('span', { class: 'chip' }, h('i', { style: `background: ${/^#[0-9a-f]{6}$/i.test(tile?.colour ?? '') ? tile!.colour : '#5A534C'}` }), tile?.name ?? ''),
+      h('span', { class: 'chip' }, h('i', { style: inColour(tile?.colour) }), tile?.name ?? ''),
       button(t.names.hide, 'hide-names', () => clinic.hide(), 'place'),
     ];
   }

@@ -3,7 +3,7 @@ import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Room } from './page';
 import { saveText } from './save_text';
-import { COLOURS, colourChoice } from './sign_in';
+import { COLOURS, colourChoice, goodPin, inColour } from './sign_in';
 import { button, Field, once, panel, problemWords, Said, textInput, type Screen } from './ui';
 import { clockOf, dayOf } from './words';
 
@@ -39,20 +39,20 @@ export class SettingsScreen implements Screen {
     const colour = colourChoice(COLOURS[(clinic.state?.tiles.length ?? 0) % COLOURS.length]);
     const said = new Said();
     const list = h('ul', { class: 'people' });
-    const show = (): void => list.replaceChildren(...(clinic.state?.tiles ?? []).map((tile) => h('li', {}, h('i', { style: `background: ${/^#[0-9a-f]{6}$/i.test(tile.colour) ? tile.colour : '#5A534C'}` }), tile.name)));
+    const show = (): void => list.replaceChildren(...(clinic.state?.tiles ?? []).map((tile) => h('li', {}, h('i', { style: inColour(tile.colour) }), tile.name)));
     const add = h('button', { type: 'submit', class: 'b go', 'data-testid': 'add-account' }, t.add);
     const form = h('form', {}, h('h3', {}, t.newPerson), name.element, colour.element, pin.element, said.element, add);
     form.addEventListener('submit', (event) => {
       event.preventDefault();
       name.refuse(name.input.value.trim() === '' ? texts().first.noName : '');
-      pin.refuse(/^\d{4,8}$/.test(pin.input.value) ? '' : texts().first.badPin);
+      pin.refuse(goodPin(pin.input.value) ? '' : texts().first.badPin);
       if ([name, pin].some(({ input }) => input.getAttribute('aria-invalid') === 'true')) return;
       void once(add, async () => {
         try {
           await clinic.api.send('POST', '/api/accounts', { name: name.input.value.trim(), colour: colour.value(), pin: pin.input.value });
           said.say('');
           name.input.value = pin.input.value = '';
-          await clinic.look((url, init) => fetch(url, init));
+          await clinic.look();
           show();
         } catch (problem) { said.problem(problem); }
       });
@@ -81,7 +81,7 @@ export class SettingsScreen implements Screen {
       try {
         await clinic.api.send('POST', '/api/lock');
         clinic.signedOut();
-        await clinic.look((url, init) => fetch(url, init));
+        await clinic.look();
       } catch (problem) { said.problem(problem); }
     }));
     return panel(t.leaving, 'leaving', h('p', {}, t.lockWords), said.element, h('div', { class: 'pair' }, out, lock));

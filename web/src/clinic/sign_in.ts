@@ -8,6 +8,10 @@ import { button, Field, once, Said, textInput, type Screen } from './ui';
 /** Colours of tiles; white stands on each with 4.5 or more. */
 export const COLOURS = ['#0B6B58', '#1F5FC4', '#8E0B4E', '#7A4B00', '#5A3E9B', '#A1141A'] as const;
 
+/** A tile's colour as a style; of nobody's, grey. */
+export const inColour = (colour = ''): string => `background: ${/^#[0-9a-f]{6}$/i.test(colour) ? colour : '#5A534C'}`;
+export const goodPin = (pin: string): boolean => /^\d{4,8}$/.test(pin);
+
 export const initials = (name: string): string => name.split(/\s+/).filter(Boolean).slice(0, 2).map((word) => [...word][0].toUpperCase()).join('');
 
 /** A tile's colour, by its name. */
@@ -40,7 +44,7 @@ export class UnlockScreen implements Screen {
         said.say('');
         try {
           await this.room.clinic.api.send('POST', '/api/unlock', byCode ? { recovery_code: field.input.value.trim() } : { pass_phrase: field.input.value });
-          await this.room.clinic.look((url, init) => fetch(url, init));
+          await this.room.clinic.look();
         } catch (problem) {
           if (problem instanceof Refused && problem.field === 'recovery_code') said.say(t.mistyped);
           else said.problem(problem);
@@ -99,7 +103,7 @@ export class WhoScreen implements Screen {
         try {
           if (hidden) await clinic.show(input.value);
           else await clinic.signedIn(await clinic.api.send('POST', '/api/sign_in', { account: tile.id, pin: input.value }));
-          await clinic.look((url, init) => fetch(url, init));
+          await clinic.look();
         } catch (problem) {
           said.problem(problem);
           input.value = '';
@@ -112,4 +116,4 @@ export class WhoScreen implements Screen {
   }
 }
 
-const face = ({ name, colour }: Tile): HTMLElement => h('span', { class: 'face', 'aria-hidden': 'true', style: `background: ${/^#[0-9a-f]{6}$/i.test(colour) ? colour : '#5A534C'}` }, initials(name));
+const face = ({ name, colour }: Tile): HTMLElement => h('span', { class: 'face', 'aria-hidden': 'true', style: inColour(colour) }, initials(name));
