@@ -120,9 +120,10 @@ Prepared prepare(const std::string& scene, const RigOptions& options) {
   if (scene.rfind("play-", 0) == 0) {
     return play("cocktail-bar", std::stoull(scene.substr(5)), 0, options);
   }
-  throw std::runtime_error("scene \"" + scene +
-                           "\" is none of approach, squeeze, near, drawer, hold-cube, hold-cylinder, "
-                           "hold-sphere, hold-disk, pile-BALLS, play-SEED");
+  throw std::runtime_error(
+      "scene \"" + scene +
+      "\" is none of approach, squeeze, near, drawer, hold-cube, hold-cylinder, "
+      "hold-sphere, hold-disk, pile-BALLS, play-SEED");
 }
 
 /// FNV-1a over all that a tick computes.

@@ -262,7 +262,8 @@ TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
       {body + "shape = \"mesh\"\nfile = \"empty.stl\"\n", ":10: ", "is empty"},
       {body + "shape = \"mesh\"\nfile = \"flat.obj\"\n", ":10: ", "is flat"},
       {body + "shape = \"urdf\"\nfile = \"none.urdf\"\n", ":10: ", "none.urdf"},
-      {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:4: joint[lid].limit", "is missing"},
+      {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:4: joint[lid].limit",
+       "is missing"},
       {"[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\nposition_m = [0, 0, 0]\n",
        "mass_kg", "is missing"},
   };
