@@ -27,7 +27,7 @@ export const de: ClinicTexts = {
   helps: { full: 'Viel', some: 'Etwas', none: 'Keine' }, helpOf: 'Hilfe: {help}', min: '{n} min',
   presets: { usual: 'Üblich', gentle: 'Sanft', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
   results: {
-    poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', bands_done: 'Stufen geschafft',
+    poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', bands_done: 'Stufen geschafft', time_s: 'Zeit',
     active_min: 'Aktive Minuten', score: 'Punkte', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg zu Luftlinie', helped_share: 'Geholfen',
   },
   curves: { one: 'Erst eine Sitzung. Eine Kurve braucht zwei.', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.' },

@@ -27,7 +27,7 @@ export const fr: ClinicTexts = {
   helps: { full: 'Beaucoup', some: 'Un peu', none: 'Aucune' }, helpOf: 'Aide : {help}', min: '{n} min',
   presets: { usual: 'Habituel', gentle: 'Doux', strong: 'Fort', first: 'Première séance', short: 'Court', long: 'Long' },
   results: {
-    poured_total_l: 'Versé', spilt_l: 'Renversé', bands_done: 'Niveaux faits',
+    poured_total_l: 'Versé', spilt_l: 'Renversé', bands_done: 'Niveaux faits', time_s: 'Temps',
     active_min: 'Minutes actives', score: 'Points', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet sur ligne droite', helped_share: 'Aidé',
   },
   curves: { one: 'Une seule séance. Il en faut deux pour une courbe.', none: 'Rien n’est encore mesuré.', image: '{name} sur {n} séances, de {first} à {last}.' },
