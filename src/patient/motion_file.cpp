@@ -163,7 +163,7 @@ class Reader {
   std::optional<double> number(const std::string& cell, std::size_t place);
   void checkTime(double time_s, std::string_view cell);
   /// Refuses what is no motion, as what it is where that is known.
-  void refuse(std::string problem);
+  void refuse(const std::string& problem);
   void checkWhole();
   void checkValues();
   void checkPace();
@@ -193,10 +193,9 @@ void Reader::fault(std::string key, std::string_view value, std::string problem,
       {motion_.path, line_, std::move(key), shown(value), std::move(problem), std::move(remedy)});
 }
 
-void Reader::refuse(std::string problem) {
+void Reader::refuse(const std::string& problem) {
   const auto foreign = foreignFileAt(motion_.path);
-  fault("", "", foreign ? foreign->problem : std::move(problem),
-        foreign ? foreign->remedy : kGiveMotion);
+  fault("", "", foreign ? foreign->problem : problem, foreign ? foreign->remedy : kGiveMotion);
 }
 
 void Reader::column(const std::string& name, std::size_t place) {

@@ -93,9 +93,6 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
       hand(kHooked, kTurnedAside);
       break;
     case Phase::kEnter:
-      base(at_m.x(), beside_m, at_m.z());
-      hand(kHooked, kTurnedAside);
-      break;
     case Phase::kLeave:
       base(at_m.x(), beside_m, at_m.z());
       hand(kHooked, kTurnedAside);
