@@ -238,7 +238,7 @@ void Reader::column(const std::string& name, std::size_t place) {
 bool Reader::header(std::string_view line) {
   const std::vector<Cell> names = cells(line);
   if (std::string why = noHeader(names); !why.empty()) {
-    refuse(std::move(why));
+    refuse(why);
     return false;
   }
   is_read_.resize(names.size());
