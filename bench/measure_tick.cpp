@@ -180,8 +180,12 @@ void measure(const std::string& scene, int ticks, const RigOptions& options) {
   orThrow(renderer.arm());
   TickRecord record;
   Digest digest;
+  const auto see = [&] {  // a virtual patient decides by what it sees
+    if (prepared.rig->listener) prepared.rig->listener->afterTick(record);
+  };
   for (int k = 0; k < prepared.ticks_before; ++k) {
     renderer.tick(1, record);
+    see();
     digest.add(record);
   }
   std::vector<std::int64_t> cpu_ns;
@@ -191,6 +195,7 @@ void measure(const std::string& scene, int ticks, const RigOptions& options) {
     measuredTick(renderer, record);
     cpu_ns.push_back(threadCpuNow_ns() - began_ns);
     countedTick(record);
+    see();
     digest.add(record);
     touched += record.contact_count > 0 ? 1 : 0;
   }
