@@ -95,10 +95,15 @@ class VendorDrivers(DeviceTest):
         run = self.start_run("--host", NAME, "--device", device, *rendering)
         self.arm()
         time.sleep(0.5)
-        self.assertEqual(run.poll(), None)
+        # A loop that this machine kept waiting for 20 ms is let go of by the host.
+        kept_waiting = lambda: "the loop sent no new command" in said()
+        if not kept_waiting():
+            self.assertEqual(run.poll(), None)
         run.send_signal(signal.SIGINT)
         out, err = run.communicate(timeout=HANG_S)
-        self.assertEqual(run.returncode, INTERRUPTED, out + err + said())
+        if not kept_waiting():
+            self.assertEqual(run.returncode, INTERRUPTED, out + err + said())
+        self.assertIn("enabled by process", said())
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@ import { execFileSync } from 'node:child_process';
 import { mkdtempSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, expectAccessible, expectNoFaults, expectNothingScrollsSideways, expectZoomable, HANGS_MS, openPage, pageUrl, until } from './browser.mjs';
+import { startProgram } from './program.mjs';
 import { RENDERING, STOPPED } from './watcher.mjs';
 
 const PHRASE = 'a phrase for the test', PIN = '2468', CANARY = 'Canaria Zwitschermann';
@@ -30,7 +31,11 @@ class Hands {
   }
 }
 
-const start = async (t) => t.program('--clinic', mkdtempSync(join(t.folder, 'clinic-')), '--no-rehearsal');
+/** In a folder of its own: what other tests recorded would be this clinic's sessions without a patient. */
+const start = async (t) => {
+  const folder = mkdtempSync(join(t.folder, 'clinic-'));
+  return startProgram({ file: t.file, folder, args: ['--wait', '--clinic', join(folder, 'records'), '--no-rehearsal'] });
+};
 // What the records refuse is an answer of theirs, and a process that was ended answers nothing: each test says what may fail.
 const open = (t, url, query = {}) => openPage(t.plain, pageUrl(url, '/clinic', { lang: 'en', theme: 'light', ...query }), { cutOff: true });
 const runState = (page) => page.evaluate(() => window.wholehandNow?.state?.runState);

@@ -5,13 +5,15 @@ import { GOES_ON, openGame } from './checks.mjs';
 const PLAYS = 'body:is([data-state=reach], [data-state=squeeze], [data-state=hold], [data-state=drawback])';
 
 export async function lostPictureIsSaid(t) {
-  const { url } = await t.watcher();
-  const page = await openGame(t.drawing, url, {}, { width: 480, height: 300, init: GOES_ON });
+  const watcher = await t.watcher();
+  const page = await openGame(t.drawing, watcher.url, {}, { width: 480, height: 300, init: GOES_ON });
   const pictures = async (count) => {
     const frames = await page.evaluate(() => window.wholehandStats?.frames ?? 0);
     await page.waitForFunction((n) => window.wholehandStats?.quality === 'low' && window.wholehandStats.frames >= n, frames + count);
   };
   await pictures(2);
+  // The virtual patient may have finished the level before the page was there: the therapist begins it anew.
+  await watcher.page.click('[data-testid=restart]');
   await page.waitForSelector(PLAYS);
   await page.evaluate(() => {
     window.lose = document.querySelector('#picture').getContext('webgl2').getExtension('WEBGL_lose_context');
