@@ -199,33 +199,15 @@ BodyRows::Group& BodyRows::groupFor(int run) noexcept {
   return group;
 }
 
-void BodyRows::copy(const btSolverConstraint& from, bool a_moves, Row& to, int place) noexcept {
-  const btVector3& along = a_moves ? from.m_contactNormal1 : from.m_contactNormal2;
-  for (int k = 0; k < 3; ++k) {
-    to.along[k][place] = a_moves ? along[k] : -along[k];
-    to.about_a[k][place] = from.m_relpos1CrossNormal[k];
-    to.about_b[k][place] = from.m_relpos2CrossNormal[k];
-    to.response_a[k][place] = from.m_angularComponentA[k];
-    to.response_b[k][place] = from.m_angularComponentB[k];
-  }
-  to.target[place] = from.m_rhs;
-  to.effective_mass[place] = from.m_jacDiagABInv;
-  to.impulse[place] = from.m_appliedImpulse;
-}
-
 // A place without contact: its bodies are none, its rows zero.
 void BodyRows::leaveEmpty(Group& group, int place) noexcept {
-  static const btSolverConstraint kNone = [] {
-    btSolverConstraint none;
-    for (btVector3* vector :
-         {&none.m_contactNormal1, &none.m_contactNormal2, &none.m_relpos1CrossNormal,
-          &none.m_relpos2CrossNormal, &none.m_angularComponentA, &none.m_angularComponentB}) {
-      vector->setZero();
+  for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) {
+    for (EachVector* vector :
+         {&row->along, &row->about_a, &row->about_b, &row->response_a, &row->response_b}) {
+      for (Each& each : *vector) each[place] = 0.0;
     }
-    none.m_rhs = none.m_jacDiagABInv = none.m_appliedImpulse = 0.0;
-    return none;
-  }();
-  for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) copy(kNone, true, *row, place);
+    row->target[place] = row->effective_mass[place] = row->impulse[place] = 0.0;
+  }
   group.a[place] = group.b[place] = &motions_.back();
   group.inverse_mass_a[place] = group.inverse_mass_b[place] = group.friction[place] = 0.0;
   group.yield_11[place] = group.yield_22[place] = group.mass_11[place] = group.mass_22[place] = 1.0;
@@ -233,80 +215,134 @@ void BodyRows::leaveEmpty(Group& group, int place) noexcept {
   group.point[place] = nullptr;
 }
 
-// Bullet made the rows for two free bodies.
-void BodyRows::turnToJoints(Group& group, int place, btSolverBody& a, btSolverBody& b) noexcept {
-  Row* const rows[] = {&group.normal, &group.tangent1, &group.tangent2};
-  const auto vector = [place](const EachVector& each) {
-    return btVector3(each[0][place], each[1][place], each[2][place]);
-  };
-  const auto one_side = [&](btSolverBody& body, EachVector Row::*about, EachVector Row::*response,
-                            Each& inverse_mass, double sign) {
-    const BodyJoint* joint = onJoint(body);
-    if (joint == nullptr) return;
-    inverse_mass[place] = 0.0;
-    for (Row* row : rows) {
-      btVector3 along = sign * vector(row->along), turns = vector(row->*about);
-      projectOnJoint(*joint, along, turns);
-      for (int k = 0; k < 3; ++k) {
-        (row->*about)[k][place] = turns[k];
-        (row->*response)[k][place] = joint->yield() * turns[k];
-      }
-      body.m_deltaAngularVelocity[0] += joint->yield() * turns.x() * row->impulse[place];
-    }
-  };
-  one_side(a, &Row::about_a, &Row::response_a, group.inverse_mass_a, 1.0);
-  one_side(b, &Row::about_b, &Row::response_b, group.inverse_mass_b, -1.0);
-  const auto yield = [&](const Row& row, const Row& to) {
-    return (group.inverse_mass_a[place] + group.inverse_mass_b[place]) *
-               vector(row.along).dot(vector(to.along)) +
-           vector(row.about_a).dot(vector(to.response_a)) +
-           vector(row.about_b).dot(vector(to.response_b));
-  };
-  for (Row* row : rows) {
-    const double mobility = yield(*row, *row);
-    const double effective_mass = mobility > kLeastMobility ? 1.0 / mobility : 0.0;
-    row->target[place] *= effective_mass / row->effective_mass[place];
-    row->effective_mass[place] = effective_mass;
+/// A body at a contact.
+struct BodyRows::Side {
+  btSolverBody& body;
+  const btRigidBody* rigid;  ///< null: it stands
+  const BodyJoint* joint;    ///< null: it is free
+  btVector3 arm_m;           ///< from its centre
+  double inverse_mass = 0.0;
+
+  Side(btSolverBody& of, const btVector3& at_m)
+      : body(of), rigid(of.m_originalBody), joint(onJoint(of)), arm_m(0.0, 0.0, 0.0) {
+    if (rigid == nullptr) return;
+    arm_m = at_m - rigid->getCenterOfMassPosition();
+    if (joint == nullptr) inverse_mass = rigid->getInvMass();
   }
-  constexpr double kDefinite = 1.0 + 1e-9;  // where one joint alone moves both
-  group.yield_11[place] = kDefinite * std::max(yield(*rows[1], *rows[1]), kLeastMobility);
-  group.yield_22[place] = kDefinite * std::max(yield(*rows[2], *rows[2]), kLeastMobility);
-  group.yield_12[place] = yield(*rows[1], *rows[2]);
+
+  /// What an impulse along a direction turns, and the change of the angular velocity by it.
+  void turn(const btVector3& along, btVector3& about, btVector3& response) const {
+    about.setZero(), response.setZero();
+    if (rigid == nullptr) return;
+    about = arm_m.cross(along);
+    if (joint == nullptr) {
+      response = rigid->getInvInertiaTensorWorld() * about;
+      return;
+    }
+    btVector3 linear = along;
+    projectOnJoint(*joint, linear, about);
+    response = joint->yield() * about;
+  }
+
+  /// Velocity along a direction without contacts.
+  [[nodiscard]] double rate(const btVector3& along, const btVector3& about) const {
+    if (rigid == nullptr) return 0.0;
+    if (joint != nullptr) return about.x() * joint->rate();
+    return along.dot(body.m_linearVelocity + body.m_externalForceImpulse) +
+           about.dot(body.m_angularVelocity + body.m_externalTorqueImpulse);
+  }
+
+  /// The same before what forces change in this step.
+  [[nodiscard]] double rateBefore(const btVector3& along) const {
+    if (rigid == nullptr) return 0.0;
+    return along.dot(rigid->getVelocityInLocalPoint(arm_m));
+  }
+};
+
+/// Lays a row, and lets its starting impulse act. @return its velocity per impulse
+double BodyRows::layRow(const btVector3& along, const Side& a, const Side& b, double goal,
+                        double start, Row& row, int place) noexcept {
+  const btVector3 opposite = -along;
+  btVector3 about_a, about_b, response_a, response_b;
+  a.turn(along, about_a, response_a);
+  b.turn(opposite, about_b, response_b);
+  const double yield =
+      a.inverse_mass + b.inverse_mass + about_a.dot(response_a) + about_b.dot(response_b);
+  for (int k = 0; k < 3; ++k) {
+    row.along[k][place] = along[k];
+    row.about_a[k][place] = about_a[k];
+    row.about_b[k][place] = about_b[k];
+    row.response_a[k][place] = response_a[k];
+    row.response_b[k][place] = response_b[k];
+  }
+  row.effective_mass[place] = yield > kLeastMobility ? 1.0 / yield : 0.0;
+  row.target[place] =
+      (goal - a.rate(along, about_a) - b.rate(opposite, about_b)) * row.effective_mass[place];
+  row.impulse[place] = start;
+  if (start != 0.0) {
+    a.body.m_deltaLinearVelocity += along * (a.inverse_mass * start);
+    a.body.m_deltaAngularVelocity += response_a * start;
+    b.body.m_deltaLinearVelocity += opposite * (b.inverse_mass * start);
+    b.body.m_deltaAngularVelocity += response_b * start;
+  }
+  return yield;
 }
 
-void BodyRows::add(const btConstraintArray& normals, const btConstraintArray& frictions,
+void BodyRows::addPoint(btManifoldPoint& point, const ContactGoals& goals, btSolverBody& on_a,
+                        btSolverBody& on_b, Group& group, int place) noexcept {
+  const Side a(on_a, point.getPositionWorldOnA()), b(on_b, point.getPositionWorldOnB());
+  group.inverse_mass_a[place] = a.inverse_mass;
+  group.inverse_mass_b[place] = b.inverse_mass;
+  group.friction[place] = point.m_combinedFriction;
+  group.point[place] = &point;
+  const btVector3& normal = point.m_normalWorldOnB;
+  const double apart_m = point.getDistance() + goals.slop_m;
+  double goal = apart_m > 0.0 ? -apart_m / goals.step_s : -apart_m * goals.erp / goals.step_s;
+  if (point.m_combinedRestitution > 0.0) {
+    const double closing_m_s = -a.rateBefore(normal) + b.rateBefore(normal);
+    if (closing_m_s >= goals.bounce_from_m_s) goal += point.m_combinedRestitution * closing_m_s;
+  }
+  (void)layRow(normal, a, b, goal, goals.warm_start * point.m_appliedImpulse, group.normal, place);
+  btVector3 &tangent1 = point.m_lateralFrictionDir1, &tangent2 = point.m_lateralFrictionDir2;
+  btPlaneSpace1(normal, tangent1, tangent2);
+  double yield_11 = layRow(tangent1, a, b, 0.0, goals.warm_start * point.m_appliedImpulseLateral1,
+                           group.tangent1, place);
+  double yield_22 = layRow(tangent2, a, b, 0.0, goals.warm_start * point.m_appliedImpulseLateral2,
+                           group.tangent2, place);
+  double yield_12 = 0.0;
+  const Row &one = group.tangent1, &two = group.tangent2;
+  for (int k = 0; k < 3; ++k) {
+    yield_12 += one.about_a[k][place] * two.response_a[k][place] +
+                one.about_b[k][place] * two.response_b[k][place];
+  }
+  if (a.joint != nullptr || b.joint != nullptr) {
+    constexpr double kDefinite = 1.0 + 1e-9;  // where one joint alone moves both
+    yield_11 = kDefinite * std::max(yield_11, kLeastMobility);
+    yield_22 = kDefinite * std::max(yield_22, kLeastMobility);
+  }
+  const double det = yield_11 * yield_22 - yield_12 * yield_12;
+  group.yield_11[place] = yield_11;
+  group.yield_12[place] = yield_12;
+  group.yield_22[place] = yield_22;
+  group.mass_11[place] = yield_22 / det;
+  group.mass_12[place] = -yield_12 / det;
+  group.mass_22[place] = yield_11 / det;
+}
+
+void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGoals& goals,
                    Bodies& bodies, const std::vector<bool>& touched) noexcept {
-  for (int i = 0; i < normals.size(); ++i) {
-    const btSolverConstraint& normal = normals[i];
-    const btSolverConstraint& tangent = frictions[normal.m_frictionIndex];
-    const int a = normal.m_solverBodyIdA, b = normal.m_solverBodyIdB;
-    const bool a_moves = moves(bodies[a]), b_moves = moves(bodies[b]);
+  const bool a_moves = moves(bodies[a]), b_moves = moves(bodies[b]);
+  if (!a_moves && !b_moves) return;
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    btManifoldPoint& point = manifold.getContactPoint(k);
+    if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
     const int depth = std::max(a_moves ? depth_[a] : 0, b_moves ? depth_[b] : 0);
     depth_[a] = depth_[b] = depth + 1;
     Group& group = groupFor(2 * depth + (touched[a] || touched[b] ? 0 : 1));
     const int place = group.used++;
-    group.point[place] = static_cast<btManifoldPoint*>(normal.m_originalContactPoint);
     group.a[place] = &motions_[a];
     group.b[place] = &motions_[b];
-    group.inverse_mass_a[place] = bodies[a].m_invMass.x();
-    group.inverse_mass_b[place] = bodies[b].m_invMass.x();
-    group.friction[place] = tangent.m_friction;
-    copy(normal, a_moves, group.normal, place);
-    copy(tangent, a_moves, group.tangent1, place);
-    const btSolverConstraint& other = frictions[normal.m_frictionIndex + 1];
-    copy(other, a_moves, group.tangent2, place);
-    group.yield_11[place] = 1.0 / tangent.m_jacDiagABInv;
-    group.yield_22[place] = 1.0 / other.m_jacDiagABInv;
-    group.yield_12[place] = tangent.m_relpos1CrossNormal.dot(other.m_angularComponentA) +
-                            tangent.m_relpos2CrossNormal.dot(other.m_angularComponentB);
-    if (onJoint(bodies[a]) != nullptr || onJoint(bodies[b]) != nullptr) {
-      turnToJoints(group, place, bodies[a], bodies[b]);
-    }
-    const double det = group.yield_11[place] * group.yield_22[place] -
-                       group.yield_12[place] * group.yield_12[place];
-    group.mass_11[place] = group.yield_22[place] / det;
-    group.mass_12[place] = -group.yield_12[place] / det;
-    group.mass_22[place] = group.yield_11[place] / det;
+    addPoint(point, goals, bodies[a], bodies[b], group, place);
     uneven_ = uneven_ || isUneven(group, place);
     ++contacts_;
   }

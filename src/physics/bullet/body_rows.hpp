@@ -4,19 +4,29 @@
 #include "physics/bullet/inertia_root.hpp"
 #include "physics/bullet/row_arithmetic.hpp"
 
-#include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
-#include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
+#include <LinearMath/btAlignedObjectArray.h>
 
 #include <array>
 #include <vector>
 
 namespace wholehand::bullet {
 
-/// Rows of the contacts between two bodies, as Bullet's solver sets them up. Projected Gauss-Seidel
-/// sweeps four contacts at once: contacts that share a movable body keep their order, and four that
-/// share none form a group. The two directions of friction are one unknown, a vector within
-/// Coulomb's disc (friction_disc.hpp). Real-time safe except for construction.
+/// What a step's contacts between bodies aim at.
+struct ContactGoals {
+  double step_s = 0.0;
+  double slop_m = 0.0;           ///< overlap that is left alone
+  double erp = 0.0;              ///< fraction of a deeper overlap that is removed
+  double warm_start = 0.0;       ///< fraction of the last step's impulses
+  double bounce_from_m_s = 0.0;  ///< slower bodies do not bounce
+};
+
+/// Rows of the contacts between two bodies: where they are apart, they may close the gap in this
+/// step and no further. Projected Gauss-Seidel sweeps four contacts at once: contacts that share a
+/// movable body keep their order, and four that share none form a group. The two directions of
+/// friction are one unknown, a vector within Coulomb's disc (friction_disc.hpp). Real-time safe
+/// except for construction.
 class BodyRows {
  public:
   using Bodies = btAlignedObjectArray<btSolverBody>;
@@ -28,10 +38,10 @@ class BodyRows {
   void clear() noexcept;
   /// Number of contacts that may still be added.
   [[nodiscard]] int room() const noexcept { return static_cast<int>(groups_.size()) - contacts_; }
-  /// Adds contacts after those that are there. @pre two rows of friction per contact, no compliance
-  /// @param touched per body: the hand changes its velocity between sweeps, and its contacts are
-  /// near. The starting impulses of these rows act on bodies on joints here; on others they acted.
-  void add(const btConstraintArray& normals, const btConstraintArray& frictions, Bodies& bodies,
+  /// Adds the contacts of a manifold after those that are there, and lets their starting impulses
+  /// act. Lays the points' directions of friction. @param a, b its bodies @param touched per body:
+  /// the hand changes its velocity between sweeps, and its contacts are near
+  void add(btPersistentManifold& manifold, int a, int b, const ContactGoals& goals, Bodies& bodies,
            const std::vector<bool>& touched) noexcept;
   /// Takes the velocities of the bodies. Call after the last contact and before the first sweep.
   void begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept;
@@ -82,6 +92,7 @@ class BodyRows {
     int used = 0;  ///< the first places have a contact; the others are of no body, and zero
   };
   struct Velocities;
+  struct Side;
   static constexpr int kMostUneven = 8;  ///< bodies of an island
   struct IslandBody {
     double linear = 0.0;     ///< 1 / √m
@@ -92,7 +103,6 @@ class BodyRows {
     int place = 0;
   };
 
-  static void turnToJoints(Group& group, int place, btSolverBody& a, btSolverBody& b) noexcept;
   [[nodiscard]] static bool isUneven(const Group& group, int place) noexcept;
   [[nodiscard]] int islandOf(int body) noexcept;
   void findIslands(const Bodies& bodies) noexcept;
@@ -103,7 +113,10 @@ class BodyRows {
 
   [[nodiscard]] Group& groupFor(int run) noexcept;
   void leaveEmpty(Group& group, int place) noexcept;
-  static void copy(const btSolverConstraint& from, bool a_moves, Row& to, int place) noexcept;
+  static double layRow(const btVector3& along, const Side& a, const Side& b, double goal,
+                       double start, Row& row, int place) noexcept;
+  static void addPoint(btManifoldPoint& point, const ContactGoals& goals, btSolverBody& on_a,
+                       btSolverBody& on_b, Group& group, int place) noexcept;
   [[gnu::always_inline]] static inline void press(Group& group, FourNumbers& most);
   [[gnu::always_inline]] static inline void rub(Group& group, const FourNumbers& normal,
                                                 FourNumbers& most);
