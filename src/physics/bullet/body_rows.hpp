@@ -11,6 +11,10 @@
 #include <array>
 #include <vector>
 
+namespace wholehand {
+class BodyJoint;  // physics/body_joint.hpp
+}
+
 namespace wholehand::bullet {
 
 /// What a step's contacts between bodies aim at.
@@ -38,13 +42,14 @@ class BodyRows {
   void clear() noexcept;
   /// Number of contacts that may still be added.
   [[nodiscard]] int room() const noexcept { return static_cast<int>(groups_.size()) - contacts_; }
-  /// Adds the contacts of a manifold after those that are there, and lets their starting impulses
-  /// act. Lays the points' directions of friction. @param a, b its bodies @param touched per body:
-  /// the hand changes its velocity between sweeps, and its contacts are near
-  void add(btPersistentManifold& manifold, int a, int b, const ContactGoals& goals, Bodies& bodies,
-           const std::vector<bool>& touched) noexcept;
-  /// Takes the velocities of the bodies. Call after the last contact and before the first sweep.
-  void begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept;
+  /// Adds the contacts of a manifold after those that are there. Lays the points' directions of
+  /// friction. @param a, b its bodies @param touched per body: the hand changes its velocity
+  /// between sweeps, and its contacts are near
+  void add(btPersistentManifold& manifold, int a, int b, const ContactGoals& goals,
+           const Bodies& bodies, const std::vector<bool>& touched) noexcept;
+  /// Takes the velocities of the bodies, and lets the starting impulses act. Call after the last
+  /// contact and before the first sweep.
+  void begin(Bodies& bodies, const std::vector<bool>& touched) noexcept;
   [[nodiscard]] bool any() const noexcept { return contacts_ > 0; }
   [[nodiscard]] bool anyNear() const noexcept { return !near_.empty(); }
   /// Largest normal impulse after the last sweep [N·s].
@@ -70,6 +75,11 @@ class BodyRows {
   struct alignas(64) Motion {
     std::array<double, 4> linear{}, angular{};  ///< the last one zero
   };
+  /// A body before contacts, as rows see it: one on a joint has its rate as the x of its spin.
+  struct alignas(32) State {
+    std::array<double, 4> linear{}, angular{};        ///< velocity; the last one unused
+    std::array<std::array<double, 4>, 3> mobility{};  ///< angular velocity per impulse, by rows
+  };
   /// A number, and a vector, of each contact of a group.
   using Each = std::array<double, kWide>;
   using EachVector = std::array<Each, 3>;
@@ -86,13 +96,18 @@ class BodyRows {
     Each inverse_mass_a, inverse_mass_b, friction;
     /// Velocity of the tangents per impulse, a symmetric matrix, and its inverse.
     Each yield_11, yield_12, yield_22, mass_11, mass_12, mass_22;
+    EachVector arm_a, arm_b;  ///< from the body's centre to the contact
+    Each goal;                ///< velocity of the normal
     std::array<Motion*, kWide> a, b;
+    std::array<const State*, kWide> before_a, before_b;
+    std::array<const BodyJoint*, kWide> joint_a, joint_b;  ///< null: the body is free, or fixed
     std::array<btManifoldPoint*, kWide> point;
+    bool has_joint = false;
     int run = 0;
     int used = 0;  ///< the first places have a contact; the others are of no body, and zero
   };
   struct Velocities;
-  struct Side;
+  struct Laid;
   static constexpr int kMostUneven = 8;  ///< bodies of an island
   struct IslandBody {
     double linear = 0.0;     ///< 1 / √m
@@ -113,10 +128,9 @@ class BodyRows {
 
   [[nodiscard]] Group& groupFor(int run) noexcept;
   void leaveEmpty(Group& group, int place) noexcept;
-  static double layRow(const btVector3& along, const Side& a, const Side& b, double goal,
-                       double start, Row& row, int place) noexcept;
-  static void addPoint(btManifoldPoint& point, const ContactGoals& goals, btSolverBody& on_a,
-                       btSolverBody& on_b, Group& group, int place) noexcept;
+  void put(Group& group, int place, int a, int b, const Bodies& bodies) noexcept;
+  static void lay(const std::vector<Group*>& groups) noexcept;
+  [[gnu::always_inline]] static inline void lay(Group& group);
   [[gnu::always_inline]] static inline void press(Group& group, FourNumbers& most);
   [[gnu::always_inline]] static inline void rub(Group& group, const FourNumbers& normal,
                                                 FourNumbers& most);
@@ -127,6 +141,7 @@ class BodyRows {
   std::vector<Group> groups_;        ///< fixed size; the first group_count_ are in use
   std::vector<Group*> all_, near_;   ///< in the order of sweeps
   std::vector<Motion> motions_;      ///< per body; the last one of no body
+  std::vector<State> states_;        ///< the same
   std::vector<int> touched_, free_;  ///< movable bodies
   std::vector<int> depth_;           ///< per body: of its next contact
   /// Per run: its group with a free place, or null. A run's contacts share no movable body: they
