@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -162,7 +163,21 @@ class Kitchen final : public Exercise {
     last_.squeeze_n = squeeze_n_ / ratio;
     last_.handle_n = handle_n_.norm() / ratio;
     last_.center_m = seen.bodies[thing.body].position_m.eigen();
-    last_.q = thing.jointed ? positionOn(thing.joint, thing.start, poseOf(thing, seen)) : 0.0;
+    countTurns(seen);
+    last_.q = q_[steps_.now().thing];
+  }
+
+  /// q of every thing, through whole turns of hinges without range. While things return it is that
+  /// nearest to their places.
+  void countTurns(const TickRecord& seen) noexcept {
+    constexpr double kTurn = 2.0 * std::numbers::pi;
+    for (std::size_t i = 0; i < task_.things.size(); ++i) {
+      const Thing& thing = task_.things[i];
+      if (!thing.jointed) continue;
+      const double q = positionOn(thing.joint, thing.start, poseOf(thing, seen));
+      const double last = returns_ ? 0.0 : q_[i];
+      q_[i] = thing.joint.turnsFreely() ? q + kTurn * std::round((last - q) / kTurn) : q;
+    }
   }
 
   /// Pose of a thing's body frame.
@@ -213,6 +228,7 @@ class Kitchen final : public Exercise {
   TaskSteps steps_;
   ExerciseDescription description_;
   Seen last_;
+  std::array<double, kMostThings> q_{};  ///< of every thing's joint
   Vector3d handle_n_ = Vector3d::Zero();
   double squeeze_n_ = 0.0;
   bool paused_ = false;
@@ -323,7 +339,7 @@ class TaskReader {
     }
     const char* to = hinge ? "to_rad" : "to_m";
     const char* tolerance = hinge ? "tolerance_rad" : "tolerance_m";
-    step.to = t.number(to, hinge ? between(-7.0, 7.0, "rad") : between(-2.0, 2.0, "m"));
+    step.to = t.number(to, hinge ? between(-70.0, 70.0, "rad") : between(-2.0, 2.0, "m"));
     step.tolerance = t.number(tolerance, above(0.0, 1.0, hinge ? "rad" : "m"));
     if (step.verb == Verb::kHold) step.for_s = t.number("for_s", between(0.05, 60.0, "s"));
     if (thing == nullptr || !t.isGood(to) || !t.isGood(tolerance)) return;
