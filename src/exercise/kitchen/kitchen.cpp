@@ -25,10 +25,10 @@ using Json = nlohmann::ordered_json;
 enum Event : std::int32_t { kStepDone, kLevelDone, kRestarted };
 enum Parameter : std::int32_t { kForceRatio };
 
-/// Things return to their places once the palm is farther from all of them.
+/// Things return to their places once the palm is farther from all of them and nothing touches
+/// them.
 constexpr double kClear_m = 0.06;
-static_assert(kMaxPlacements >= 8);
-constexpr std::size_t kMostThings = 8;
+static_assert(kMaxPlacements >= kMostThings);
 
 Json numbers(const Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
@@ -158,8 +158,9 @@ class Kitchen final : public Exercise {
     }
     handle_n_ += share * (force_n - handle_n_);
     squeeze_n_ += share * (gripForce_n(seen, thing.body, posture_) - squeeze_n_);
-    const bool near = seen.palm_body == thing.body && seen.palm_target_distance_m >= 0.0;
-    last_.palm_m = near ? seen.palm_target_distance_m : std::numeric_limits<double>::infinity();
+    // Of a thing that is pushed the palm looks elsewhere: the distance counts to every side.
+    last_.palm_m = seen.palm_body == thing.body ? std::abs(seen.palm_target_distance_m)
+                                                : std::numeric_limits<double>::infinity();
     last_.squeeze_n = squeeze_n_ / ratio;
     last_.handle_n = handle_n_.norm() / ratio;
     last_.center_m = seen.bodies[thing.body].position_m.eigen();
@@ -189,8 +190,15 @@ class Kitchen final : public Exercise {
 
   /// Puts all things where they were at the start, once the hand is clear of them.
   void giveBack(const TickRecord& seen, BodyPlacements& placements) noexcept {
-    const bool away = seen.palm_target_distance_m < 0.0 || seen.palm_target_distance_m > kClear_m;
-    if (!away) return;
+    const auto of_a_thing = [this](const Contact& c) {
+      return std::any_of(task_.things.begin(), task_.things.end(),
+                         [&c](const Thing& thing) { return thing.body == c.body; });
+    };
+    const auto* contacts = std::begin(seen.contacts);
+    if (std::abs(seen.palm_target_distance_m) <= kClear_m ||
+        std::any_of(contacts, contacts + seen.contact_count, of_a_thing)) {
+      return;
+    }
     returns_ = false;
     for (const Thing& thing : task_.things) {
       const Eigen::Quaterniond turned(thing.start.rotation);

@@ -1,32 +1,69 @@
 #include "exercise/kitchen/kitchen_player.hpp"
 
 #include "core/geometry.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace wholehand::kitchen {
 namespace {
 
+using Eigen::Vector3d;
+
 // Postures [rad] and speeds, as in the bar's player.
-constexpr double kHalfBent = 65.0 * kDeg, kClosed = 155.0 * kDeg;
+constexpr double kStraight = 0.0, kHalfBent = 65.0 * kDeg, kClosed = 155.0 * kDeg;
 // The fingers point sideways: they pass behind a bar that stands before a front.
 constexpr double kHooked = 100.0 * kDeg;
 constexpr double kTurnedAside = 5.0 * kDeg, kOpposed = 20.0 * kDeg, kThumbClosed = 27.0 * kDeg;
 constexpr double kThumbAlong = kThumbClosed / (kClosed - kHalfBent);
-constexpr double kBack_m = 0.006, kBeside_m = 0.09;
+constexpr double kBack_m = 0.006, kBeside_m = 0.09, kBefore_m = 0.05, kGently_m = 0.01;
 constexpr double kArm_m_s = 0.42, kFingers_rad_s = 4.0, kShortest_s = 0.3;
 constexpr double kClosing_rad_s = 1.0, kFilter_s = 0.05;
-// A thing is carried at this speed of the grip, with a grip of so much more than was asked.
+// A thing is carried at this speed of the grip, with a force of so much more than was asked.
 constexpr double kCarry_m_s = 0.06, kFirmly = 2.0, kLeastGrip_n = 3.0;
+// The intention is ahead of what it carries by at most so much; further where nothing is felt yet.
+constexpr double kAhead_m = 0.05, kSearch_m = 0.15, kFelt_n = 0.02;
+// Who has felt nothing for so long begins anew.
+constexpr double kPatience_s = 2.0;
 
 BarLayout layoutOf(const KitchenTask& task, const DeviceModel& device, const HandModel& hand) {
   Bar one;
   BarDispenser& thing = one.dispensers.emplace_back();
   thing.body_index = task.things.front().body;
-  thing.radius_m = task.things.front().radius_m;
-  thing.grip_m = thing.nozzle_m = Eigen::Vector3d::Zero();
+  thing.grip_m = thing.nozzle_m = Vector3d::Zero();
   return makeBarLayout(one, device, &hand);
+}
+
+/// Foremost points of the fingertips of a straight hand at the device's middle.
+std::array<Vector3d, 6> fingertipsOf(const BarLayout& layout, const HandModel& hand) {
+  AxisPosition straight(layout.axes);
+  if (layout.fingers >= 0) {
+    straight[layout.fingers] = std::max(kStraight, layout.lower[layout.fingers]);
+  }
+  ArticulatedBody body(hand);
+  JointPosition theta;
+  Synergy(hand).expand(straight, theta);
+  body.updateKinematics(theta);
+  const auto carries = [&hand](int link) {
+    return std::any_of(hand.links.begin(), hand.links.end(),
+                       [link](const HandLink& other) { return other.parent == link; });
+  };
+  std::array<Vector3d, 6> out;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const Vector3d along = (k < 3 ? 1.0 : -1.0) * Vector3d::Unit(static_cast<int>(k % 3));
+    double furthest_m = -std::numeric_limits<double>::infinity();
+    for (const Capsule& c : hand.capsules) {
+      if (c.part == HandPart::kPalm || c.part == HandPart::kThumb || carries(c.link)) continue;
+      const Vector3d tip_m = body.linkPose(c.link) * c.b_m + c.radius_m * along;
+      if (along.dot(tip_m) <= furthest_m) continue;
+      furthest_m = along.dot(tip_m);
+      out[k] = tip_m;
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -35,6 +72,7 @@ KitchenPlayer::KitchenPlayer(const KitchenTask& task, const DeviceModel& device,
                              const HandModel& hand, const PlayerTraits& traits)
     : task_(task),
       layout_(layoutOf(task, device, hand)),
+      fingertips_m_(fingertipsOf(layout_, hand)),
       opening_rad_s_(traits.opening_rad_s),
       pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
       start_(layout_.axes) {
@@ -51,17 +89,59 @@ void KitchenPlayer::reset() {
   q_ = start_;
   qd_ = AxisVelocity(layout_.axes);
   advanced_ = lost_ = done_ = false;
-  squeeze_n_ = rate_rad_s_ = joint_q_ = aim_q_ = 0.0;
-  step_ = 0;
+  squeeze_n_ = handle_n_ = rate_rad_s_ = idle_s_ = joint_q_ = aim_q_ = 0.0;
+  step_ = met_ = 0;
+  meeting_ = Meeting{};
   go(Phase::kDrawBack);
 }
 
-/// Where the grip of the present step's thing is at q of its joint.
-Eigen::Vector3d KitchenPlayer::gripAt(double q) const noexcept {
-  const Step& step = task_.steps[std::min<std::size_t>(step_, task_.steps.size() - 1)];
-  const Thing& thing = task_.things[step.thing];
-  if (!thing.jointed) return grip_m_;
-  return poseOn(thing.joint, thing.start, q) * (thing.grip_m + thing.com_m);
+const Step& KitchenPlayer::now() const noexcept {
+  return task_.steps[std::min<std::size_t>(step_, task_.steps.size() - 1)];
+}
+
+bool KitchenPlayer::isHeld() const noexcept {
+  return phase_ == Phase::kClose || phase_ == Phase::kCarry;
+}
+
+/// Decides how the present step's thing is met.
+void KitchenPlayer::meet() noexcept {
+  met_ = now().thing;
+  const Thing& thing = task_.things[met_];
+  meeting_ = meetingOf(task_, step_, joint_q_, bodies_[met_].position_m.eigen(), layout_.beside);
+  if (meeting_.means == Means::kPush) {
+    int k = 0;
+    meeting_.toward.cwiseAbs().maxCoeff(&k);
+    base_m_ = -fingertips_m_[meeting_.toward[k] > 0.0 ? k : k + 3];
+    clear_m_ = -kBefore_m * meeting_.toward;
+  } else {
+    base_m_ = -layout_.grip_m - layout_.beside * thing.radius_m * Vector3d::UnitY();
+    clear_m_ = -layout_.beside * kBeside_m * Vector3d::UnitY();
+  }
+}
+
+/// Where the thing is met, now.
+Vector3d KitchenPlayer::pointMet() const noexcept {
+  return worldPoint(bodies_[met_], task_.things[met_].grip_m + meeting_.side_m);
+}
+
+/// The same at q of its joint; without one at a part of the way to where it is put [m].
+Vector3d KitchenPlayer::pointAt(double q) const noexcept {
+  const Thing& thing = task_.things[met_];
+  if (thing.jointed) {
+    return poseOn(thing.joint, thing.start, q) * (thing.grip_m + thing.com_m + meeting_.side_m);
+  }
+  if (now().verb != Verb::kPut) return pointMet() + q * meeting_.toward;
+  const Vector3d way_m = now().center_m - bodies_[met_].position_m.eigen();
+  return pointMet() + q * way_m.normalized();
+}
+
+Vector3d KitchenPlayer::baseNow() const noexcept {
+  Vector3d base_m = Vector3d::Zero();
+  const int axes[] = {layout_.x, layout_.y, layout_.z};
+  for (int k = 0; k < 3; ++k) {
+    if (axes[k] >= 0) base_m[k] = q_[axes[k]];
+  }
+  return base_m;
 }
 
 AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
@@ -74,14 +154,15 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
     put(layout_.turn, turn);
     put(layout_.thumb, 0.0);
   };
-  const auto base = [&](double x_m, double y_m, double z_m) {
-    put(layout_.x, x_m);
-    put(layout_.y, y_m);
-    put(layout_.z, z_m);
+  const auto base = [&](const Vector3d& base_m) {
+    put(layout_.x, base_m.x());
+    put(layout_.y, base_m.y());
+    put(layout_.z, base_m.z());
   };
-  const Eigen::Vector3d at_m = grip_m_ - layout_.grip_m;
+  const bool pushes = meeting_.means == Means::kPush;
   const double back_m = layout_.x >= 0 ? layout_.lower[layout_.x] + kBack_m : 0.0;
-  const double beside_m = at_m.y() - layout_.beside * kBeside_m;
+  const double open = pushes ? kStraight : kHooked;
+  const Vector3d at_m = pointMet() + base_m_, clear_m = at_m + clear_m_;
   switch (phase) {
     case Phase::kDrawBack:
     case Phase::kRest:
@@ -89,21 +170,21 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
       hand(kHalfBent, kTurnedAside);
       break;
     case Phase::kAlign:
-      base(back_m, beside_m, at_m.z());
-      hand(kHooked, kTurnedAside);
+      base({back_m, clear_m.y(), clear_m.z()});
+      hand(open, kTurnedAside);
       break;
     case Phase::kEnter:
     case Phase::kLeave:
-      base(at_m.x(), beside_m, at_m.z());
-      hand(kHooked, kTurnedAside);
+      base(clear_m);
+      hand(open, kTurnedAside);
       break;
     case Phase::kTouch:
-      base(at_m.x(), at_m.y(), at_m.z());
-      hand(kHooked, kOpposed);
+      base(pushes ? Vector3d(at_m - kGently_m * meeting_.toward) : at_m);
+      hand(open, pushes ? kTurnedAside : kOpposed);
       break;
     case Phase::kOpen:
-      base(at_m.x(), at_m.y(), at_m.z());
-      hand(kHooked, kTurnedAside);
+      base(pushes ? clear_m : at_m);
+      hand(open, kTurnedAside);
       break;
     case Phase::kClose:
     case Phase::kCarry:
@@ -114,8 +195,12 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
 
 void KitchenPlayer::go(Phase phase) noexcept {
   phase_ = phase;
-  rate_rad_s_ = 0.0;
-  if (phase == Phase::kCarry) aim_q_ = joint_q_;
+  rate_rad_s_ = idle_s_ = 0.0;
+  if (phase == Phase::kAlign) meet();
+  if (phase == Phase::kCarry) {
+    aim_q_ = task_.things[met_].jointed ? joint_q_ : 0.0;
+    aside_m_ = baseNow() - pointMet();
+  }
   const AxisPosition goal = goalOf(phase);
   double longest_s = kShortest_s;
   for (int i = 0; i < goal.size(); ++i) {
@@ -137,8 +222,10 @@ void KitchenPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
     lost_ = false;
     go(Phase::kOpen);
   }
-  if (phase_ == Phase::kClose || phase_ == Phase::kCarry) {
-    close(period_s);
+  if (isHeld()) {
+    idle_s_ = handle_n_ < kFelt_n ? idle_s_ + period_s : 0.0;
+    for (int a = 0; a < qd_.size(); ++a) qd_[a] = 0.0;
+    if (meeting_.means != Means::kPush) close(period_s);
     if (phase_ == Phase::kCarry) carry(period_s);
   } else {
     reach_.advance(period_s, q_, qd_);
@@ -147,18 +234,36 @@ void KitchenPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
   qd = qd_;
 }
 
-// Closes until the grip is firm, and keeps it.
-void KitchenPlayer::close(double period_s) noexcept {
-  for (int a = 0; a < qd_.size(); ++a) qd_[a] = 0.0;
-  if (layout_.fingers < 0) return;
+/// How fast the hand closes, -1 .. 1 of its speed: until the grip is firm; a thing that is squeezed
+/// follows to where it is wanted.
+double KitchenPlayer::closing() const noexcept {
+  if (meeting_.means == Means::kSqueeze) return meeting_.sign * hurry();
   double asked_n = kLeastGrip_n;
-  for (const Step& step : task_.steps) {
-    if (step.verb == Verb::kTake) asked_n = std::max(asked_n, kFirmly * step.force_n);
+  for (const Step& each : task_.steps) {
+    if (each.verb == Verb::kTake) asked_n = std::max(asked_n, kFirmly * each.force_n);
   }
+  return (asked_n - squeeze_n_) / asked_n;
+}
+
+/// How fast q is to change, -1 .. 1 of the speed, and in which sense; 0: not at all.
+double KitchenPlayer::hurry() const noexcept {
+  const Step& step = now();
+  if (step.verb == Verb::kPress) {
+    const double asked_n = kFirmly * step.force_n;
+    return meeting_.sign * std::clamp((asked_n - handle_n_) / asked_n, -1.0, 1.0);
+  }
+  if (step.verb == Verb::kPut) return 1.0;
+  if (step.verb != Verb::kMove && step.verb != Verb::kHold) return 0.0;
+  const double missing = step.to - joint_q_;
+  if (std::abs(missing) <= 0.2 * step.tolerance) return 0.0;
+  return std::clamp(missing / (2.0 * step.tolerance), -1.0, 1.0);
+}
+
+void KitchenPlayer::close(double period_s) noexcept {
+  if (layout_.fingers < 0) return;
   const double lower = kHooked, upper = layout_.upper[layout_.fingers];
   const double fingers = q_[layout_.fingers];
-  double wanted_rad_s =
-      std::clamp(kClosing_rad_s * (asked_n - squeeze_n_) / asked_n, -0.2, kClosing_rad_s);
+  double wanted_rad_s = std::clamp(kClosing_rad_s * closing(), -0.2, kClosing_rad_s);
   wanted_rad_s = pace_ * std::clamp(wanted_rad_s, (lower - fingers) / 0.2, (upper - fingers) / 0.2);
   wanted_rad_s = std::max(wanted_rad_s, -opening_rad_s_);
   rate_rad_s_ += (wanted_rad_s - rate_rad_s_) * std::min(period_s / kFilter_s, 1.0);
@@ -170,19 +275,21 @@ void KitchenPlayer::close(double period_s) noexcept {
   qd_[layout_.thumb] = kThumbAlong * rate_rad_s_;
 }
 
-// Leads the grip along its joint's path: the hand goes on ahead until the thing is where it is
+// Leads the thing along its joint's path: the hand goes on ahead until the thing is where it is
 // wanted, since friction and the arm's softness hold it back.
 void KitchenPlayer::carry(double period_s) noexcept {
-  const Step& step = task_.steps[std::min<std::size_t>(step_, task_.steps.size() - 1)];
-  if (step.verb != Verb::kMove && step.verb != Verb::kHold) return;
-  const double way_m = std::max(1e-3, (gripAt(aim_q_ + 1e-3) - gripAt(aim_q_)).norm() / 1e-3);
-  const double missing = step.to - joint_q_;
-  const double rate = std::clamp(3.0 * missing, -kCarry_m_s / way_m, kCarry_m_s / way_m);
-  if (std::abs(missing) > 0.2 * step.tolerance) aim_q_ += pace_ * rate * period_s;
-  moveBaseTo(gripAt(aim_q_) + aside_m_, period_s);
+  const bool jointed = task_.things[met_].jointed;
+  const double way_m =
+      jointed ? std::max(1e-3, (pointAt(aim_q_ + 1e-3) - pointAt(aim_q_)).norm() / 1e-3) : 1.0;
+  const double rate = pace_ * hurry() * kCarry_m_s / way_m;
+  const double ahead = (handle_n_ < kFelt_n ? kSearch_m : kAhead_m) / way_m;
+  const double from = jointed ? joint_q_ : 0.0;
+  const double next = aim_q_ + rate * period_s;
+  if (std::abs(next - from) < std::max(ahead, std::abs(aim_q_ - from))) aim_q_ = next;
+  moveBaseTo(pointAt(aim_q_) + aside_m_, period_s);
 }
 
-void KitchenPlayer::moveBaseTo(const Eigen::Vector3d& base_m, double period_s) noexcept {
+void KitchenPlayer::moveBaseTo(const Vector3d& base_m, double period_s) noexcept {
   const int axes[] = {layout_.x, layout_.y, layout_.z};
   for (int k = 0; k < 3; ++k) {
     const int axis = axes[k];
@@ -207,34 +314,29 @@ void KitchenPlayer::see(const TickRecord& record) noexcept {
   done_ = reported.values[kDone] > 0.5;
   step_ = static_cast<int>(reported.values[kStep]);
   squeeze_n_ = reported.values[kSqueeze];
+  handle_n_ = reported.values[kHandle];
   joint_q_ = reported.values[kJoint];
-  const Step& step = task_.steps[std::min<std::size_t>(step_, task_.steps.size() - 1)];
-  const Thing& thing = task_.things[step.thing];
-  grip_m_ = worldPoint(record.bodies[thing.body], thing.grip_m);
+  for (std::size_t i = 0; i < task_.things.size(); ++i) {
+    bodies_[i] = record.bodies[task_.things[i].body];
+  }
   if (!lost_) next();
 }
 
 /// The next phase, where this one is over.
 void KitchenPlayer::next() noexcept {
-  const Step& step = task_.steps[std::min<std::size_t>(step_, task_.steps.size() - 1)];
-  const bool lets_go = done_ || step.verb == Verb::kLetGo || step.verb == Verb::kReach;
-  const bool held = phase_ == Phase::kClose || phase_ == Phase::kCarry;
-  if (held && lets_go) return go(Phase::kOpen);
-  if (phase_ == Phase::kClose && step.verb != Verb::kTake) {
-    aside_m_ = Eigen::Vector3d::Zero();
-    const int axes[] = {layout_.x, layout_.y, layout_.z};
-    for (int k = 0; k < 3; ++k) {
-      if (axes[k] >= 0) aside_m_[k] = q_[axes[k]] - grip_m_[k];
-    }
-    return go(Phase::kCarry);
-  }
-  if (held || !reach_.done()) return;
+  const Verb verb = now().verb;
+  const bool lets_go = done_ || verb == Verb::kLetGo || verb == Verb::kReach ||
+                       now().thing != met_ || idle_s_ > kPatience_s;
+  if (isHeld() && lets_go) return go(Phase::kOpen);
+  const bool grasps = meeting_.means == Means::kGrasp;
+  if (phase_ == Phase::kClose && grasps && verb != Verb::kTake) return go(Phase::kCarry);
+  if (isHeld() || !reach_.done()) return;
   switch (phase_) {
     case Phase::kRest:
       if (!done_) go(Phase::kDrawBack);
       break;
     case Phase::kTouch:
-      go(Phase::kClose);
+      go(meeting_.means == Means::kPush ? Phase::kCarry : Phase::kClose);
       break;
     case Phase::kLeave:
       go(Phase::kRest);
