@@ -116,7 +116,7 @@ Played play(const std::string& task, int level, const std::string& hand, const s
   ModelFiles files = exerciseFiles(task, level, hand);
   files.patient = config("patients/") + patient + ".toml";
   Models models = load(files);
-  std::unique_ptr<Player> player = models.exercise->makePlayer({seed_of_player});
+  std::unique_ptr<Player> player = makeExercisePlayer(models, seed_of_player);
   const auto rig = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
   const SceneBody& body = rig->models.scene.bodies[0];
   EXPECT_TRUE(rig->renderer->arm());
@@ -138,29 +138,48 @@ Played play(const std::string& task, int level, const std::string& hand, const s
   return out;
 }
 
+/// Shipped tasks. Who is weak in the fingers does what asks for no grip.
+struct ShippedTask {
+  std::string name;
+  bool grips = true;
+  int plays = 0, done = 0;
+};
+
 TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
   std::mt19937_64 random(seed());
-  const std::vector<std::string> tasks{"drawer", "cupboard-door"},
-      hands{"adult-median-right", "adult-median-left", "woman-p05-right", "man-p95-left"},
-      patients{"relaxed-adult", "spastic", "tremor", "spastic-fist"};
+  ShippedTask tasks[] = {{"drawer"},      {"cupboard-door"},       {"light-switch", false},
+                         {"coffee-mill"}, {"flip-top-lid", false}, {"press-lever"}};
+  const std::vector<std::string> hands{"adult-median-right", "adult-median-left", "woman-p05-right",
+                                       "man-p95-left"},
+      patients{"relaxed-adult", "spastic", "tremor", "spastic-fist", "weak"};
   double deepest_m = 0.0, longest_s = 0.0, error_m = 0.0;
-  int done = 0;
-  const int plays = cases(40) / 4 + 1;
+  const int plays = fullCounts() ? 600 : cases(40) / 4 + 1;
   for (int k = 0; k < plays; ++k) {
-    const auto one = [&](const std::vector<std::string>& of) { return of[random() % of.size()]; };
-    const std::string task = one(tasks), hand = one(hands), patient = one(patients);
+    ShippedTask& task = tasks[(seed() + k) % std::size(tasks)];
+    const std::string hand = hands[random() % hands.size()],
+                      patient = patients[random() % (patients.size() - (task.grips ? 1 : 0))];
     const int level = 1 + static_cast<int>(random() % 3);
-    SCOPED_TRACE(task + ", level " + std::to_string(level) + ", " + hand + ", " + patient);
-    const Played played = play(task, level, hand, patient, random() % 100);
+    const std::uint64_t of_player = random() % 100;
+    const std::string who = task.name + ", level " + std::to_string(level) + ", " + hand + ", " +
+                            patient + ", player " + std::to_string(of_player);
+    SCOPED_TRACE(who);
+    const Played played = play(task.name, level, hand, patient, of_player);
     EXPECT_EQ(played.faults, 0);
-    EXPECT_EQ(played.done, 1.0);
-    EXPECT_GT(played.score, 90.0);
-    done += played.done > 0.5 ? 1 : 0;
+    const bool done = played.done > 0.5;
+    if (!done) std::printf("not done: %s\n", who.c_str());
+    if (done) EXPECT_GT(played.score, 90.0);
+    ++task.plays;
+    task.done += done ? 1 : 0;
     deepest_m = std::max(deepest_m, played.deepest_m);
-    longest_s = std::max(longest_s, played.time_s);
+    if (done) longest_s = std::max(longest_s, played.time_s);
     error_m = std::max(error_m, played.error_m);
   }
-  figure("kitchen, plays done of " + std::to_string(plays), done, "");
+  for (const ShippedTask& task : tasks) {
+    SCOPED_TRACE(task.name);
+    figure("kitchen, plays of " + task.name + " done of " + std::to_string(task.plays), task.done,
+           "");
+    EXPECT_GE(task.done, task.plays - task.plays / 20);  // 95 of 100
+  }
   figure("kitchen, longest play", longest_s, "s");
   figure("kitchen, deepest overlap of hand and thing", 1e3 * deepest_m, "mm");
   figure("kitchen, error of a joint", error_m, "m");
