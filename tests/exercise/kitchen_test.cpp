@@ -190,46 +190,61 @@ TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
 /// A folder with the shipped drawer, one of its files changed.
 struct FaultyDrawer {
   std::string task = bytesOfFile(config("exercises/drawer.toml")),
-              scene = bytesOfFile(config("scenes/drawer.toml"));
+              scene = bytesOfFile(config("scenes/drawer.toml")),
+              urdf = bytesOfFile(config("scenes/assets/drawer.urdf"));
 
+  /// The faults; without any, what is noticed.
   [[nodiscard]] std::string says(int level = 1) const {
     const Folder folder;
     folder.write("scenes/drawer.toml", scene);
-    folder.write("scenes/assets/drawer.urdf", bytesOfFile(config("scenes/assets/drawer.urdf")));
+    folder.write("scenes/assets/drawer.urdf", urdf);
     const std::string path = folder.write("exercises/drawer.toml", task);
     const auto loaded = loadExercise(path, level, shippedDevice(), shippedHand());
-    return loaded.ok() ? "" : format(loaded.errors());
+    return format(loaded.ok() ? loaded->scene.notices : loaded.errors());
   }
 };
 
 TEST(Kitchen, BadFiles_AreNamedByKeyValueAndRemedy) {
+  enum File { kTask, kScene, kUrdf };
   struct Case {
-    bool in_scene;
+    File file;
     std::string find, with, says, remedy;
   };
   const Case cases[] = {
-      {false, "verb = \"take\"", "verb = \"grab\"", "steps[1].verb", "reach"},
-      {false, "thing = \"drawer\"\nwithin_m", "thing = \"door\"\nwithin_m", "steps[0].thing",
+      {kTask, "verb = \"take\"", "verb = \"grab\"", "steps[1].verb", "reach"},
+      {kTask, "thing = \"drawer\"\nwithin_m", "thing = \"door\"\nwithin_m", "steps[0].thing",
        "add it there"},
-      {false, "body = \"drawer\"", "body = \"worktop\"", "is fixed", "give it a joint"},
-      {false, "body = \"drawer\"", "body = \"nothing\"", "has no such body", "write the name"},
-      {false, "to_m = 0.1\n", "to_m = 0.4\n", "beyond the joint's range", "0 .. 0.12"},
-      {false, "to_m = 0.1\n", "to_rad = 0.1\n", "to_rad", ""},
-      {false, "force_n = 1.0", "force_n = 0.0", "force_n", "40] N"},
-      {true, "axis = [-1.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "has no direction", "[0, 0, 1]"},
-      {true, "axis = [-1.0, 0.0, 0.0]", "axis = [nan, 0.0, 0.0]", "axis", ""},
-      {true, "range_m = [0.0, 0.12]", "range_m = [0.12, 0.0]", "range_m", ""},
-      {true, "range_m = [0.0, 0.12]", "range_m = [0.02, 0.12]", "does not contain 0",
+      {kTask, "body = \"drawer\"", "body = \"worktop\"", "is fixed", "give it a joint"},
+      {kTask, "body = \"drawer\"", "body = \"nothing\"", "has no such body", "write the name"},
+      {kTask, "to_m = 0.1\n", "to_m = 0.4\n", "beyond the joint's range", "0 .. 0.12"},
+      {kTask, "to_m = 0.1\n", "to_rad = 0.1\n", "to_rad", ""},
+      {kTask, "force_n = 1.0", "force_n = 0.0", "force_n", "40] N"},
+      {kScene, "axis = [-1.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "has no direction",
+       "[0, 0, 1]"},
+      {kScene, "axis = [-1.0, 0.0, 0.0]", "axis = [nan, 0.0, 0.0]", "axis", ""},
+      {kScene, "range_m = [0.0, 0.12]", "range_m = [0.12, 0.0]", "range_m", ""},
+      {kScene, "range_m = [0.0, 0.12]", "range_m = [0.02, 0.12]", "does not contain 0",
        "move the body"},
-      {true, "range_m = [0.0, 0.12]", "", "range_m", ""},
-      {true, "friction_n = 2.0", "friction_n = -2.0", "friction_n", "[0, 100] N"},
-      {true, "friction_n = 2.0", "friction_nm = 2.0", "friction_nm", ""},
-      {true, "type = \"slide\"", "type = \"screw\"", "type", "hinge"},
+      {kScene, "range_m = [0.0, 0.12]", "", "range_m", ""},
+      {kScene, "friction_n = 2.0", "friction_n = -2.0", "friction_n", "[0, 100] N"},
+      {kScene, "friction_n = 2.0", "friction_nm = 2.0", "friction_nm", ""},
+      {kScene, "type = \"slide\"", "type = \"screw\"", "type", "hinge"},
+      {kUrdf, "ixx=\"1.3e-2\" iyy=\"1.1e-2\" izz=\"1.9e-2\"", "ixx=\"0\" iyy=\"0\" izz=\"0\"",
+       "drawer.urdf", "must be > 0"},
+      // The bar stands 10 mm before the front: no finger passes behind it.
+      {kUrdf, "<origin xyz=\"0.074 0 0\"/>", "<origin xyz=\"0.034 0 0\"/>", "is buried",
+       "leave 18 mm free behind its radius of 15 mm"},
+      // Level 1 halves it; the device has 20 N along x.
+      {kScene, "friction_n = 2.0", "friction_n = 60.0",
+       "its slide resists with 30 N where the hand takes it; this device pushes with 20 N there",
+       "lower friction_n of its joint"},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.find + " -> " + c.with);
     FaultyDrawer faulty;
-    std::string& text = c.in_scene ? faulty.scene : faulty.task;
+    std::string& text = c.file == kTask    ? faulty.task
+                        : c.file == kScene ? faulty.scene
+                                           : faulty.urdf;
     const std::size_t at = text.find(c.find);
     ASSERT_NE(at, std::string::npos);
     text.replace(at, c.find.size(), c.with);
