@@ -6,6 +6,7 @@ import pathlib
 import pkgutil
 import random
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -19,7 +20,7 @@ import wholehand.protocol
 from wholehand import messages
 from wholehand.bodies import FIXED, GAME, Body, ball, box, mesh
 from wholehand.client import HUNG_AFTER_S, Client
-from wholehand.connection import NEXT, PERSON, Lost, Refused, connect
+from wholehand.connection import NEXT, PERSON, Lost, Refused, Unanswered, connect
 from wholehand.kinematics import Hand, matrices
 
 MUTATIONS = 100_000 if FULL else 300
@@ -117,6 +118,49 @@ class ClientTest(Connected):
             self.program.order("Jump")
         with self.assertRaisesRegex(ValueError, "Arm has no field 'height'"):
             self.program.order("Arm", height=1)
+
+    def test_a_number_that_is_not_finite_raises_at_once_and_is_sent_to_nobody(self):
+        self.play()
+        self.program.order("Steer", by=PERSON)
+        aim = self.program.state.q_s.astype(float)
+        for at, number in ((0, numpy.nan), (5, -numpy.inf), (2, 1e39)):  # in single precision 1e39 is infinite
+            bad = aim.copy()
+            bad[at] = number
+            with self.assertRaisesRegex(ValueError, re.escape(f"Aim.q[{at}] = {number}: must be finite")):
+                self.program.order("Aim", q=bad)
+        for number in (float("nan"), numpy.float64("inf")):
+            with self.assertRaisesRegex(ValueError, rf"SetParameter\.value = {number}: must be finite"):
+                self.program.order("SetParameter", name="help", value=number)
+        self.program.order("Aim", q=aim)
+
+    def test_an_aim_far_beyond_the_range_is_refused_by_name(self):
+        self.play()
+        self.program.order("Steer", by=PERSON)
+        aim = self.program.state.q_s.astype(float)
+        for number in (1e9, -1e9):
+            with self.assertRaisesRegex(Refused, r"Aim: an aim of x = -?1e\+09 m: is far beyond the range .*NotAPosture"):
+                self.program.order("Aim", q=numpy.array([number, *aim[1:]]))
+        axis = self.program.scene.axes[0]
+        self.program.order("Aim", q=numpy.array([3.0 * axis.upper, *aim[1:]]))  # the arm goes to the end of its range
+
+    def test_orders_in_quick_succession_are_all_answered(self):
+        """The program drops what comes faster than 400 a second, an Aim without a word: the client sends no faster."""
+        self.play()
+        self.program.order("Steer", by=PERSON)
+        aim = self.program.state.q_s.copy()
+        for _ in range(1000):
+            self.program.order("Aim", timeout_s=HANG_S, q=aim)
+
+    def test_a_program_that_hangs_answers_no_order_and_each_raises_in_time(self):
+        self.program.take_controls()
+        self.run.send_signal(signal.SIGSTOP)
+        for ask in (lambda: self.program.order("Stop", timeout_s=0.5), lambda: self.program.order("Arm", timeout_s=0.5)):
+            with self.assertRaisesRegex(Unanswered, r"the program did not answer within 0\.5 s"):
+                ask()
+        with self.assertRaises(TimeoutError):
+            self.program.next_state(timeout_s=0.5)
+        self.run.send_signal(signal.SIGCONT)
+        self.program.order("Stop")
 
     def test_an_emergency_stop_needs_no_controls(self):
         self.play()
