@@ -1,6 +1,8 @@
 """The Python package as its users call it: a client of the running program, the hand's kinematics, recordings."""
 import asyncio
+import contextlib
 import importlib
+import io
 import os
 import pathlib
 import pkgutil
@@ -325,6 +327,42 @@ class BodiesTest(Connected):
         # It falls from 0.15 m above the middle of the palm, at 1.5 m/s at most: 0.2 kg have 0.31 N·s.
         self.assertTrue(0.005 < float(re.search(r"with ([\d.]+) N·s", done.stdout).group(1)) < 0.35, done.stdout)
         self.assertGreater(float(re.search(r"pressed with ([\d.]+) N", done.stdout).group(1)), 0.1)
+
+
+def block(heading):
+    """The first Python lines of README.md under a heading."""
+    return (SOURCE / "clients/python/README.md").read_text().split(f"\n## {heading}\n")[1].split("```python\n")[1].split("```")[0]
+
+
+class Readme(Connected):
+    """The lines of clients/python/README.md, as they stand there."""
+    options = ("--exercise", "game-scene")
+
+    def ran(self, heading, **names):
+        """The names that the lines leave behind."""
+        with contextlib.redirect_stdout(io.StringIO()) as self.said:
+            exec(block(heading).replace("127.0.0.1:8080", self.address), names)  # noqa: S102
+        return names
+
+    def test_the_hand_is_steered(self):
+        names = self.ran("Steer the hand")
+        self.assertGreaterEqual(len(self.said.getvalue().splitlines()), 300)  # long arrays take two
+        self.assertTrue(numpy.isfinite(names["state"].sent).all())
+
+    def test_bodies_are_brought_and_links_are_found(self):
+        self.ran("Bring bodies", program=self.program)
+        self.states_until(lambda _: len(self.program.bodies.bodies) == 0)  # removed again
+        poses = self.ran("Where the links are", program=self.program, state=self.program.state)["poses"]
+        self.assertEqual(poses.shape, (len(self.program.scene.links), 4, 4))
+
+    def test_a_recording_is_read(self):
+        self.record(duration=0.3)
+        before = os.getcwd()
+        self.addCleanup(os.chdir, before)
+        os.chdir(self.folder)
+        names = self.ran("Recordings")
+        self.assertEqual(names["frame"].columns.get_level_values(0).unique().tolist(), ["q_m", "sent"])
+        self.assertIn("bodies", names["data"])
 
 
 def readable(data):

@@ -258,6 +258,14 @@ class Saved(unittest.TestCase):
         self.assertEqual(bits(one), bits(other))
 
 
+class Readme(unittest.TestCase):
+    def test_its_lines_run_as_they_stand(self):
+        text = (SOURCE / "clients/python/README.md").read_text().split("## Rigs inside Python\n")[1]
+        names = {}
+        exec(text.split("```python\n")[1].split("```")[0], names)  # noqa: S102
+        self.assertEqual(float(names["rig"].time_s), 0.0, "it ends with a reset")
+
+
 class BadInputs(unittest.TestCase):
     def test_an_aim_is_refused_by_name(self):
         rig = Rig()
