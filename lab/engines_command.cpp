@@ -224,7 +224,7 @@ int enginesCommand(const ExperimentOptions& options) {
     return refuse(done.errors());
   }
   for (const EngineComparison& at : rates) print(at);
-  std::printf("%s\n%s\n", printable(files->json).c_str(), printable(files->charts).c_str());
+  std::fputs(listed(*files).c_str(), stdout);
   return exitCodeOf(false, false);
 }
 

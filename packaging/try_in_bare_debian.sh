@@ -47,7 +47,7 @@ inside 'export DEBIAN_FRONTEND=noninteractive
   python3 -c "import wholehand, wholehand.client; print(len(wholehand.open(\"run.h5\")[\"ticks/q_s\"]), \"ticks read by Python\")"
   python3 -c "from wholehand.rig import Rig; print(Rig().step(n=100), \"ticks run by Python\")"'
 mkdir "$bare/tmp/consumer"
-cp "$(dirname "$0")"/../tests/examples/consumer/* "$(dirname "$0")"/../examples/06_serve_a_driver.cpp "$bare/tmp/consumer/"
+cp "$(dirname "$0")"/../tests/examples/consumer/* "$bare/tmp/consumer/"
 inside 'cd /tmp/consumer && cmake -G Ninja -B out . >/tmp/log && ninja -C out consumer >/tmp/log && ./out/consumer'
 inside 'apt-get -q purge -y wholehand >/tmp/log 2>&1
   test ! -e /usr/share/wholehand && test ! -e /etc/security/limits.d/wholehand.conf'

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes what goes with the Debian packages: man pages, their changelog, a bill of materials.
+"""Writes what goes with the Debian packages: man pages, manuals, their changelog, a bill of materials.
 
 usage: write_papers.py BUILD_FOLDER      into BUILD_FOLDER/papers
 
@@ -13,6 +13,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from datetime import datetime, timezone
@@ -122,6 +123,46 @@ def bill_of_materials(version, date):
             "packages": packages, "relationships": relations}
 
 
+# What share/doc/wholehand has of the sources, in the same places. examples/ joins it (include/CMakeLists.txt).
+MANUALS = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "THIRD_PARTY.md", "docs", "clients/csharp", "clients/godot",
+           "clients/unity", "clients/python/README.md", "clients/python/examples", "lab/train_a_reach.py",
+           "protocol/wholehand.fbs", "scripts/fetch_flatbuffers_csharp.sh", "src/driver_abi/wholehand/device.h",
+           "tests/device/faulty_driver.c"]
+ELSEWHERE = {"config": "../../wholehand/config", "data": "../../wholehand/data"}  # from share/doc/wholehand
+LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
+
+
+def write_manuals(folder):
+    """Copies MANUALS; links lead to what is installed, and others become text."""
+    shutil.rmtree(folder, ignore_errors=True)
+    for name in MANUALS:
+        place = folder / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, place, ignore=shutil.ignore_patterns("__pycache__", "results.*ml", "results.json"))
+        else:
+            shutil.copy(ROOT / name, place)
+    there = {str(path.relative_to(folder)) for path in folder.rglob("*")}
+    there |= {str(path.relative_to(ROOT)) for path in [ROOT / "examples", *(ROOT / "examples").rglob("*")]}
+
+    def installed(page, link):
+        mark, text, target, part = link.group(1), link.group(2), link.group(3), link.group(4) or ""
+        if not target or ":" in target:
+            return link.group(0)
+        name = os.path.normpath(page.parent / target)
+        top, _, rest = name.partition("/")
+        if name in there:
+            return link.group(0)
+        if top in ELSEWHERE:
+            return f"{mark}[{text}]({os.path.relpath(os.path.join(ELSEWHERE[top], rest), page.parent)}{part})"
+        return text
+
+    for path in folder.rglob("*.md"):
+        page = path.relative_to(folder)
+        path.write_text(LINK.sub(lambda link, page=page: installed(page, link), path.read_text(encoding="utf-8")),
+                        encoding="utf-8")
+
+
 def main():
     build = Path(sys.argv[1]).resolve()
     papers = build / "papers"
@@ -130,6 +171,7 @@ def main():
     date = date_of_sources()
     write_man_pages(program, papers / "man", version, date)
     write_clinic_page(build / "wholehand-clinic", papers / "man-clinic", version, date)
+    write_manuals(papers / "manuals")
     write_gzip(papers / "changelog.gz", f"wholehand ({version}) unstable; urgency=medium\n\n"
                "  * Built from the sources; what changed is in their CHANGELOG.md.\n\n"
                f" -- {MAINTAINER}  {format_datetime(date)}\n")

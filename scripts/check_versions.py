@@ -11,6 +11,7 @@ from pathlib import Path
 PROJECT = ("CMakeLists.txt", r"^project\(wholehand VERSION ([0-9.]+)")
 OTHERS = [
     ("CITATION.cff", r"^version: (.*)$"),
+    ("clients/python/wholehand/__init__.py", r'^__version__ = "(.*)"$'),
     ("CHANGELOG.md", r"^## \[(?:Unreleased\]: )?([0-9.]+)"),
     ("clients/unity/org.wholehand.client/package.json", r'^  "version": "(.*)",$'),
     ("clients/unity/org.wholehand.client/CHANGELOG.md", r"^## \[([0-9.]+)\]"),

@@ -1,9 +1,11 @@
 /* A driver to begin with: three rails that are not there. Build it with nothing but the header,
  *
  *   cc -std=c99 -O2 -shared -fPIC -I <prefix>/include rails.c -o rails.so
- *   wholehand run --driver ./rails.so --device config/devices/desktop-3axis.toml
+ *   wholehand run --driver ./rails.so --device config/devices/desktop-3axis.toml \
+ *     --exercise free-grasping --without-passport
  *
- * and replace what stands under "your device". docs/drivers.md goes through it line by line. */
+ * with nobody attached, and replace what stands under "your device". docs/drivers.md says what each
+ * function is asked. */
 #define _POSIX_C_SOURCE 199309L
 #include <wholehand/device.h>
 

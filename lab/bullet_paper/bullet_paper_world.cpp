@@ -84,7 +84,7 @@ Expected<Done> BulletPaperWorld::placeHand(const AxisPosition& q_s) {
   return Done{};
 }
 
-Fault BulletPaperWorld::observe(WorldState& state) noexcept {
+Fault BulletPaperWorld::observe(PhysicsState& state) noexcept {
   bullet_paper::PaperEngine& e = *engine_;
   state.q_s = e.q_s;
   state.qd_s = e.qd_s;

@@ -30,7 +30,7 @@ class BulletPaperWorld final : public PhysicsWorld {
   ~BulletPaperWorld() override;
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
-  [[nodiscard]] Fault observe(WorldState& state) noexcept override;
+  [[nodiscard]] Fault observe(PhysicsState& state) noexcept override;
   void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
   void contacts(ContactList& contacts) const noexcept override;

@@ -31,7 +31,7 @@ Expected<Done> MujocoWorld::placeHand(const AxisPosition& q_s) {
   return Done{};
 }
 
-Fault MujocoWorld::observe(WorldState& state) noexcept {
+Fault MujocoWorld::observe(PhysicsState& state) noexcept {
   state.q_s = engine_->q_s;
   state.qd_s = engine_->qd_s;
   synergy_.expand(state.q_s, state.theta);

@@ -27,7 +27,7 @@ class MujocoWorld final : public PhysicsWorld {
   ~MujocoWorld() override;
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
-  [[nodiscard]] Fault observe(WorldState& state) noexcept override;
+  [[nodiscard]] Fault observe(PhysicsState& state) noexcept override;
   void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
   void contacts(ContactList& contacts) const noexcept override;

@@ -295,7 +295,9 @@ Expected<Done> Commissioning::write() {
   } else {
     tell("The passport holds, but is not drawn: " + format(drawn.errors()));
   }
-  tell("It lasts 30 days. Before each day's first use: wholehand device commission --daily");
+  tell(passport_.identity.simulated
+           ? "It is of the simulated plant: no device is armed with it."
+           : "It lasts 30 days. Before each day's first use: wholehand device commission --daily");
   return Done{};
 }
 

@@ -11,7 +11,9 @@
 namespace wholehand {
 namespace {
 
-constexpr const char* kCommission = "commission it: wholehand device commission";
+constexpr const char* kCommission =
+    "commission it: wholehand device commission. While its driver is developed, with nobody "
+    "attached: --without-passport";
 constexpr const char* kCheck = "do today's check: wholehand device commission --daily";
 
 Expected<Done> judgeTime(const PlaceTime& done, const std::string& path, const PlaceTime& now) {
@@ -63,6 +65,14 @@ Expected<DailyCheck> readDailyCheck(const std::string& path) {
 
 Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
                              double rate_hz, const PlaceTime& now) {
+  if (identity.simulated) {
+    return Diagnostic{model.path,
+                      0,
+                      "driver",
+                      "",
+                      "is a simulated plant: it arms nothing",
+                      "name the device's driver"};
+  }
   if (identity.serial.empty()) {
     return Diagnostic{model.path,
                       0,

@@ -109,8 +109,9 @@ std::string passportText(const Passport& p) {
   std::string out = fmt::format(
       "# Measured by `wholehand device commission`. Do not edit: measure again.\n"
       "kind = \"passport\"\nversion = 1\nmeasured_at = \"{}\"\noperator = {}\n"
-      "device = {}\ndevice_sha256 = \"{}\"\nrate_hz = {:.9g}\n",
-      format(p.measured_at), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz);
+      "device = {}\ndevice_sha256 = \"{}\"\nrate_hz = {:.9g}\n{}",
+      format(p.measured_at), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz,
+      p.identity.simulated ? "simulated = true  # of no device: it arms none\n" : "");
   const std::array<std::pair<const char*, std::string>, 5> known = {
       {{"driver", p.driver},
        {"driver_sha256", p.identity.driver_sha256},
@@ -137,7 +138,7 @@ Expected<Passport> readPassport(const std::string& path) {
   p.operator_name = root.text("operator");
   p.driver = root.text("driver", "");
   p.identity = {root.text("serial"), root.text("firmware", ""), root.text("sdk", ""),
-                root.text("driver_sha256", "")};
+                root.text("driver_sha256", ""), root.flag("simulated", false)};
   p.device = root.text("device");
   p.device_sha256 = root.text("device_sha256");
   p.rate_hz = root.number("rate_hz", above(0.0, 1e5, "Hz"));
@@ -163,6 +164,11 @@ Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
        {"sdk", p.identity.sdk, identity.sdk}}};
   for (const auto& [key, stated, has] : parts) {
     if (stated != has) out.push_back(foreign(p, key.c_str(), stated, has));
+  }
+  if (p.identity.simulated && !identity.simulated) {
+    out.push_back({p.path, 0, "simulated", "true",
+                   "the passport was learned on a simulated plant: it says nothing of a device",
+                   kRemedy});
   }
   if (p.identity.driver_sha256 != identity.driver_sha256) {
     out.push_back({p.path, 0, "driver_sha256", "",

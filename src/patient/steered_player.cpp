@@ -1,5 +1,7 @@
 #include "patient/steered_player.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,7 @@ namespace {
 
 // An axis faster than a target by this factor runs away: the resistance has yielded.
 constexpr double kRunsAway = 1.2;
+constexpr double kFarRanges = 10.0;
 
 }  // namespace
 
@@ -30,6 +33,22 @@ FollowerState follow(FollowerState state, double point, const FollowerLimits& li
   state.position = state.goal + (error + push * period_s) * fade;
   state.velocity = (state.velocity - w * push * period_s) * fade;
   return state;
+}
+
+int firstFarAim(const DeviceModel& device, const AxisPosition& aim) noexcept {
+  for (int i = 0; i < aim.size(); ++i) {
+    const DeviceAxis& axis = device.axes[i];
+    const double most = kFarRanges * (axis.upper - axis.lower);
+    if (aim[i] < axis.lower - most || aim[i] > axis.upper + most) return i;
+  }
+  return -1;
+}
+
+std::string farAimText(const DeviceAxis& axis, double aim) {
+  return fmt::format(
+      "{} = {:.6g} {}: is far beyond the range {:.4g} to {:.4g} {}; give metres and "
+      "radians",
+      axis.name, aim, axis.positionUnit(), axis.lower, axis.upper, axis.positionUnit());
 }
 
 SteeredPlayer::SteeredPlayer(std::unique_ptr<Player> virtual_patient, const DeviceModel& device,

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <memory>
+#include <string>
 
 namespace wholehand {
 
@@ -35,6 +36,13 @@ struct FollowerState {
 [[nodiscard]] WHOLEHAND_RT FollowerState follow(FollowerState state, double point,
                                                 const FollowerLimits& limits,
                                                 double period_s) noexcept;
+
+/// The first axis that is aimed farther beyond its range than ten times that: a value of another
+/// unit, which no arm means. -1: none. @pre one value for each axis
+[[nodiscard]] int firstFarAim(const DeviceModel& device, const AxisPosition& aim) noexcept;
+
+/// Why such an aim is refused: "x = 1e+09 m: ...".
+[[nodiscard]] std::string farAimText(const DeviceAxis& axis, double aim);
 
 struct SteeringConfig {
   double rate_rad_s = 20.0;  ///< bandwidth of the filter on a person's target: lag 0.1 s

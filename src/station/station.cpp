@@ -707,6 +707,10 @@ OrderReply Station::Core::aim(const orders::Aim& order) {
     return refused(Refusal::kNotAPosture, fmt::format("an aim has {} finite values, one an axis",
                                                       scene_->device.axes.size()));
   }
+  if (const int far = firstFarAim(scene_->device, order.q); far >= 0) {
+    return refused(Refusal::kNotAPosture,
+                   "an aim of " + farAimText(scene_->device.axes[far], order.q[far]));
+  }
   Command command;
   command.type = CommandType::kAim;
   command.aim = order.q;

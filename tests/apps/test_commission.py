@@ -8,6 +8,7 @@ import select
 import signal
 import struct
 import subprocess
+import sys
 import termios
 import time
 
@@ -25,18 +26,14 @@ def take_terminal():
     fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 
 
-class Commission(DeviceTest):
-    """One rail behind a driver; the test is the person."""
+class Terminal(DeviceTest):
+    """Commissioning of a device of one axis; the test is the person."""
 
-    def setUp(self):
-        super().setUp()
-        with open(self.write("rail", bytes(64)), "r+b") as shared:
-            self.rail = mmap.mmap(shared.fileno(), 64)
-        device = self.config_file("devices", "desktop-3axis", axes=["x"])
+    def begin_program(self, *device):
+        self.file = self.config_file("devices", "desktop-3axis", axes=["x"])
         self.terminal, theirs = pty.openpty()
         self.program = subprocess.Popen(
-            [BINARY, "device", "commission", "--operator", "A", "--device", device, "--driver",
-             DRIVERS / "handled.so", "--driver-settings", self.folder / "rail"],
+            [BINARY, "device", "commission", "--operator", "A", "--device", self.file, *device],
             cwd=self.folder, stdin=theirs, stdout=theirs, stderr=theirs, preexec_fn=take_terminal)
         os.close(theirs)
         self.addCleanup(self.program.wait)
@@ -48,21 +45,6 @@ class Commission(DeviceTest):
         if self.terminal is not None:
             os.close(self.terminal)
         self.terminal = None
-
-    def shared(self, at):
-        return struct.unpack_from("d", self.rail, 8 * at)[0]
-
-    def set(self, at, value):
-        struct.pack_into("d", self.rail, 8 * at, value)
-
-    def carry(self, to):
-        """By hand, in steps far below what would pass for an encoder that wraps round."""
-        time.sleep(0.05)
-        while abs(self.shared(HAND) - to) > 1e-9:
-            step = max(-0.004, min(0.004, to - self.shared(HAND)))
-            self.set(HAND, self.shared(HAND) + step)
-            time.sleep(0.01)
-        time.sleep(0.05)
 
     def listen(self, within_s=0.0):
         if select.select([self.terminal], [], [], within_s)[0]:
@@ -95,6 +77,31 @@ class Commission(DeviceTest):
         self.until(lambda: self.program.poll() is not None, within_s=within_s)
         self.listen()
         return self.program.returncode
+
+
+class Commission(Terminal):
+    """One rail behind a driver."""
+
+    def setUp(self):
+        super().setUp()
+        with open(self.write("rail", bytes(64)), "r+b") as shared:
+            self.rail = mmap.mmap(shared.fileno(), 64)
+        self.begin_program("--driver", DRIVERS / "handled.so", "--driver-settings", self.folder / "rail")
+
+    def shared(self, at):
+        return struct.unpack_from("d", self.rail, 8 * at)[0]
+
+    def set(self, at, value):
+        struct.pack_into("d", self.rail, 8 * at, value)
+
+    def carry(self, to):
+        """By hand, in steps far below what would pass for an encoder that wraps round."""
+        time.sleep(0.05)
+        while abs(self.shared(HAND) - to) > 1e-9:
+            step = max(-0.004, min(0.004, to - self.shared(HAND)))
+            self.set(HAND, self.shared(HAND) + step)
+            time.sleep(0.01)
+        time.sleep(0.05)
 
     def begin(self):
         """As far as the push by hand."""
@@ -149,6 +156,17 @@ class Commission(DeviceTest):
         self.answer("Next: signs.*quit:", "")
         self.until("Step 3 of 11: signs")
 
+    def test_it_moves_the_device_with_the_priority_of_the_loop(self):
+        """Or says that this machine does not grant it."""
+        ask = "import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(80))"
+        granted = subprocess.run([sys.executable, "-c", ask], stderr=subprocess.DEVNULL).returncode == 0
+        self.until("serial number H-1.*yes or no")
+        if granted:
+            self.assertEqual(os.sched_getscheduler(self.program.pid), os.SCHED_FIFO)
+            self.assertEqual(os.sched_getparam(self.program.pid).sched_priority, 80)
+        else:
+            self.assertRegex(self.said, "real-time priority: ")
+
     def test_interrupt_while_it_waits_for_the_key_ends_it(self):
         self.begin()
         self.until("Hold the space bar")
@@ -202,6 +220,49 @@ class Commission(DeviceTest):
         self.answer("", "  no")
         self.until("somebody is attached")
         self.assertEqual(self.shared(LARGEST), 0.0)
+
+
+class Learned(Terminal):
+    """At the simulated plant: no driver, no device; whoever does what is said arrives."""
+
+    def setUp(self):
+        super().setUp()
+        self.begin_program("--simulated")
+
+    def answer_as_said(self, question, said):
+        """The number that was said before the question."""
+        heard = self.until(question, press=SPACE)
+        time.sleep(0.3)  # a person lets the key go
+        os.write(self.terminal, re.findall(said, heard)[-1].encode() + b"\n")
+
+    def begin(self):
+        self.answer("serial number simulated.*yes or no", "yes")
+        self.answer("NOBODY attached.*yes or no", "yes")
+        self.until("leave it there; Enter", press=SPACE)
+        time.sleep(0.3)
+        os.write(self.terminal, b"\n")
+
+    def test_motors_push_only_while_the_key_is_held(self):
+        self.begin()
+        self.until("Hold the space bar: axis x is pushed")
+        self.until("- effort moves it -", press=SPACE)
+        self.until("measure how far")
+        os.write(self.terminal, CTRL_C)
+        self.assertEqual(self.ended(), 1)
+        self.assertEqual([n for n in self.names_in(self.folder) if "passport" in n], [])
+
+    def test_all_steps_lead_to_a_passport_that_says_what_it_is_slow(self):
+        self.begin()
+        self.answer_as_said("measure how far", r"ruler reads ([\d.]+) m")
+        self.answer_as_said("its force", r"pulls axis x with ([\d.]+) N")
+        self.until("Release it; Enter", press=SPACE)
+        time.sleep(0.3)
+        os.write(self.terminal, b"\n")
+        self.until("no device is armed with it", press=SPACE)
+        self.assertEqual(self.ended(), 0)
+        passport = self.file.with_suffix(".simulated.passport.toml")
+        self.assertIn("\nsimulated = true", passport.read_text())
+        self.expect(self.run_app("validate", passport), 0)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,13 @@
 """`wholehand experiment grasping|timing|exercise|cocktail-bar`: what they write, how they are stopped."""
 import json
 import os
+import shutil
 import signal
 import time
 import unittest
 
-from app import CONFIG, DONE, FULL, HANG_S, INTERRUPTED, LAB, AppTest, expect_known_sentences, main, report_data
+from app import (BINARY, CONFIG, DONE, FULL, HANG_S, INTERRUPTED, LAB, SOURCE, AppTest, expect_known_sentences, main,
+                 report_data)
 
 
 class Grasping(AppTest):
@@ -37,6 +39,19 @@ class Grasping(AppTest):
         self.assertEqual(tuned["y"], [0, 0.5, 1, 1])
         # A trial's recording is a recording as any other.
         self.expect_same_when_run_again(self.folder / "out/pinch-sphere-floating.h5")
+
+    def test_without_built_pages_the_results_are_written_and_not_drawn(self):
+        """As on a machine without Node: the program and its shipped files, and no web/dist."""
+        program = self.folder / "bin/wholehand"
+        program.parent.mkdir()
+        shutil.copy(BINARY, program)
+        for name in ("config", "data"):
+            (self.folder / name).symlink_to(SOURCE / name)
+        trial = ("experiment", "grasping", "--only", "pinch sphere floating", "--jittered", "0", "--out", "out")
+        done = self.expect(self.run_app(*trial, "--json", "g.json", binary=program), DONE, "Nothing is drawn", "not built")
+        self.assertNotIn("grasping.html", done.out)
+        self.assertEqual(len(json.loads((self.folder / "g.json").read_text())["trials"]), 1)
+        self.expect_refused(self.run_app(*trial, binary=program), "not built")
 
     def test_unknown_trial_is_refused(self):
         self.expect_refused(self.run_app("experiment", "grasping", "--only", "kick", "--out", "out"),

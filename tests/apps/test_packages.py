@@ -1,6 +1,8 @@
 """The Debian packages: made, judged by lintian, and unpacked in a folder where the program runs without its sources."""
 import json
 import pathlib
+import re
+import shlex
 import subprocess
 import tempfile
 
@@ -56,6 +58,32 @@ class Packages(AppTest):
         self.assertEqual(said_by_it.split(), ["50", str(self.root / "usr/share/wholehand/config/scenes/empty.toml")])
         needs = said("dpkg-deb", "-f", *(p for p in self.packages if p.name.startswith("python3")), "Depends")
         self.assertRegex(needs, r"python3 \(<< 3\.\d+\).*libbullet")
+
+    def test_every_link_of_the_installed_pages_leads_somewhere(self):
+        pages = sorted((self.root / "usr/share/doc/wholehand").rglob("*.md"))
+        self.assertGreater(len(pages), 40)
+        links = 0
+        for page in pages:
+            for target in re.findall(r"\]\(([^)\s#]+)", page.read_text()):
+                if ":" not in target:
+                    links += 1
+                    self.assertTrue((page.parent / target).exists(), f"{page.relative_to(self.root)}: {target}")
+        self.assertGreater(links, 300, "links are kept where they lead somewhere")
+
+    def test_examples_clients_and_the_template_of_a_driver_are_there(self):
+        manuals = self.root / "usr/share/doc/wholehand"
+        for file in ("examples/01_first_touch.cpp", "examples/CMakeLists.txt", "examples/driver/rails.c",
+                     "clients/csharp/Wholehand/WholehandClient.cs", "clients/csharp/README.md",
+                     "clients/unity/org.wholehand.client/package.json", "clients/godot/addons/wholehand/plugin.gd",
+                     "clients/python/README.md", "clients/python/examples/drop_a_ball.py"):
+            self.assertTrue((manuals / file).is_file(), file)
+        # docs/drivers.md, "With the package", in the folder where the packages are unpacked.
+        commands = (SOURCE / "docs/drivers.md").read_text().split("With the package")[1].split("```")[1].splitlines()[1:]
+        compile_it, copy_it, run_it = (shlex.split(re.sub(r"(?<= )/usr/", f"{self.root}/usr/", line)) for line in commands)
+        for command in ([*compile_it, f"-I{self.root}/usr/include"], copy_it):
+            said(*command, cwd=self.folder)
+        run_it.remove("--without-passport")
+        self.expect_refused(self.run_app(*run_it[1:], binary=self.program), "device rails-0001 has no passport")
 
     def test_the_drivers_and_the_reader_of_meshes_are_found(self):
         self.expect(self.run_app("device", "list", binary=self.program), DONE, "moteus", "force_dimension", "frame")

@@ -1,11 +1,14 @@
 """The Python package as its users call it: a client of the running program, the hand's kinematics, recordings."""
 import asyncio
+import contextlib
 import importlib
+import io
 import os
 import pathlib
 import pkgutil
 import random
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -19,7 +22,7 @@ import wholehand.protocol
 from wholehand import messages
 from wholehand.bodies import FIXED, GAME, Body, ball, box, mesh
 from wholehand.client import HUNG_AFTER_S, Client
-from wholehand.connection import NEXT, PERSON, Lost, Refused, connect
+from wholehand.connection import NEXT, PERSON, Lost, Refused, Unanswered, connect
 from wholehand.kinematics import Hand, matrices
 
 MUTATIONS = 100_000 if FULL else 300
@@ -117,6 +120,49 @@ class ClientTest(Connected):
             self.program.order("Jump")
         with self.assertRaisesRegex(ValueError, "Arm has no field 'height'"):
             self.program.order("Arm", height=1)
+
+    def test_a_number_that_is_not_finite_raises_at_once_and_is_sent_to_nobody(self):
+        self.play()
+        self.program.order("Steer", by=PERSON)
+        aim = self.program.state.q_s.astype(float)
+        for at, number in ((0, numpy.nan), (5, -numpy.inf), (2, 1e39)):  # in single precision 1e39 is infinite
+            bad = aim.copy()
+            bad[at] = number
+            with self.assertRaisesRegex(ValueError, re.escape(f"Aim.q[{at}] = {number}: must be finite")):
+                self.program.order("Aim", q=bad)
+        for number in (float("nan"), numpy.float64("inf")):
+            with self.assertRaisesRegex(ValueError, rf"SetParameter\.value = {number}: must be finite"):
+                self.program.order("SetParameter", name="help", value=number)
+        self.program.order("Aim", q=aim)
+
+    def test_an_aim_far_beyond_the_range_is_refused_by_name(self):
+        self.play()
+        self.program.order("Steer", by=PERSON)
+        aim = self.program.state.q_s.astype(float)
+        for number in (1e9, -1e9):
+            with self.assertRaisesRegex(Refused, r"Aim: an aim of x = -?1e\+09 m: is far beyond the range .*NotAPosture"):
+                self.program.order("Aim", q=numpy.array([number, *aim[1:]]))
+        axis = self.program.scene.axes[0]
+        self.program.order("Aim", q=numpy.array([3.0 * axis.upper, *aim[1:]]))  # the arm goes to the end of its range
+
+    def test_orders_in_quick_succession_are_all_answered(self):
+        """The program drops what comes faster than 400 a second, an Aim without a word: the client sends no faster."""
+        self.play()
+        self.program.order("Steer", by=PERSON)
+        aim = self.program.state.q_s.copy()
+        for _ in range(1000):
+            self.program.order("Aim", timeout_s=HANG_S, q=aim)
+
+    def test_a_program_that_hangs_answers_no_order_and_each_raises_in_time(self):
+        self.program.take_controls()
+        self.run.send_signal(signal.SIGSTOP)
+        for ask in (lambda: self.program.order("Stop", timeout_s=0.5), lambda: self.program.order("Arm", timeout_s=0.5)):
+            with self.assertRaisesRegex(Unanswered, r"the program did not answer within 0\.5 s"):
+                ask()
+        with self.assertRaises(TimeoutError):
+            self.program.next_state(timeout_s=0.5)
+        self.run.send_signal(signal.SIGCONT)
+        self.program.order("Stop")
 
     def test_an_emergency_stop_needs_no_controls(self):
         self.play()
@@ -281,6 +327,42 @@ class BodiesTest(Connected):
         # It falls from 0.15 m above the middle of the palm, at 1.5 m/s at most: 0.2 kg have 0.31 N·s.
         self.assertTrue(0.005 < float(re.search(r"with ([\d.]+) N·s", done.stdout).group(1)) < 0.35, done.stdout)
         self.assertGreater(float(re.search(r"pressed with ([\d.]+) N", done.stdout).group(1)), 0.1)
+
+
+def block(heading):
+    """The first Python lines of README.md under a heading."""
+    return (SOURCE / "clients/python/README.md").read_text().split(f"\n## {heading}\n")[1].split("```python\n")[1].split("```")[0]
+
+
+class Readme(Connected):
+    """The lines of clients/python/README.md, as they stand there."""
+    options = ("--exercise", "game-scene")
+
+    def ran(self, heading, **names):
+        """The names that the lines leave behind."""
+        with contextlib.redirect_stdout(io.StringIO()) as self.said:
+            exec(block(heading).replace("127.0.0.1:8080", self.address), names)  # noqa: S102
+        return names
+
+    def test_the_hand_is_steered(self):
+        names = self.ran("Steer the hand")
+        self.assertGreaterEqual(len(self.said.getvalue().splitlines()), 300)  # long arrays take two
+        self.assertTrue(numpy.isfinite(names["state"].sent).all())
+
+    def test_bodies_are_brought_and_links_are_found(self):
+        self.ran("Bring bodies", program=self.program)
+        self.states_until(lambda _: len(self.program.bodies.bodies) == 0)  # removed again
+        poses = self.ran("Where the links are", program=self.program, state=self.program.state)["poses"]
+        self.assertEqual(poses.shape, (len(self.program.scene.links), 4, 4))
+
+    def test_a_recording_is_read(self):
+        self.record(duration=0.3)
+        before = os.getcwd()
+        self.addCleanup(os.chdir, before)
+        os.chdir(self.folder)
+        names = self.ran("Recordings")
+        self.assertEqual(names["frame"].columns.get_level_values(0).unique().tolist(), ["q_m", "sent"])
+        self.assertIn("bodies", names["data"])
 
 
 def readable(data):

@@ -1,5 +1,7 @@
 """wholehand.rig: the renderer inside Python. Same bits as the program, honest errors, arrays without copies."""
+import copy
 import os
+import pickle
 import subprocess
 import sys
 import threading
@@ -170,6 +172,98 @@ class Steps(AppTest):
             rig.step()
         rig.reset()
         self.assertEqual(rig.step(n=5), 5)
+
+
+def bits(rig):
+    """Of all that a rig shows."""
+    return b"".join(getattr(rig, name).tobytes() for name in (*FIELDS, "tick", "bodies", "contacts", "exercise_values"))
+
+
+class Saved(unittest.TestCase):
+    """The same rig that went on is the other opinion."""
+
+    def played(self, **options):
+        """A rig in the midst of a run with and without aims."""
+        rig = Rig(**options)
+        rig.step(n=700)
+        for aim in some_aims(rig, 5, seed=8):
+            rig.step(rig.q_s + 0.1 * (aim - rig.q_s), 60)
+        rig.step(n=200)
+        rig.step(n=100)
+        return rig
+
+    def expect_same_from_here(self, one, other):
+        self.assertEqual(bits(one), bits(other))
+        for aim in some_aims(one, 3, seed=9):
+            for rig in (one, other):
+                rig.step(aim, 40)
+                rig.step(n=3)
+            self.assertEqual(bits(one), bits(other))
+
+    def test_a_state_is_restored_to_the_bit_and_goes_on_with_the_same_bits(self):
+        for options in ({}, {"exercise": "cocktail-bar", "seed": 3}):
+            rig = self.played(**options)
+            state, there = rig.save(), bits(rig)
+            rig.step(n=500)
+            self.assertNotEqual(bits(rig), there)
+            other = Rig(**{**options, "seed": 99})
+            rig.restore(state)
+            other.restore(state)
+            self.assertEqual(bits(rig), there)
+            self.expect_same_from_here(rig, other)
+            self.assertEqual(rig.save(), other.save())
+
+    def test_it_is_pickled_into_another_process_and_copied(self):
+        rig = self.played()
+        said = subprocess.run([sys.executable, "-c", "import sys, pickle; rig = pickle.load(sys.stdin.buffer); rig.step(n=25); "
+                               "sys.stdout.buffer.write(rig.q_s.tobytes() + rig.theta.tobytes())"], input=pickle.dumps(rig),
+                              stdout=subprocess.PIPE, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+                              cwd=os.getcwd())
+        other = copy.deepcopy(rig)
+        self.expect_same_from_here(other, copy.copy(rig))
+        rig.step(n=25)
+        self.assertEqual(said.stdout, rig.q_s.tobytes() + rig.theta.tobytes())
+
+    def test_a_state_of_other_files_or_damaged_is_refused(self):
+        rig = self.played()
+        state = rig.save()
+        for damaged in (b"", state[:-1], state + b"0", state[:60] + bytes([state[60] ^ 1]) + state[61:]):
+            with self.assertRaisesRegex(ValueError, "damaged, or none that"):
+                rig.restore(damaged)
+        self.assertEqual(rig.save(), state, "a refusal changes nothing")
+        with self.assertRaisesRegex(ValueError, r"saved with other files or by another program: tick \d+ differs"):
+            Rig(scene="empty").restore(state)
+        with self.assertRaisesRegex(ValueError, "other axes"):
+            Rig("desktop-3axis", scene="empty").restore(state)
+
+    def test_closed_it_runs_no_more_until_it_is_reset(self):
+        with Rig(scene="empty") as rig:
+            rig.step(n=10)
+            self.assertRegex(repr(rig), r"<Rig device=lambda-pride, .*scene=empty, .*: 0\.009 s, runs>")
+        last = rig.q_s.copy()
+        self.assertFalse(rig.running)
+        self.assertIn("closed", repr(rig))
+        for ended in (rig.step, rig.save):
+            with self.assertRaisesRegex(RunEnded, r"reset\(\) begins anew"):
+                ended()
+        self.assertEqual(rig.q_s.tobytes(), last.tobytes())
+        rig.close()
+        rig.reset()
+        self.assertEqual(rig.step(n=5), 5)
+
+    def test_the_scene_of_rig_alone_can_be_named(self):
+        one, other = Rig(), Rig(scene="four-shapes")
+        for rig in (one, other):
+            rig.step(n=300)
+        self.assertEqual(bits(one), bits(other))
+
+
+class Readme(unittest.TestCase):
+    def test_its_lines_run_as_they_stand(self):
+        text = (SOURCE / "clients/python/README.md").read_text().split("## Rigs inside Python\n")[1]
+        names = {}
+        exec(text.split("```python\n")[1].split("```")[0], names)  # noqa: S102
+        self.assertEqual(float(names["rig"].time_s), 0.0, "it ends with a reset")
 
 
 class BadInputs(unittest.TestCase):
@@ -354,7 +448,7 @@ class Types(unittest.TestCase):
 
     def test_types_hold_in_mypys_eyes(self):
         self.check("/usr/bin/mypy", "--config-file", SOURCE / "clients/python/mypy.ini", "--python-executable", sys.executable,
-                   "wholehand/rig.py", "wholehand/environment.py")
+                   *(f"wholehand/{module.name}" for module in sorted((BUILD / "python/wholehand").glob("*.py"))))
 
     def test_the_stubs_are_those_of_the_module(self):
         self.check("/usr/bin/stubtest", "--mypy-config-file", SOURCE / "clients/python/mypy.ini", "--allowlist",

@@ -44,7 +44,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
         model_(model),
         injected_(std::move(injected)),
         period_s_(period_s) {
-    if (!injected_.anonymous) identity_ = {"F-1", "3.1", "0.9"};
+    if (!injected_.anonymous) identity_ = {"F-1", "3.1", "0.9", ""};
     const std::size_t n = model.axes.size();
     for (std::size_t i = 0; i < n; ++i) order_.push_back(n - 1 - i);
     for (const std::size_t i : order_) {

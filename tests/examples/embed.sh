@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# embed.sh BUILD CONSUMER COMPILER EXAMPLES: installs the package, then configures, builds and runs a
-# project outside the tree that knows nothing but the place of the installation.
+# embed.sh BUILD CONSUMER COMPILER: installs the package, then configures, builds and runs projects
+# outside the tree that know nothing but the place of the installation: a consumer, and the installed examples.
 set -euo pipefail
-build=$1 consumer=$2 compiler=$3 examples=$4
+build=$1 consumer=$2 compiler=$3
 tree=$(mktemp -d)
 trap 'kill -KILL ${serving:-} 2>/dev/null || true; rm -rf "$tree"' EXIT
 
@@ -18,17 +18,23 @@ grep -rlF -e "$build" -e "$tree/prefix" "$tree/moved" --include='*.cmake' --incl
   fail "these files name a folder of the build"
 
 cp -r "$consumer" "$tree/consumer"
-cp "$examples"/06_serve_a_driver.cpp "$tree/consumer"
 cmake -G Ninja -S "$tree/consumer" -B "$tree/out" -DCMAKE_PREFIX_PATH="$tree/moved" \
   -DCMAKE_CXX_COMPILER="$compiler" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
 # Any warning fails: the headers must be clean in a project stricter than ours.
 cmake --build "$tree/out" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
 "$tree/out/consumer"
 
+examples=$tree/moved/share/doc/wholehand/examples
+cmake -G Ninja -S "$examples" -B "$tree/examples" -DCMAKE_PREFIX_PATH="$tree/moved" \
+  -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
+cmake --build "$tree/examples" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
+"$tree/examples/01_first_touch" >"$tree/touched" || fail "the first example does not run"
+(($(wc -l <"$tree/touched") == 22)) || fail "$(cat "$tree/touched")"
+
 # Driver, station and server from the package: a page is served until Ctrl-C.
 cc -std=c99 -O2 -shared -fPIC -I"$tree/moved/include" "$examples/driver/rails.c" \
   -o "$tree/rails.so" || fail "the driver does not compile against the package"
-"$tree/out/serve" "$tree/rails.so" >"$tree/served" 2>&1 &
+"$tree/examples/06_serve_a_driver" "$tree/rails.so" >"$tree/served" 2>&1 &
 serving=$!
 for ((i = 0; i < 600; ++i)); do
   grep -qs console "$tree/served" && break

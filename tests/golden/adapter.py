@@ -127,6 +127,7 @@ def at(form):
 
 class Socket:
     """Keeps what a connection sends."""
+    kept = None
 
     async def send(self, data):
         self.kept = data
@@ -147,8 +148,9 @@ async def order_of_bodies(entry):
         method, item = BODIES[entry["order"]]
         asked = getattr(program, method)(*map(item, fields.get("bodies", [])))
     asking = asyncio.ensure_future(asked)
-    await asyncio.sleep(0)  # it waits for the answer now
-    asking.cancel()
+    while program._socket.kept is None and not asking.done():
+        await asyncio.sleep(0)
+    asking.cancel()  # it waits for the answer now
     return program._socket.kept
 
 

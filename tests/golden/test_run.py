@@ -49,7 +49,7 @@ class Schemas(unittest.TestCase):
     def test_a_new_table_takes_no_change_elsewhere(self):
         text = SCHEMA.replace("union Order {", "struct Grip { at_m: Vec3; part: HandPart; since: long; }\n"
                               "table NewOrder { body: Body; grips: [Grip]; names: [string]; first: Grip; share: double = 0.5; }\n"
-                              "union Order {").replace("SetOwner, BodyTargets\n", "SetOwner, BodyTargets, NewOrder\n")
+                              "union Order {").replace("OpenVisit, CloseVisit\n", "OpenVisit, CloseVisit, NewOrder\n")
         judge = OfAnotherSchema(self, text)
         for variant in ("full", "extreme"):
             form = judge.schema.payload_of("NewOrder")(judge.schema.example("NewOrder", variant))

@@ -5,7 +5,8 @@ python3 scripts/check_versions.py
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
 files=(CITATION.cff CHANGELOG.md clients/unity/org.wholehand.client/package.json
-  clients/unity/org.wholehand.client/CHANGELOG.md clients/godot/addons/wholehand/plugin.cfg)
+  clients/unity/org.wholehand.client/CHANGELOG.md clients/godot/addons/wholehand/plugin.cfg
+  clients/python/wholehand/__init__.py)
 cp --parents CMakeLists.txt "${files[@]}" "$copy"
 for file in "${files[@]}"; do
   version=$(sed -n 's/^project(wholehand VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)

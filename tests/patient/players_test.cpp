@@ -74,6 +74,14 @@ TEST(SteeredPlayer, NobodyTookOver_IsTheVirtualPatientBitForBit) {
   }
 }
 
+TEST(SteeredPlayer, AimBeyondTenTimesTheRange_IsNamedAndNoOther) {
+  const DeviceModel device = twoAxes();  // -0.1 to 0.2: ten times 0.3 beyond either end
+  EXPECT_EQ(firstFarAim(device, pose(3.19, -3.09)), -1);
+  EXPECT_EQ(firstFarAim(device, pose(3.21, 0.0)), 0);
+  EXPECT_EQ(firstFarAim(device, pose(0.0, -3.11)), 1);
+  EXPECT_EQ(firstFarAim(device, pose(0.0, 1e300)), 1);
+}
+
 TEST(SteeredPlayer, AimThatJumps_IsReachedWithinTheSpeedLimitAndWithoutOvershoot) {
   SteeringConfig config;
   config.speed_share = 0.2;  // 0.3 m/s

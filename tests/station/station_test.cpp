@@ -98,6 +98,11 @@ TEST_F(Bar, PersonAims_TheDeviceFollows) {
       << " " << record.q_m[2];
   EXPECT_EQ(record.moved_by, Mover::kPerson);
   EXPECT_EQ(record.help, Help::kSome);
+  aim.q[1] = 1e9;
+  const OrderReply far = ask(aim);
+  EXPECT_EQ(far.refusal, Refusal::kNotAPosture);
+  EXPECT_TRUE(far.reason.find("y = 1e+09 m: is far beyond the range") != std::string::npos)
+      << far.reason;
   aim.q = AxisPosition(2);
   EXPECT_FALSE(ask(aim).accepted);
 }

@@ -9,6 +9,7 @@
 #include "commissioning/console/console_operator.hpp"
 #include "commissioning/operator.hpp"
 #include "commissioning/sealed_file.hpp"
+#include "commissioning/simulated/simulated_plant.hpp"
 #include "core/printable.hpp"
 #include "device/host/hosted_driver.hpp"
 #include "device/plugin/plugin_device.hpp"
@@ -76,7 +77,7 @@ class TerminalOperator final : public Operator {
   std::int64_t last_space_ns_ = 0, last_look_ns_ = 0;
 };
 
-/// Ticks 1,000 times a second by CLOCK_MONOTONIC. After a missed tick the next one follows at once.
+/// Ticks by CLOCK_MONOTONIC. After a missed tick the next one follows at once.
 class RealTicks final : public TickClock {
  public:
   explicit RealTicks(double period_s);
@@ -233,6 +234,55 @@ Expected<std::shared_ptr<DeviceDriver>> openDriver(const CommissionOptions& opti
   return driver;
 }
 
+/// Ticks of a plant at the pace of the person; they come late on a busy machine, and none is
+/// missed.
+class SimulatedTicks final : public TickClock {
+ public:
+  SimulatedTicks(std::shared_ptr<SimulatedPlant> plant, double period_s)
+      : plant_(std::move(plant)), pace_(period_s) {}
+  void waitForTick() override {
+    pace_.waitForTick();
+    plant_->waitForTick();
+  }
+  [[nodiscard]] std::int64_t now_ns() const override { return plant_->now_ns(); }
+
+ private:
+  std::shared_ptr<SimulatedPlant> plant_;
+  RealTicks pace_;
+};
+
+/// What is commissioned, with its clock; `plant` where it is simulated.
+struct Commissioned {
+  std::shared_ptr<DeviceDriver> driver;
+  std::shared_ptr<TickClock> clock;
+  SimulatedPlant* plant = nullptr;
+};
+
+Expected<Commissioned> openCommissioned(const CommissionOptions& options,
+                                        const DeviceModel& model) {
+  const double period_s = 1.0 / options.rate_hz;
+  if (options.simulated) {
+    const auto plant = std::make_shared<SimulatedPlant>(model, period_s);
+    return Commissioned{plant, std::make_shared<SimulatedTicks>(plant, period_s), plant.get()};
+  }
+  auto driver = openDriver(options, model);
+  if (!driver) return driver.errors();
+  return Commissioned{std::move(*driver), std::make_shared<RealTicks>(period_s)};
+}
+
+/// The person; at a simulated plant their hands are simulated.
+class Acting {
+ public:
+  Acting(Operator& person, const Commissioned& what, const DeviceModel& model) : person_(person) {
+    if (what.plant != nullptr) hands_.emplace(person, *what.plant, model);
+  }
+  Operator& operator*() { return hands_ ? static_cast<Operator&>(*hands_) : person_; }
+
+ private:
+  Operator& person_;
+  std::optional<SimulatedHands> hands_;
+};
+
 CommissioningPlan planOf(const CommissionOptions& options) {
   CommissioningPlan plan;
   plan.operator_name = options.operator_name;
@@ -265,7 +315,8 @@ Expected<std::unique_ptr<CommissioningRecord>> beginRecord(const CommissionOptio
         fmt::format("out/recordings/commissioning-{:%Y%m%d-%H%M%S}-{}.h5",
                     fmt::localtime(std::chrono::system_clock::now()), randomName().substr(0, 8));
   }
-  plan.title = (options.daily ? "Daily check of " : "Commissioning of ") + model.name;
+  plan.title = (options.daily ? "Daily check of " : "Commissioning of ") + model.name +
+               (options.simulated ? ", simulated" : "");
   plan.device_text = *text;
   plan.period_s = 1.0 / options.rate_hz;
   plan.effort_share = kCommissioningShare;
@@ -308,7 +359,8 @@ struct Kept {
 
 // This thread moves the device, as the loop of a run does. Threads that begin later would inherit
 // it.
-void askForRealTime() {
+void askForRealTime(const Commissioned& what) {
+  if (what.plant != nullptr) return;  // its clock waits for this machine
   for (const SetupLine& line : setUpThread({})) {
     if (!line.granted) std::printf("%s: %s\n", line.what.c_str(), line.sentence.c_str());
   }
@@ -323,16 +375,17 @@ std::optional<int> refuseWithoutPassport(const CommissionOptions& options,
   return refuse(passport.errors());
 }
 
-int leadAtTerminal(const CommissionOptions& options, DeviceDriver& driver, const DeviceModel& model,
-                   CommissioningRecord& record) {
-  TerminalOperator person;
-  RealTicks clock(1.0 / options.rate_hz);
-  auto bench = Bench::make(driver, model, person, clock, 1.0 / options.rate_hz);
+int leadAtTerminal(const CommissionOptions& options, const Commissioned& what,
+                   const DeviceModel& model, CommissioningRecord& record) {
+  TerminalOperator terminal;
+  Acting acting(terminal, what, model);
+  Operator& person = *acting;
+  auto bench = Bench::make(*what.driver, model, person, *what.clock, 1.0 / options.rate_hz);
   if (!bench) return refuse(bench.errors());
   Kept steps(record, std::move(*bench), options);
   Commissioning& commissioning = steps.commissioning;
   if (auto refused = refuseWithoutPassport(options, commissioning)) return *refused;
-  askForRealTime();
+  askForRealTime(what);
   if (options.daily) return commissioning.checkToday() ? kExitDone : kExitBadInput;
   return leadCommissioning(commissioning, person) ? kExitDone : sayNotFinished(options);
 }
@@ -362,14 +415,15 @@ CommissioningFacts aboutDevice(const CommissionOptions& options, const DeviceDri
   return facts;
 }
 
-int leadAtPage(const CommissionOptions& options, DeviceDriver& driver, const DeviceModel& model,
+int leadAtPage(const CommissionOptions& options, const Commissioned& what, const DeviceModel& model,
                CommissioningRecord& record) {
+  DeviceDriver& driver = *what.driver;
   CommissioningFacts about = aboutDevice(options, driver, model);
   about.recording = record.path();
   ConsoleOperator person(std::move(about), stepsOf(options.daily), monotonicNow_ns,
                          InterruptScope::interrupted);
-  RealTicks clock(1.0 / options.rate_hz);
-  auto bench = Bench::make(driver, model, person, clock, 1.0 / options.rate_hz);
+  Acting acting(person, what, model);
+  auto bench = Bench::make(driver, model, *acting, *what.clock, 1.0 / options.rate_hz);
   if (!bench) return refuse(bench.errors());
   ControlsArbiter controls;
   if (Diagnostics faults = roleTokens(options.pages.tokens).faults; !faults.empty()) {
@@ -386,9 +440,9 @@ int leadAtPage(const CommissionOptions& options, DeviceDriver& driver, const Dev
   Kept steps(record, std::move(*bench), options);
   Commissioning& commissioning = steps.commissioning;
   if (auto refused = refuseWithoutPassport(options, commissioning)) return *refused;
-  askForRealTime();
-  const bool written = options.daily ? leadDailyCheck(commissioning, person)
-                                     : leadCommissioning(commissioning, person);
+  askForRealTime(what);
+  const bool written = options.daily ? leadDailyCheck(commissioning, *acting)
+                                     : leadCommissioning(commissioning, *acting);
   if (!written) return sayNotFinished(options);
   const std::string file = fileOf(options, commissioning, model, driver.identity());
   person.finish(file);
@@ -402,13 +456,13 @@ int leadAtPage(const CommissionOptions& options, DeviceDriver& driver, const Dev
 int commissionCommand(const CommissionOptions& options) {
   const auto model = loadDeviceFile(options.device);
   if (!model) return refuse(model.errors());
-  const auto driver = openDriver(options, *model);
-  if (!driver) return refuse(driver.errors());
+  const auto what = openCommissioned(options, *model);
+  if (!what) return refuse(what.errors());
   const InterruptScope interrupts;
   const auto record = beginRecord(options, *model);
   if (!record) return refuse(record.errors());
-  const int code = options.web ? leadAtPage(options, **driver, *model, **record)
-                               : leadAtTerminal(options, **driver, *model, **record);
+  const int code = options.web ? leadAtPage(options, *what, *model, **record)
+                               : leadAtTerminal(options, *what, *model, **record);
   if ((*record)->kept() > 0) {
     std::printf("Every move is in %s\n", printable((*record)->path()).c_str());
   }
@@ -420,8 +474,14 @@ void addCommission(CLI::App& app, CommissionOptions& o, int& code) {
       "commission", "Measure a device under supervision; its passport lets people use it");
   CLI::Option* driver = commission->add_option("--driver", o.driver.path,
                                                "Driver of the device (docs/drivers.md), .so");
-  commission->add_option("--host", o.host, "Name of the `wholehand device-host` that holds it")
-      ->excludes(driver);
+  CLI::Option* host =
+      commission->add_option("--host", o.host, "Name of the `wholehand device-host` that holds it")
+          ->excludes(driver);
+  commission
+      ->add_flag("--simulated", o.simulated,
+                 "Learn it: on a simulated plant of the device file; the passport arms nothing")
+      ->excludes(driver)
+      ->excludes(host);
   commission
       ->add_option("--device-at", o.driver.locator,
                    "Which device, as the driver names it: a serial number, a port ...")
@@ -454,8 +514,9 @@ void addCommission(CLI::App& app, CommissionOptions& o, int& code) {
       "NOBODY may be attached to the device. Exit code 0: the passport (or check) is written; 1:\n"
       "not finished; 2: bad usage, file or device. docs/commissioning.md leads through it.");
   commission->callback([&o, &code] {
-    if (o.driver.path.empty() && o.host.empty()) {
-      code = refuse({{"", 0, "--driver", "", "or --host is missing", "name the device's driver"}});
+    if (o.driver.path.empty() && o.host.empty() && !o.simulated) {
+      code = refuse({{"", 0, "--driver", "", "or --host is missing",
+                      "name the device's driver, or learn with --simulated"}});
       return;
     }
     if (auto read = o.web ? readTokens(o.token_file, o.pages.tokens) : Expected<Done>(Done{});

@@ -13,7 +13,8 @@ namespace wholehand {
 struct CommissionOptions {
   DriverLocation driver;  ///< empty path: a host's driver
   std::string host;
-  std::string device;  ///< device file
+  bool simulated = false;  ///< on a plant of the device file, without a device
+  std::string device;      ///< device file
   std::string operator_name;
   double rate_hz = 1000.0;
   bool daily = false;

@@ -208,7 +208,7 @@ int complexityCommand(const ExperimentOptions& options) {
       "Admitted: p99.9 takes at most half of the period.\n",
       plan.passes);
   for (const ComplexityCurve& curve : result->curves) print(curve);
-  std::printf("\n%s\n%s\n", printable(files->json).c_str(), printable(files->charts).c_str());
+  std::printf("\n%s", listed(*files).c_str());
   return exitCodeOf(false, false);
 }
 

@@ -224,29 +224,27 @@ int exerciseCommand(const ExerciseOptions& options) {
   const auto named = [&](const std::string& path, const char* name) {
     return path.empty() ? options.folder + "/" + name : path;
   };
-  const std::string json_path = named(options.json, "exercise.json");
-  const std::string chart_path = named(options.charts, "exercise.html");
-  const std::string record_path = named(options.record, "exercise.h5");
-  if (auto ready = prepareCharts(chart_path, {json_path, record_path}); !ready) {
-    return refuse(ready.errors());
-  }
+  const auto out =
+      prepareResults({named(options.json, "exercise.json"), named(options.charts, "exercise.html"),
+                      named(options.record, "exercise.h5")},
+                     !options.json.empty() && options.charts.empty());
+  if (!out) return refuse(out.errors());
   ExercisePlan plan;
   plan.files = *files;
   plan.rig.engine = options.engine;
   plan.seed = options.seed;
-  plan.record = record_path;
+  plan.record = out->record;
   const InterruptScope interrupts;
   auto result = runExercise(plan);
   if (!result) return refuse(result.errors());
   if (result->interrupted) return sayInterrupted();
-  if (auto done = writeResults(jsonText(resultJson(*result, options)), exerciseFigure(*result),
-                               {json_path, chart_path});
+  if (auto done =
+          writeResults(jsonText(resultJson(*result, options)), exerciseFigure(*result), *out);
       !done) {
     return refuse(done.errors());
   }
   print(*result);
-  std::printf("%s\n%s\n%s\n", printable(json_path).c_str(), printable(chart_path).c_str(),
-              printable(record_path).c_str());
+  std::fputs(listed(*out).c_str(), stdout);
   return exitCodeOf(result->faulted, false);
 }
 

@@ -204,8 +204,8 @@ int graspingCommand(const ExperimentOptions& options) {
     std::printf("jittered: %zu trial%s, %d dropped, %d slipped over 0.1 mm, noise at most %.4f N\n",
                 jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
   }
-  std::printf("%s\n%s\nrecordings and scenes in %s\n", printable(files->json).c_str(),
-              printable(files->charts).c_str(), printable(options.folder).c_str());
+  std::printf("%srecordings and scenes in %s\n", listed(*files).c_str(),
+              printable(options.folder).c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();
   if (faulted > 0) std::printf("FAULT    trials stopped by a fault: %td\n", faulted);
   return exitCodeOf(faulted > 0, false);

@@ -102,7 +102,7 @@ int liquidsCommand(const LiquidsOptions& options) {
       !done) {
     return refuse(done.errors());
   }
-  std::printf("%s\n%s\n", printable(paths->json).c_str(), printable(paths->charts).c_str());
+  std::fputs(listed(*paths).c_str(), stdout);
   return kExitDone;
 }
 

@@ -159,8 +159,7 @@ int timingCommand(const ExperimentOptions& options) {
     return refuse(done.errors());
   }
   print(*result);
-  std::printf("%s\n%s\n%s/timing.h5\n", printable(files->json).c_str(),
-              printable(files->charts).c_str(), printable(options.folder).c_str());
+  std::printf("%s%s/timing.h5\n", listed(*files).c_str(), printable(options.folder).c_str());
   return exitCodeOf(result->outcome.faulted, result->outcome.interrupted);
 }
 

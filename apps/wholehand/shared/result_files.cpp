@@ -1,9 +1,11 @@
 #include "apps/wholehand/shared/result_files.hpp"
 
 #include "apps/wholehand/shared/shipped_files.hpp"
+#include "core/printable.hpp"
 #include "files/text_file.hpp"
 #include "page/page_file.hpp"
 
+#include <cstdio>
 #include <utility>
 
 namespace wholehand {
@@ -25,15 +27,36 @@ Expected<Done> writeCharts(const ChartPage& charts, const std::string& path) {
 
 Expected<ResultFiles> prepareResults(const std::string& folder, const std::string& json,
                                      const std::string& name) {
-  ResultFiles files{json.empty() ? folder + "/" + name + ".json" : json,
-                    folder + "/" + name + ".html"};
-  if (auto ready = prepareCharts(files.charts, {files.json}); !ready) return ready.errors();
+  return prepareResults(
+      {json.empty() ? folder + "/" + name + ".json" : json, folder + "/" + name + ".html"},
+      !json.empty());
+}
+
+Expected<ResultFiles> prepareResults(ResultFiles files, bool undrawn) {
+  const auto page = readPageTemplate(shippedFile(kChartTemplate));
+  if (!page && !undrawn) return page.errors();
+  if (auto ready = prepareFiles({files.charts, files.json, files.record}); !ready) {
+    return ready.errors();
+  }
+  if (!page) {
+    std::fprintf(stderr, "Nothing is drawn: %s\n", format(page.errors()).c_str());
+    files.charts.clear();
+  }
   return files;
+}
+
+std::string listed(const ResultFiles& files) {
+  std::string lines;
+  for (const std::string& file : {files.json, files.charts, files.record}) {
+    if (!file.empty()) lines += printable(file) + "\n";
+  }
+  return lines;
 }
 
 Expected<Done> writeResults(const std::string& json, const ChartPage& charts,
                             const ResultFiles& files) {
   if (auto done = writeText(files.json, json); !done) return done;
+  if (files.charts.empty()) return Done{};
   return writeCharts(charts, files.charts);
 }
 

@@ -22,14 +22,20 @@ template <class Json>
 /// Writes the page as a self-contained HTML file.
 [[nodiscard]] Expected<Done> writeCharts(const ChartPage& charts, const std::string& path);
 
-/// Where an experiment writes its results and their charts.
+/// Where an experiment writes its results and their charts; without charts they are not drawn.
 struct ResultFiles {
   std::string json, charts;
+  std::string record = {};  ///< recording; empty: none
 };
 /// prepareCharts() of `folder`/`name`.json, or `json` where it is named, and `folder`/`name`.html.
+/// Where `json` is named and the pages are not built, says on standard error that nothing is drawn.
 [[nodiscard]] Expected<ResultFiles> prepareResults(const std::string& folder,
                                                    const std::string& json,
                                                    const std::string& name);
+/// The same of files with other names. @param undrawn allowed where the pages are not built
+[[nodiscard]] Expected<ResultFiles> prepareResults(ResultFiles files, bool undrawn);
+/// The files' names, a line each.
+[[nodiscard]] std::string listed(const ResultFiles& files);
 [[nodiscard]] Expected<Done> writeResults(const std::string& json, const ChartPage& charts,
                                           const ResultFiles& files);
 

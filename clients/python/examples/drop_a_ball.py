@@ -1,7 +1,7 @@
 """Drops a ball on the hand of a running program, and says what becomes of it.
 
-    wholehand run --exercise config/exercises/game-scene.toml --wait     # in another terminal
-    python3 drop_a_ball.py                                               # --address host:port otherwise
+    wholehand run --exercise game-scene --wait     # in another terminal
+    python3 drop_a_ball.py                         # --address host:port otherwise
 """
 import argparse
 import sys

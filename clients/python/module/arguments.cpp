@@ -1,5 +1,7 @@
 #include "arguments.hpp"
 
+#include "patient/steered_player.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -76,6 +78,12 @@ Numbers aimsOf(py::handle aim, const Models& models, py::ssize_t rigs) {
     throw py::value_error("aim[" + (rigs == 0 ? "" : std::to_string(i / axes) + ", ") +
                           std::to_string(axis) + "] (" + models.device.axes[axis].name +
                           ") = " + std::to_string(value) + ": is not finite");
+  }
+  for (int rig = 0; rig < numbers.size() / axes; ++rig) {
+    const AxisPosition one = aimOf(numbers, rig, static_cast<int>(axes));
+    const int far = firstFarAim(models.device, one);
+    if (far < 0) continue;
+    throw py::value_error("aim: " + farAimText(models.device.axes[far], one[far]));
   }
   return numbers;
 }

@@ -59,6 +59,7 @@ StepGuard::StepGuard(std::atomic<bool>& busy) : busy_(busy) {
 
 OneRig::OneRig(const RigArguments& arguments)
     : rig_(valueOr(SimulatedRig::load(filesOf(arguments)))) {
+  rig_->keepHistory();
   reset(arguments.seed);
 }
 
@@ -83,6 +84,38 @@ int OneRig::step(const py::object& aim, int n) {
     return now == part;
   });
   return ran;
+}
+
+void OneRig::close() {
+  const StepGuard guard(busy_);
+  rig_->close();
+}
+
+py::tuple OneRig::history() {
+  const StepGuard guard(busy_);
+  if (rig_->closed()) refuseEnded(*rig_, record_);
+  const RigHistory& history = rig_->history();
+  if (!history.whole) {
+    throw std::runtime_error("the run has more steps than a rig keeps (" +
+                             std::to_string(history.ticks.size()) + "); reset() begins anew");
+  }
+  const auto ticks = static_cast<py::ssize_t>(history.ticks.size());
+  const auto aims = static_cast<py::ssize_t>(history.aims.size());
+  return py::make_tuple(history.seed, py::array_t<std::int64_t>(ticks, history.ticks.data()),
+                        Numbers(aims, history.aims.data()));
+}
+
+void OneRig::runAgain(std::uint64_t seed, const std::vector<std::int64_t>& ticks,
+                      const Numbers& aims) {
+  const auto steered = std::count_if(ticks.begin(), ticks.end(), [](auto n) { return n > 0; });
+  if (aims.size() != steered * models().device.axisCount()) {
+    throw py::value_error("the state is of a rig with other axes");
+  }
+  RigHistory history;
+  history.seed = seed;
+  history.ticks = ticks;
+  history.aims.assign(aims.data(), aims.data() + aims.size());
+  resetAlone(busy_, [&] { return rig_->runAgain(history, record_); });
 }
 
 std::string OneRig::endedBy() const {

@@ -36,6 +36,12 @@ class OneRig {
   void reset(std::uint64_t seed);
   /// Returns how many ticks ran: fewer than `n` if the run ended.
   int step(const pybind11::object& aim, int n);
+  void close();
+  /// Seed, ticks and aims of a RigHistory. Raises RunEnded once closed, and RuntimeError where the
+  /// history is not whole.
+  [[nodiscard]] pybind11::tuple history();
+  /// Resets, and does again what history() said.
+  void runAgain(std::uint64_t seed, const std::vector<std::int64_t>& ticks, const Numbers& aims);
 
   [[nodiscard]] bool running() const { return rig_->running(); }
   [[nodiscard]] std::string endedBy() const;

@@ -163,6 +163,9 @@ PYBIND11_MODULE(_rig, module) {
   addExceptions(module);
   auto rig = addRigs<OneRig>(module, "Rig", py::kw_only());
   rig.def("reset", &OneRig::reset, py::arg("seed") = 0);
+  rig.def("close", &OneRig::close);
+  rig.def("_history", &OneRig::history);
+  rig.def("_run_again", &OneRig::runAgain, py::arg("seed"), py::arg("ticks"), py::arg("aims"));
   auto rigs = addRigs<ManyRigs, int, int>(module, "VectorRig", py::arg("n"), py::kw_only(),
                                           py::arg("threads"));
   rigs.def("reset", &ManyRigs::reset, py::arg("seeds"));

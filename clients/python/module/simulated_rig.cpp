@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <limits>
 #include <thread>
 #include <utility>
@@ -41,8 +42,43 @@ Expected<Done> SimulatedRig::reset(std::uint64_t seed, TickRecord& record) {
   next_tick_ = 0;
   steered_ = false;
   command_count_ = 0;
+  history_ = {};
+  history_.seed = seed;
+  history_.whole = keeps_history_;
   describeStart();
   return Done{};
+}
+
+Expected<Done> SimulatedRig::runAgain(const RigHistory& history, TickRecord& record) {
+  if (auto done = reset(history.seed, record); !done) return done;
+  const int axes = models_.device.axisCount();
+  const double* next = history.aims.data();
+  for (const std::int64_t ticks : history.ticks) {
+    AxisPosition aim(axes);
+    if (ticks > 0) {
+      std::copy_n(next, axes, aim.data());
+      next += axes;
+    }
+    steer(ticks > 0 ? &aim : nullptr);
+    for (std::int64_t left = std::abs(ticks); left > 0 && running();) {
+      left -= run(static_cast<int>(std::min<std::int64_t>(left, std::numeric_limits<int>::max())));
+    }
+  }
+  return Done{};
+}
+
+// Stretches without an aim are one.
+void SimulatedRig::keep(const AxisPosition* aim) {
+  if (!history_.whole) return;
+  std::vector<std::int64_t>& ticks = history_.ticks;
+  if (aim == nullptr && !ticks.empty() && ticks.back() <= 0) return;
+  if (ticks.size() == kMostSteps) {
+    history_.whole = false;
+    return;
+  }
+  ticks.push_back(0);
+  if (aim != nullptr)
+    history_.aims.insert(history_.aims.end(), aim->data(), aim->data() + aim->size());
 }
 
 // The record of a tick that has not been: the hand stands still where it was armed.
@@ -71,7 +107,8 @@ void SimulatedRig::describeStart() noexcept {
   }
 }
 
-void SimulatedRig::steer(const AxisPosition* aim) noexcept {
+void SimulatedRig::steer(const AxisPosition* aim) {
+  keep(aim);
   command_count_ = 0;
   const bool steered = aim != nullptr;
   if (steered != steered_) {
@@ -102,6 +139,7 @@ int SimulatedRig::run(int ticks) noexcept {
     rig_->listener->afterTick(record);
     ++ran;
   }
+  if (history_.whole) history_.ticks.back() += steered_ ? ran : -ran;
   return ran;
 }
 

@@ -3,6 +3,7 @@
 #include "assembly/rig.hpp"
 #include "core/tick_record.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -13,6 +14,15 @@ namespace wholehand::python {
 struct RigFiles {
   ModelFiles files;
   RigOptions options;
+};
+
+/// What was asked of a rig since its reset: run again, it gives the same bits.
+struct RigHistory {
+  std::uint64_t seed = 0;
+  /// Ticks of each step that was steered, and minus those of each stretch that was not.
+  std::vector<std::int64_t> ticks;
+  std::vector<double> aims;  ///< of the steered steps, a value for each axis [m or rad]
+  bool whole = false;        ///< false: not kept, or of more than kMostSteps only the first
 };
 
 /// A rig with a simulated device that is stepped by its caller, on the simulated clock. Its virtual
@@ -30,11 +40,23 @@ class SimulatedRig {
   /// Sets the pose that the hand is steered to from the next tick on, as the order Aim of a client
   /// does; null returns the steering to the virtual patient.
   /// @pre finite, one value for each axis
-  void steer(const AxisPosition* aim) noexcept;
+  void steer(const AxisPosition* aim);
 
   /// Runs up to `ticks` ticks; returns how many ran: fewer if the run ended.
   /// @pre reset() succeeded
   int run(int ticks) noexcept;
+
+  /// Resets, and does again all that the history says.
+  /// @pre the history is that of a rig with as many axes
+  [[nodiscard]] Expected<Done> runAgain(const RigHistory& history, TickRecord& record);
+
+  /// Keeps the history from the next reset() on.
+  void keepHistory() noexcept { keeps_history_ = true; }
+
+  /// Frees all but the models; the record stays as it is. Until the next reset() nothing runs.
+  void close() noexcept { rig_.reset(); }
+  [[nodiscard]] bool closed() const noexcept { return rig_ == nullptr; }
+  [[nodiscard]] const RigHistory& history() const noexcept { return history_; }
 
   /// False before the first reset(), after one that failed, and once a fault has ended the run.
   [[nodiscard]] bool running() const noexcept;
@@ -44,8 +66,12 @@ class SimulatedRig {
   [[nodiscard]] const RigOptions& options() const noexcept { return options_; }
 
  private:
+  /// Of a history: 64 MB with six axes.
+  static constexpr std::size_t kMostSteps = std::size_t{1} << 20U;
+
   SimulatedRig(Models models, RigOptions options);
   void describeStart() noexcept;
+  void keep(const AxisPosition* aim);
 
   Models models_;
   RigOptions options_;
@@ -53,6 +79,8 @@ class SimulatedRig {
   TickRecord* record_ = nullptr;  ///< of rig_
   std::uint64_t next_tick_ = 0;
   bool steered_ = false;
+  bool keeps_history_ = false;
+  RigHistory history_;
   int command_count_ = 0;  ///< commands for the next tick
   Command commands_[2];
 };

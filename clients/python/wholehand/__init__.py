@@ -8,11 +8,21 @@
 
     from wholehand.rig import Rig, VectorRig        # the renderer inside this process, simulated
 
-SI units, radians. World frame: right-handed, x away from the person, y left, z up.
+Each module imports what it needs itself: this one needs nothing. SI units, radians. World frame: right-handed, x away
+from the person, y left, z up.
 """
-from wholehand.recording import Recording
+from __future__ import annotations
+
+import os
+import typing
+
+if typing.TYPE_CHECKING:
+    from wholehand.recording import Recording
+
+__version__ = "0.1.0"
 
 
-def open(path):
-    """A recording, for reading; one that is still written or was cut off, too."""
+def open(path: str | os.PathLike[str]) -> Recording:
+    """A recording, for reading; one that is still written or was cut off, too. Needs h5py."""
+    from wholehand.recording import Recording
     return Recording(path)

@@ -1,5 +1,5 @@
 # The module _rig in C++ (clients/python/module); wholehand.rig has its classes with default files.
-from typing import Any, Dict, List, Optional, Sequence, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy
 import numpy.typing
@@ -101,6 +101,12 @@ class Rig(_State):
         aim: the pose that the hand is steered to, one value for each axis [m or rad], as by the order Aim of a client;
         without one the virtual patient moves the hand. Returns the ticks that ran: fewer than n if a fault ended the run,
         after which a step raises RunEnded."""
+    def close(self) -> None:
+        """Ends the run and frees its world; arrays stay as they are. reset() begins anew."""
+    def _history(self) -> Tuple[int, numpy.typing.NDArray[numpy.int64], _Reals]:
+        """What was asked since reset(): its seed; ticks of each steered step, minus those of each stretch that was not;
+        aims of the steered steps one after another."""
+    def _run_again(self, seed: int, ticks: Union[Sequence[int], numpy.typing.NDArray[numpy.int64]], aims: _Reals) -> None: ...
     @property
     def running(self) -> bool: ...
     @property

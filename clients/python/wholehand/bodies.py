@@ -2,9 +2,14 @@
 
 SI units. Positions are those of the centre of mass, in the world; quaternions are x, y, z, w.
 """
-import dataclasses
+from __future__ import annotations
 
+import dataclasses
+import typing
+
+import flatbuffers
 import numpy
+import numpy.typing
 
 # Imported now: while an order is made, no heartbeat is sent.
 from wholehand.protocol import BodyHandover, BodyName, BodyPlace, BodyTargets, Pose, Remove, SetOwner, SpawnBody, Teleport, Vec3
@@ -13,6 +18,9 @@ from wholehand.protocol import Shape as ShapeTable
 LOOP, GAME, FIXED = range(3)  # SpawnBody.owner
 BOX, SPHERE, CYLINDER, CAPSULE, CONVEX_MESH = range(5)
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+Vector = typing.Union[typing.Sequence[float], numpy.typing.NDArray[typing.Any]]
+Vectors = typing.Union[typing.Sequence[Vector], numpy.typing.NDArray[typing.Any]]
+Put = typing.Callable[[flatbuffers.Builder], typing.Any]  # makes a part of an order; its place in the message
 EVENTS = ("appeared", "solid", "letting_go", "left", "quarantined", "refused", "touched")
 
 
@@ -20,33 +28,33 @@ EVENTS = ("appeared", "solid", "letting_go", "left", "quarantined", "refused", "
 class Shape:
     """A piece of a body; box(), ball(), cylinder(), capsule() and mesh() make one. Cylinder and capsule lie along z."""
     type: int
-    half_extents_m: tuple = (0.0, 0.0, 0.0)
+    half_extents_m: Vector = (0.0, 0.0, 0.0)
     radius_m: float = 0.0
     length_m: float = 0.0
-    points_m: tuple = ()
-    triangles: tuple = ()
-    position_m: tuple = (0.0, 0.0, 0.0)  # in the body's frame
-    orientation_xyzw: tuple = UPRIGHT
+    points_m: Vectors = ()
+    triangles: typing.Union[typing.Sequence[typing.Sequence[int]], numpy.typing.NDArray[typing.Any]] = ()
+    position_m: Vector = (0.0, 0.0, 0.0)  # in the body's frame
+    orientation_xyzw: Vector = UPRIGHT
 
 
-def box(size_m, **place):
+def box(size_m: Vector, **place: typing.Any) -> Shape:
     return Shape(BOX, half_extents_m=tuple(0.5 * numpy.asarray(size_m, float)), **place)
 
 
-def ball(radius_m, **place):
+def ball(radius_m: float, **place: typing.Any) -> Shape:
     return Shape(SPHERE, radius_m=radius_m, **place)
 
 
-def cylinder(radius_m, height_m, **place):
+def cylinder(radius_m: float, height_m: float, **place: typing.Any) -> Shape:
     return Shape(CYLINDER, radius_m=radius_m, length_m=height_m, **place)
 
 
-def capsule(radius_m, length_m, **place):
+def capsule(radius_m: float, length_m: float, **place: typing.Any) -> Shape:
     """@param length_m between the centres of its caps"""
     return Shape(CAPSULE, radius_m=radius_m, length_m=length_m, **place)
 
 
-def mesh(points_m, triangles, **place):
+def mesh(points_m: Vectors, triangles: typing.Sequence[typing.Sequence[int]], **place: typing.Any) -> Shape:
     """Convex and closed. @param points_m (n, 3) @param triangles (m, 3) indices of points"""
     return Shape(CONVEX_MESH, points_m=points_m, triangles=triangles, **place)
 
@@ -56,13 +64,13 @@ class Body:
     """A body to spawn. `generation` names it among those that the slot holds one after another."""
     slot: int
     shape_set: int
-    position_m: tuple
-    orientation_xyzw: tuple = UPRIGHT
+    position_m: Vector
+    orientation_xyzw: Vector = UPRIGHT
     generation: int = 1
     owner: int = LOOP
     mass_kg: float = 0.1
     friction: float = 0.8
-    velocity_m_s: tuple = (0.0, 0.0, 0.0)
+    velocity_m_s: Vector = (0.0, 0.0, 0.0)
     refuse_overlap: bool = False
 
 
@@ -77,10 +85,11 @@ class BodyEvent:
     generation: int
     refusal: str = ""
     impulse_ns: float = 0.0
-    body: tuple = ()
+    body: typing.Tuple[int, ...] = ()
 
 
-def event_of(name, event, refusals, generations, names):
+def event_of(name: str, event: typing.Any, refusals: dict[int, str], generations: dict[int, int],
+             names: dict[int, tuple[int, int]]) -> BodyEvent:
     """@param refusals names of the schema's BodyRefusal @param generations of slots, which "touched" does not bring
     @param names of bodies beyond the slots, by the slot that they have or had last"""
     slot, value = int(event["index"]), float(event["value"])
@@ -90,15 +99,21 @@ def event_of(name, event, refusals, generations, names):
                      impulse_ns=value if name == "touched" else 0.0, body=names.get(slot, (slot, generation)))
 
 
+# How orders name a body.
+Name = typing.Tuple[int, int]
+Place = typing.Union[typing.Tuple[int, int, Vector], typing.Tuple[int, int, Vector, Vector]]
+Handover = typing.Tuple[int, int, int]
+
 # Orders whose `bodies` are structs.
 ORDERS = {"Remove": Remove, "Teleport": Teleport, "SetOwner": SetOwner, "BodyTargets": BodyTargets}
 
 
-def _pose(builder, position_m, orientation_xyzw):
+def _pose(builder: flatbuffers.Builder, position_m: Vector, orientation_xyzw: Vector) -> typing.Any:
     return Pose.CreatePose(builder, *map(float, position_m), *map(float, orientation_xyzw))
 
 
-def _vector(builder, order, items, put):
+def _vector(builder: flatbuffers.Builder, order: str, items: typing.Sequence[typing.Any],
+            put: typing.Callable[[typing.Any], typing.Any]) -> typing.Any:
     """A vector of structs: `put(item)` appends one."""
     getattr(ORDERS[order], f"{order}StartBodiesVector")(builder, len(items))
     for item in reversed(items):
@@ -106,14 +121,14 @@ def _vector(builder, order, items, put):
     return builder.EndVector()
 
 
-def _table_vector(builder, tables):
+def _table_vector(builder: flatbuffers.Builder, tables: list[int]) -> typing.Any:
     builder.StartVector(4, len(tables), 4)
     for table in reversed(tables):
         builder.PrependUOffsetTRelative(table)
     return builder.EndVector()
 
 
-def _shape(builder, shape):
+def _shape(builder: flatbuffers.Builder, shape: Shape) -> typing.Any:
     made = ShapeTable
     points = triangles = None
     if len(shape.points_m):
@@ -135,7 +150,7 @@ def _shape(builder, shape):
     return made.ShapeEnd(builder)
 
 
-def _spawned(builder, body):
+def _spawned(builder: flatbuffers.Builder, body: Body) -> typing.Any:
     made = SpawnBody
     made.SpawnBodyStart(builder)
     made.SpawnBodyAddSlot(builder, body.slot)
@@ -153,28 +168,29 @@ def _spawned(builder, body):
 # Each of these makes a vector of an order, for messages.encode(): a function of the builder.
 
 
-def pieces(shapes):
+def pieces(shapes: typing.Sequence[Shape]) -> Put:
     return lambda builder: _table_vector(builder, [_shape(builder, shape) for shape in shapes])
 
 
-def spawned(bodies):
+def spawned(bodies: typing.Sequence[Body]) -> Put:
     return lambda builder: _table_vector(builder, [_spawned(builder, body) for body in bodies])
 
 
-def named(order, bodies):
+def named(order: str, bodies: typing.Sequence[Name]) -> Put:
     """@param bodies (slot, generation), ..."""
     return lambda builder: _vector(
         builder, order, bodies, lambda body: BodyName.CreateBodyName(builder, *body))
 
 
-def placed(order, bodies):
+def placed(order: str, bodies: typing.Sequence[Place]) -> Put:
     """@param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
-    def put(builder, slot, generation, position_m, orientation_xyzw=UPRIGHT):
+    def put(builder: flatbuffers.Builder, slot: int, generation: int, position_m: Vector,
+            orientation_xyzw: Vector = UPRIGHT) -> None:
         BodyPlace.CreateBodyPlace(builder, slot, generation, *map(float, position_m), *map(float, orientation_xyzw))
     return lambda builder: _vector(builder, order, bodies, lambda body: put(builder, *body))
 
 
-def handed_over(order, bodies):
+def handed_over(order: str, bodies: typing.Sequence[Handover]) -> Put:
     """@param bodies (slot, generation, owner), ..."""
     return lambda builder: _vector(
         builder, order, bodies, lambda body: BodyHandover.CreateBodyHandover(builder, *body))

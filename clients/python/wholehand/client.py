@@ -5,26 +5,36 @@
         program.arm()
         state = program.next_state()
 """
+from __future__ import annotations
+
 import asyncio
 import threading
 import time
+import types
+import typing
 
-from wholehand.connection import Connection, Lost, connect
+from wholehand.bodies import Body, BodyEvent, Handover, Name, Place, Shape
+from wholehand.connection import ANSWER_WITHIN_S, Connection, Lost, connect
+from wholehand.messages import Reals, Table
 
 # A thread that holds the controls and asks for nothing so long is taken for hung: the heartbeat ends, and the
 # program takes the controls back. The pages have the same rule.
 HUNG_AFTER_S = 3.0
+
+Answer = typing.TypeVar("Answer")
 
 
 class Client:
     """Runs a Connection in a thread of its own. All of it is called from one thread; every call shows that the caller
     is alive."""
 
-    def __init__(self, address="127.0.0.1:8080", role=None, token=None):
+    def __init__(self, address: str = "127.0.0.1:8080", role: str | None = None, token: str | None = None,
+                 answer_within_s: float = ANSWER_WITHIN_S) -> None:
+        """As wholehand.connection.connect()."""
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
-        self._open = connect(address, role, token)
+        self._open = connect(address, role, token, answer_within_s)
         self._in_call, self._called_s = False, time.monotonic()
         try:
             self._program: Connection = self._call(self._open.__aenter__())
@@ -33,101 +43,103 @@ class Client:
             raise
         self._program.silence = lambda: not self._in_call and time.monotonic() - self._called_s > HUNG_AFTER_S
 
-    def __enter__(self):
+    def __enter__(self) -> Client:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: type[BaseException] | BaseException | types.TracebackType | None) -> None:
         self.close()
 
     @property
-    def scene(self):
+    def scene(self) -> Table | None:
         return self._program.scene
 
     @property
-    def state(self):
+    def state(self) -> Table | None:
         """The newest; None where none has come yet."""
         return self._program.state
 
     @property
-    def controls(self):
+    def controls(self) -> Table | None:
         return self._program.controls
 
     @property
-    def welcome(self):
+    def welcome(self) -> Table | None:
         return self._program.welcome
 
-    def order(self, order, timeout_s=None, **fields):
-        """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost."""
-        self._call(self._program.order(order, **fields), timeout_s)
+    def order(self, order: str, timeout_s: float | None = None, **fields: typing.Any) -> None:
+        """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost, Unanswered, and
+        ValueError for what can be sent to nobody, such as a number that is not finite.
+        @param timeout_s in place of the client's answer_within_s"""
+        self._call(self._program.order(order, timeout_s, **fields))
 
-    def take_controls(self, token=""):
+    def take_controls(self, token: str = "") -> None:
         self._call(self._program.take_controls(token))
 
-    def release_controls(self):
+    def release_controls(self) -> None:
         self._call(self._program.release_controls())
 
-    def arm(self, endings_seen=None):
+    def arm(self, endings_seen: int | None = None) -> None:
         self._call(self._program.arm(endings_seen))
 
-    def stop(self):
+    def stop(self) -> None:
         self._call(self._program.stop())
 
-    def emergency_stop(self):
+    def emergency_stop(self) -> None:
         self._call(self._program.emergency_stop())
 
-    def next_state(self, timeout_s=None):
+    def next_state(self, timeout_s: float | None = None) -> Table:
         """The next WorldState that comes."""
         return self._call(self._program.next_state(), timeout_s)
 
-    def joints_now(self):
+    def joints_now(self) -> Reals | None:
         """Joint positions by the motion of the last states; None before the first: wholehand.prediction."""
-        async def ask():
+        async def ask() -> Reals | None:
             return self._program.joints_now()
         return self._call(ask())
 
     @property
-    def bodies(self):
+    def bodies(self) -> Table | None:
         """The schema's GameBodies; None where none has come."""
         return self._program.bodies
 
     @property
-    def registered(self):
+    def registered(self) -> dict[int, typing.Any]:
         """Bodies beyond the slots: the schema's RegisteredBody by number."""
         return self._program.registered
 
-    def body_poses(self):
+    def body_poses(self) -> dict[int, typing.Any]:
         """Where bodies of a game are: the schema's Pose by slot, or by number."""
-        async def ask():
+        async def ask() -> dict[int, typing.Any]:
             return self._program.body_poses()
         return self._call(ask())
 
-    def prepare_shapes(self, shape_set, *shapes):
+    def prepare_shapes(self, shape_set: int, *shapes: Shape) -> None:
         self._call(self._program.prepare_shapes(shape_set, *shapes))
 
-    def spawn(self, *bodies):
+    def spawn(self, *bodies: Body) -> None:
         self._call(self._program.spawn(*bodies))
 
-    def remove(self, *bodies):
+    def remove(self, *bodies: Name) -> None:
         self._call(self._program.remove(*bodies))
 
-    def teleport(self, *bodies):
+    def teleport(self, *bodies: Place) -> None:
         self._call(self._program.teleport(*bodies))
 
-    def set_owner(self, *bodies):
+    def set_owner(self, *bodies: Handover) -> None:
         self._call(self._program.set_owner(*bodies))
 
-    def body_targets(self, *bodies):
+    def body_targets(self, *bodies: Place) -> None:
         self._call(self._program.body_targets(*bodies))
 
-    def next_body_event(self, timeout_s=None):
+    def next_body_event(self, timeout_s: float | None = None) -> BodyEvent:
         return self._call(self._program.next_body_event(), timeout_s)
 
-    def close(self):
+    def close(self) -> None:
         if self._thread.is_alive():
             self._call(self._open.__aexit__(None, None, None))
             self._end_thread()
 
-    def _call(self, coroutine, timeout_s=None):
+    def _call(self, coroutine: typing.Coroutine[typing.Any, typing.Any, Answer], timeout_s: float | None = None) -> Answer:
         if not self._thread.is_alive():
             coroutine.close()
             raise Lost("this client is closed")
@@ -139,7 +151,7 @@ class Client:
             asked.cancel()
             self._in_call, self._called_s = False, time.monotonic()
 
-    def _end_thread(self):
+    def _end_thread(self) -> None:
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._loop.close()

@@ -8,15 +8,19 @@
             state = await program.next_state()
             await program.order("Aim", q=where_to_go(state))
 """
+from __future__ import annotations
+
 import asyncio
 import collections
 import contextlib
 import time
+import typing
 
-import websockets
+from websockets.exceptions import ConnectionClosed, WebSocketException
+from websockets.legacy.client import connect as open_socket
 
 from wholehand import bodies as make
-from wholehand.messages import BODY_REFUSALS, REFUSALS, WHEREABOUTS, MessageError, decode, encode
+from wholehand.messages import BODY_REFUSALS, REFUSALS, WHEREABOUTS, MessageError, Reals, Table, check_finite, decode, encode
 from wholehand.prediction import MotionPredictor
 
 VIRTUAL_PATIENT, PERSON = 0, 1          # Steer.by
@@ -24,15 +28,20 @@ NEXT, RESTART, PAUSE, RESUME = range(4)  # Action.act
 
 HEARTBEAT_S = 0.05          # the program takes the controls away after 0.2 s of silence
 REPEAT_STOP_S = 0.3
+ANSWER_WITHIN_S = 60.0      # an arming that rehearses takes seconds, on a busy machine more
+MESSAGES_A_SECOND = 350.0   # the program drops those beyond 400, also an Aim that somebody waits for
+AT_ONCE = 50.0              # messages of a burst
 EMPTY_BELOW_M = -8.0        # where a state has empty slots; a body of a game is within 5 m
 BODY_EVENTS = 4096          # most that wait for next_body_event(); older ones are dropped
+
+Answer = typing.TypeVar("Answer")
 
 
 class Refused(Exception):
     """The program refused an order. `code` is a name of the schema's Refusal. `items` are those of an order to bodies
     that were refused, as (index, name of the schema's BodyRefusal, reason); all else of it was obeyed."""
 
-    def __init__(self, order, reply):
+    def __init__(self, order: str, reply: Table) -> None:
         self.order, self.reason = order, reply.reason
         self.code = REFUSALS.get(reply.refusal, "Other")
         self.items = [(item.item, BODY_REFUSALS.get(item.refusal, "Other"), item.reason) for item in reply.items]
@@ -43,21 +52,30 @@ class Lost(ConnectionError):
     """The connection ended, or the program cannot be reached."""
 
 
+class Unanswered(TimeoutError):
+    """The program did not answer an order in time. It may still obey it."""
+
+    def __init__(self, order: str, within_s: float) -> None:
+        super().__init__(f"{order}: the program did not answer within {within_s:g} s; it hangs, or its machine is busy")
+
+
 @contextlib.asynccontextmanager
-async def connect(address="127.0.0.1:8080", role=None, token=None):
-    """@param address host:port @param role therapist, player or watcher; None: says none @param token of another machine"""
+async def connect(address: str = "127.0.0.1:8080", role: str | None = None, token: str | None = None,
+                  answer_within_s: float = ANSWER_WITHIN_S) -> typing.AsyncIterator[Connection]:
+    """@param address host:port @param role therapist, player or watcher; None: says none @param token of another machine
+    @param answer_within_s every order is answered by then, or raises Unanswered"""
     if role not in (None, "therapist", "player", "watcher"):
         raise ValueError(f"role = {role!r}: must be therapist, player or watcher, or None")
     where = f"ws://{address}/ws" + (f"?role={role}" if role else "")
     headers = {"Authorization": f"Bearer {token}"} if token else {}
     try:
-        socket = await websockets.connect(where, max_size=None, ping_interval=None, extra_headers=headers)
-    except (OSError, websockets.WebSocketException, ValueError) as error:
+        socket = await open_socket(where, max_size=None, ping_interval=None, extra_headers=headers)
+    except (OSError, WebSocketException, ValueError, asyncio.TimeoutError) as error:
         raise Lost(f"no program answers at {where}: {error}; start one with `wholehand run`") from error
-    program = Connection(socket)
+    program = Connection(socket, answer_within_s)
     listening = asyncio.create_task(program._listen())
     try:
-        await program._wait(lambda: program.scene is not None or program.commissioning is not None)
+        await program._answered("connect", program._wait(lambda: program.scene or program.commissioning), None)
         yield program
     finally:
         program._beat_stops()
@@ -70,24 +88,136 @@ class Connection:
     (Tables; `bodies` is the schema's GameBodies), `registered` (the schema's RegisteredBody by number), and
     orders to it. `silence` is asked before every heartbeat; while it says True none is sent."""
 
-    def __init__(self, socket):
+    def __init__(self, socket: typing.Any, answer_within_s: float = ANSWER_WITHIN_S) -> None:
         self._socket = socket
+        self._answer_within_s = answer_within_s
         self._number = 0
-        self._replies = {}
-        self._event_queues = set()
+        self._allowance, self._allowed_s = AT_ONCE, time.monotonic()
+        self._replies: dict[int, asyncio.Future[Table]] = {}
+        self._event_queues: set[asyncio.Queue[typing.Any]] = set()
         self._news = asyncio.Event()
-        self._lost = None
-        self._beat = None
-        self._event_names, self._body_events = [], collections.deque(maxlen=BODY_EVENTS)
+        self._lost: Lost | None = None
+        self._beat: asyncio.Task[None] | None = None
+        self._event_names: list[str] = []
+        self._body_events: collections.deque[make.BodyEvent] = collections.deque(maxlen=BODY_EVENTS)
         # Of the bodies of a game, by slot; also of those that have left it. Names: (number, generation).
-        self._generations, self._names = {}, {}
-        self.registered = {}
+        self._generations: dict[int, int] = {}
+        self._names: dict[int, tuple[int, int]] = {}
+        self.registered: dict[int, typing.Any] = {}
         self._motion = MotionPredictor()
-        self.silence = lambda: False
-        self.welcome = self.scene = self.controls = self.state = self.commissioning = self.bodies = None
+        self.silence: typing.Callable[[], bool] = lambda: False
+        self.welcome: Table | None = None
+        self.scene: Table | None = None
+        self.controls: Table | None = None
+        self.state: Table | None = None
+        self.commissioning: Table | None = None
+        self.bodies: Table | None = None
 
-    async def order(self, order, **fields):
-        """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost."""
+    async def order(self, order: str, timeout_s: float | None = None, **fields: typing.Any) -> None:
+        """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost, Unanswered, and
+        ValueError for what can be sent to nobody, such as a number that is not finite.
+        @param timeout_s in place of the connection's answer_within_s"""
+        await self._answered(order, self._ask(order, fields), timeout_s)
+
+    async def take_controls(self, token: str = "") -> None:
+        """Holds them by a heartbeat until release_controls() or the end of the connection."""
+        await self.order("TakeControls", token=token)
+        self._beat_stops()
+        self._beat = asyncio.create_task(self._keep_beating())
+
+    async def release_controls(self) -> None:
+        self._beat_stops()
+        await self.order("ReleaseControls")
+
+    async def arm(self, endings_seen: int | None = None) -> None:
+        """Starts rendering. @param endings_seen of the state that the person was shown when asking; None: the newest"""
+        if endings_seen is None:
+            state = await self._answered("Arm, which waits for a state", self._wait(lambda: self.state), None)
+            endings_seen = state.endings
+        await self.order("Arm", endings_seen=endings_seen)
+
+    async def stop(self) -> None:
+        await self.order("Stop")
+
+    async def emergency_stop(self) -> None:
+        """Sends it until it is answered. Any client may. Raises Lost, Unanswered."""
+        await self._answered("EmergencyStop", self._repeat_stop(), None)
+
+    async def next_state(self) -> Table:
+        """The next WorldState that comes."""
+        before = self.state
+        return await self._wait(lambda: self.state if self.state is not before else None)
+
+    def joints_now(self) -> Reals | None:
+        """Joint positions by the motion of the last states; None before the first: wholehand.prediction."""
+        return self._motion.joints(time.monotonic_ns())
+
+    async def events(self) -> typing.AsyncIterator[tuple[str, typing.Any]]:
+        """(name, event) of everything that happens from now on; `event` has tick, type, index and value. The name is
+        empty for a type that the scene does not have."""
+        queue: asyncio.Queue[typing.Any] = asyncio.Queue()
+        self._event_queues.add(queue)
+        try:
+            while True:
+                event = await queue.get()
+                if self._lost and event is None:
+                    raise self._lost
+                names = self.scene.event_names if self.scene else []
+                yield names[event["type"]] if event["type"] < len(names) else "", event
+        finally:
+            self._event_queues.discard(queue)
+
+    async def prepare_shapes(self, shape_set: int, *shapes: make.Shape) -> None:
+        """Shapes for bodies to come, in a frame whose axes are the body's. They last for the session."""
+        await self.order("PrepareShapes", set=shape_set, pieces=make.pieces(shapes))
+
+    async def spawn(self, *bodies: make.Body) -> None:
+        """@param bodies wholehand.bodies.Body, ...; their `slot` is a slot, or a number from 1000 on for a body beyond
+        the slots, which all other orders name by it, too"""
+        await self.order("Spawn", bodies=make.spawned(bodies))
+
+    async def remove(self, *bodies: make.Name) -> None:
+        """@param bodies (slot, generation), ..."""
+        await self.order("Remove", bodies=make.named("Remove", bodies))
+
+    async def teleport(self, *bodies: make.Place) -> None:
+        """@param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
+        await self.order("Teleport", bodies=make.placed("Teleport", bodies))
+
+    async def set_owner(self, *bodies: make.Handover) -> None:
+        """@param bodies (slot, generation, owner), ..."""
+        await self.order("SetOwner", bodies=make.handed_over("SetOwner", bodies))
+
+    async def body_targets(self, *bodies: make.Place) -> None:
+        """Where bodies of owner GAME are pulled to; older than 0.1 s, a body halts.
+        @param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
+        await self.order("BodyTargets", bodies=make.placed("BodyTargets", bodies))
+
+    async def next_body_event(self) -> make.BodyEvent:
+        """The next wholehand.bodies.BodyEvent; those that came since the connection began wait here."""
+        await self._wait(lambda: self._body_events)
+        return self._body_events.popleft()
+
+    def _keep_body_events(self, events: typing.Any) -> None:
+        for event in events:
+            name = self._event_names[event["type"]] if event["type"] < len(self._event_names) else ""
+            if name in make.EVENTS:
+                self._body_events.append(make.event_of(name, event, BODY_REFUSALS, self._generations, self._names))
+            if name == "appeared":
+                self._generations[int(event["index"])] = int(event["value"])
+
+    async def _answered(self, what: str, asked: typing.Coroutine[typing.Any, typing.Any, Answer],
+                        timeout_s: float | None) -> Answer:
+        within_s = timeout_s if timeout_s is not None else self._answer_within_s
+        try:
+            return await asyncio.wait_for(asked, within_s)
+        except asyncio.TimeoutError as error:
+            raise Unanswered(what, within_s) from error
+
+    async def _ask(self, order: str, fields: dict[str, typing.Any]) -> None:
+        check_finite(order, fields)
+        if order not in ("Stop", "EmergencyStop"):  # which the program always hears
+            await self._take_turn()
         number, answer = await self._send(order, fields)
         try:
             reply = await answer
@@ -96,143 +226,75 @@ class Connection:
         if not reply.accepted:
             raise Refused(order, reply)
 
-    async def take_controls(self, token=""):
-        """Holds them by a heartbeat until release_controls() or the end of the connection."""
-        await self.order("TakeControls", token=token)
-        self._beat_stops()
-        self._beat = asyncio.create_task(self._keep_beating())
-
-    async def release_controls(self):
-        self._beat_stops()
-        await self.order("ReleaseControls")
-
-    async def arm(self, endings_seen=None):
-        """Starts rendering. @param endings_seen of the state that the person was shown when asking; None: the newest"""
-        if endings_seen is None:
-            await self._wait(lambda: self.state is not None)
-            endings_seen = self.state.endings
-        await self.order("Arm", endings_seen=endings_seen)
-
-    async def stop(self):
-        await self.order("Stop")
-
-    async def emergency_stop(self):
-        """Sends it until it is answered. Any client may."""
+    async def _repeat_stop(self) -> None:
         number = None
         while True:
             number, answer = await self._send("EmergencyStop", {}, number)
-            with contextlib.suppress(asyncio.TimeoutError):
+            try:
                 await asyncio.wait_for(answer, REPEAT_STOP_S)
                 return
+            except asyncio.TimeoutError:
+                continue
+            finally:
+                self._replies.pop(number, None)
 
-    async def next_state(self):
-        """The next WorldState that comes."""
-        before = self.state
-        await self._wait(lambda: self.state is not before)
-        return self.state
+    async def _take_turn(self) -> None:
+        """Waits while more messages were sent than the program reads."""
+        now_s = time.monotonic()
+        self._allowance = min(AT_ONCE, self._allowance + MESSAGES_A_SECOND * (now_s - self._allowed_s)) - 1.0
+        self._allowed_s = now_s
+        if self._allowance < 0.0:
+            await asyncio.sleep(-self._allowance / MESSAGES_A_SECOND)
 
-    def joints_now(self):
-        """Joint positions by the motion of the last states; None before the first: wholehand.prediction."""
-        return self._motion.joints(time.monotonic_ns())
-
-    async def events(self):
-        """(name, event) of everything that happens from now on; `event` has tick, type, index and value. The name is
-        empty for a type that the scene does not have."""
-        queue = asyncio.Queue()
-        self._event_queues.add(queue)
-        try:
-            while True:
-                event = await queue.get()
-                if event is None:
-                    raise self._lost
-                names = self.scene.event_names if self.scene else []
-                yield names[event["type"]] if event["type"] < len(names) else "", event
-        finally:
-            self._event_queues.discard(queue)
-
-    async def prepare_shapes(self, shape_set, *shapes):
-        """Shapes for bodies to come, in a frame whose axes are the body's. They last for the session."""
-        await self.order("PrepareShapes", set=shape_set, pieces=make.pieces(shapes))
-
-    async def spawn(self, *bodies):
-        """@param bodies wholehand.bodies.Body, ...; their `slot` is a slot, or a number from 1000 on for a body beyond
-        the slots, which all other orders name by it, too"""
-        await self.order("Spawn", bodies=make.spawned(bodies))
-
-    async def remove(self, *bodies):
-        """@param bodies (slot, generation), ..."""
-        await self.order("Remove", bodies=make.named("Remove", bodies))
-
-    async def teleport(self, *bodies):
-        """@param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
-        await self.order("Teleport", bodies=make.placed("Teleport", bodies))
-
-    async def set_owner(self, *bodies):
-        """@param bodies (slot, generation, owner), ..."""
-        await self.order("SetOwner", bodies=make.handed_over("SetOwner", bodies))
-
-    async def body_targets(self, *bodies):
-        """Where bodies of owner GAME are pulled to; older than 0.1 s, a body halts.
-        @param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
-        await self.order("BodyTargets", bodies=make.placed("BodyTargets", bodies))
-
-    async def next_body_event(self):
-        """The next wholehand.bodies.BodyEvent; those that came since the connection began wait here."""
-        await self._wait(lambda: self._body_events)
-        return self._body_events.popleft()
-
-    def _keep_body_events(self, events):
-        for event in events:
-            name = self._event_names[event["type"]] if event["type"] < len(self._event_names) else ""
-            if name in make.EVENTS:
-                self._body_events.append(make.event_of(name, event, BODY_REFUSALS, self._generations, self._names))
-            if name == "appeared":
-                self._generations[int(event["index"])] = int(event["value"])
-
-    async def _send(self, order, fields, number=None):
+    async def _send(self, order: str, fields: dict[str, typing.Any],
+                    number: int | None = None) -> tuple[int, asyncio.Future[Table]]:
         if self._lost:
             raise self._lost
         if number is None:  # else said again
             self._number += 1
             number = self._number
-        answer = asyncio.get_running_loop().create_future()
+        message = encode(number, order, **fields)
+        answer: asyncio.Future[Table] = asyncio.get_running_loop().create_future()
         self._replies[number] = answer
         try:
-            await self._socket.send(encode(number, order, **fields))
-        except websockets.ConnectionClosed as error:
+            await self._socket.send(message)
+        except ConnectionClosed as error:
             self._replies.pop(number)
             raise self._ended(error) from error
         return number, answer
 
-    async def _keep_beating(self):
+    async def _keep_beating(self) -> None:
         while not self._lost:
             if not self.silence():
-                with contextlib.suppress(websockets.ConnectionClosed):
+                with contextlib.suppress(ConnectionClosed):
                     await self._socket.send(encode(0, "Heartbeat"))
             await asyncio.sleep(HEARTBEAT_S)
 
-    def _beat_stops(self):
+    def _beat_stops(self) -> None:
         if self._beat:
             self._beat.cancel()
             self._beat = None
 
-    async def _wait(self, holds):
-        while not holds():
+    async def _wait(self, found: typing.Callable[[], Answer | None]) -> Answer:
+        """What is found, once it is there."""
+        while True:
+            if what := found():
+                return what
             if self._lost:
                 raise self._lost
             self._news.clear()
             await self._news.wait()
 
-    async def _listen(self):
+    async def _listen(self) -> None:
         try:
             async for data in self._socket:
                 self._hear(decode(data))
                 self._news.set()
             self._ended("it was closed")
-        except (websockets.WebSocketException, OSError, MessageError) as error:
+        except (WebSocketException, OSError, MessageError) as error:
             self._ended(error)
 
-    def _hear(self, message):
+    def _hear(self, message: Table) -> None:
         names = {"WorldState": "state", "Scene": "scene", "Welcome": "welcome", "Controls": "controls",
                  "Commissioning": "commissioning", "GameBodies": "bodies"}
         if message.kind in names:
@@ -263,14 +325,14 @@ class Connection:
                 for event in message.events:
                     queue.put_nowait(event)
 
-    def _numbers_in_slots(self):
+    def _numbers_in_slots(self) -> dict[int, int]:
         return {int(body["slot"]): number for number, body in self.registered.items() if body["slot"] >= 0}
 
-    def body_poses(self):
+    def body_poses(self) -> dict[int, typing.Any]:
         """Where bodies of a game are: the schema's Pose by slot, or by number. By the newest state where they have a slot."""
         poses = {number: body["pose"] for number, body in self.registered.items()}
         state, reported = self.state, self.bodies
-        if reported is None or state is None or state.session != reported.session:
+        if self.scene is None or reported is None or state is None or state.session != reported.session:
             return poses
         numbers, in_state = self._numbers_in_slots(), state.bodies[len(self.scene.bodies):]
         for slot in map(int, reported.bodies["slot"]):
@@ -278,7 +340,7 @@ class Connection:
                 poses[numbers.get(slot, slot)] = in_state[slot]
         return poses
 
-    def _ended(self, why):
+    def _ended(self, why: typing.Any) -> Lost:
         """All that waits learns that the connection is lost."""
         if self._lost is None:
             self._lost = Lost(f"the connection to the program ended: {why}")

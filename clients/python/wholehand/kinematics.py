@@ -1,10 +1,15 @@
 """Where the links of the hand are, from Scene.links and joint positions."""
+from __future__ import annotations
+
 import numpy
+import numpy.typing
+
+from wholehand.messages import Reals, Structs, Table
 
 PRISMATIC, REVOLUTE, FIXED = 0, 1, 2
 
 
-def rotations(xyzw):
+def rotations(xyzw: numpy.typing.ArrayLike) -> Reals:
     """Unit quaternions (..., 4) as rotation matrices (..., 3, 3)."""
     x, y, z, w = numpy.moveaxis(numpy.asarray(xyzw, float), -1, 0)
     rows = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -13,7 +18,7 @@ def rotations(xyzw):
     return numpy.moveaxis(numpy.array(rows), (0, 1), (-2, -1))
 
 
-def matrices(poses):
+def matrices(poses: Structs) -> Reals:
     """Poses of a state (state.links, state.bodies) as homogeneous matrices (n, 4, 4)."""
     out = numpy.zeros((len(poses), 4, 4))
     out[:, :3, :3] = rotations(poses["orientation_xyzw"])
@@ -25,7 +30,7 @@ def matrices(poses):
 class Hand:
     """The tree of links that a scene describes."""
 
-    def __init__(self, scene):
+    def __init__(self, scene: Table) -> None:
         self.links = scene.links
         self.names = [link.name for link in self.links]
         self.joint_names = scene.joint_names
@@ -35,7 +40,7 @@ class Hand:
         self._axes = [numpy.array(link.axis, float) for link in self.links]
         self._at_zero = matrices(numpy.array([link.at_zero for link in self.links]))
 
-    def link_poses(self, theta):
+    def link_poses(self, theta: numpy.typing.ArrayLike) -> Reals:
         """Poses in the world. @param theta joint positions [rad or m], (..., joints) @return (..., links, 4, 4)"""
         theta = numpy.asarray(theta, float)
         if theta.shape[-1] != len(self.joint_names):
@@ -48,7 +53,7 @@ class Hand:
             poses[..., i, :, :] = pose
         return poses
 
-    def _motion(self, link, theta):
+    def _motion(self, link: int, theta: Reals) -> Reals:
         """Of the link by its joint, in its own frame."""
         motion = numpy.zeros((*theta.shape, 4, 4))
         motion[..., :, :] = numpy.eye(4)

@@ -1,10 +1,20 @@
 """Messages of the protocol as Python values; protocol/wholehand.fbs explains every field."""
+from __future__ import annotations
+
 import importlib
+import math
 import re
 import struct
+import types
+import typing
 
 import flatbuffers
 import numpy
+import numpy.typing
+
+Reals = numpy.typing.NDArray[numpy.float64]
+Structs = numpy.typing.NDArray[numpy.void]
+AnyArray = numpy.typing.NDArray[typing.Any]
 
 SCHEMA_VERSION = 1
 IDENTIFIER = b"WHND"
@@ -35,12 +45,12 @@ class MessageError(ValueError):
     """Bytes that are no message of this protocol."""
 
 
-def _generated(name):
+def _generated(name: str) -> types.ModuleType:
     """What flatc has made of a table, an enum or a union."""
     return importlib.import_module(f"wholehand.protocol.{name}")
 
 
-def _names(enum):
+def _names(enum: str) -> dict[int, str]:
     """Number -> name."""
     members = vars(getattr(_generated(enum), enum))
     return {number: name for name, number in members.items() if not name.startswith("_")}
@@ -63,32 +73,33 @@ class Table:
     """
     __slots__ = ("_generated", "kind")
 
-    def __init__(self, generated):
+    def __init__(self, generated: typing.Any) -> None:
         self._generated = generated
         self.kind = type(generated).__name__
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> typing.Any:
         read = _reader(type(self._generated), name)
         try:
             return read(self._generated)
         except UNREADABLE as error:
             raise MessageError(f"{self.kind}.{name} cannot be read: {error}") from error
 
-    def __dir__(self):
+    def __dir__(self) -> list[str]:
         return ["kind", *field_names(type(self._generated))]
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<{self.kind}>"
 
 
-def _camel(name):
+def _camel(name: str) -> str:
     return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
 
 
-_readers = {}
+Read = typing.Callable[[typing.Any], typing.Any]
+_readers: dict[tuple[type, str], Read] = {}
 
 
-def _reader(table, name):
+def _reader(table: type, name: str) -> Read:
     """The function that reads a field of a generated class."""
     read = _readers.get((table, name))
     if read is None:
@@ -98,7 +109,7 @@ def _reader(table, name):
     return read
 
 
-def _make_reader(table, name):
+def _make_reader(table: type, name: str) -> Read:
     get = getattr(table, _camel(name))
     if hasattr(table, _camel(name) + "AsNumpy"):
         numbers = getattr(table, _camel(name) + "AsNumpy")
@@ -108,26 +119,27 @@ def _make_reader(table, name):
     length = getattr(table, _camel(name) + "Length")
     structs = VECTORS_OF_STRUCTS.get((table.__name__, name))
     if structs is not None:
-        return lambda t: _structs(structs, get(t, 0)._tab, length(t)) if length(t) else numpy.empty(0, structs)
+        kind = structs
+        return lambda t: _structs(kind, get(t, 0)._tab, length(t)) if length(t) else numpy.empty(0, kind)
     return lambda t: [_value(get(t, i)) for i in range(_believable(length(t), t))]
 
 
-def _numbers(array):
+def _numbers(array: typing.Any) -> AnyArray:
     return array if isinstance(array, numpy.ndarray) else numpy.empty(0)  # absent: 0
 
 
-def _structs(dtype, first, count):
+def _structs(dtype: numpy.dtype[typing.Any], first: typing.Any, count: int) -> AnyArray:
     return numpy.frombuffer(first.Bytes, dtype, count, first.Pos)
 
 
-def _believable(count, table):
+def _believable(count: int, table: typing.Any) -> int:
     """No vector has more elements than its message has room for."""
     if 4 * count > len(table._tab.Bytes):
         raise ValueError(f"{count} elements do not fit into {len(table._tab.Bytes)} bytes")
     return count
 
 
-def _value(value):
+def _value(value: typing.Any) -> typing.Any:
     if isinstance(value, bytes):
         return value.decode()
     if not hasattr(value, "_tab"):
@@ -136,14 +148,14 @@ def _value(value):
     return Table(value) if dtype is None else _structs(dtype, value._tab, 1)[0]
 
 
-def field_names(table):
+def field_names(table: type) -> list[str]:
     """Of a generated class: its accessors, which flatc names in camel case."""
     own = [name for name in vars(table) if name[0].isupper() and name != "Init" and not name.startswith("GetRootAs")]
     helpers = ("AsNumpy", "Length", "IsNone", "BufferHasIdentifier")
     return [re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower() for name in own if not name.endswith(helpers)]
 
 
-def decode(data):
+def decode(data: typing.Any) -> Table:
     """The table that a message of the program carries. Raises MessageError."""
     data = bytes(data)
     if len(data) < 8 or data[4:8] != IDENTIFIER:
@@ -165,7 +177,7 @@ def decode(data):
     return Table(table)
 
 
-def encode(number, order, **fields):
+def encode(number: int, order: str, **fields: typing.Any) -> bytes:
     """A Command. @param number rises with every command @param fields of the order's table, as in the schema; of bodies
     and pieces a function of wholehand.bodies"""
     if order not in ORDERS:
@@ -195,11 +207,27 @@ def encode(number, order, **fields):
     return bytes(builder.Output())
 
 
-def _put(builder, value):
+def _put(builder: flatbuffers.Builder, value: typing.Any) -> typing.Any:
     if callable(value):
         return value(builder)
     if isinstance(value, str):
         return builder.CreateString(value)
     if isinstance(value, (list, tuple, numpy.ndarray)):
-        return builder.CreateNumpyVector(numpy.asarray(value, "<f4"))
+        return builder.CreateNumpyVector(_single(value))
     return value
+
+
+def _single(values: numpy.typing.ArrayLike) -> AnyArray:
+    """As the wire has vectors of numbers: in single precision, which ends at 3.4e38."""
+    with numpy.errstate(over="ignore"):
+        return numpy.asarray(values, "<f4")
+
+
+def check_finite(order: str, fields: dict[str, typing.Any]) -> None:
+    """Raises ValueError for an order with a number that is not finite, which no program obeys."""
+    for name, value in fields.items():
+        if isinstance(value, (float, numpy.floating)) and not math.isfinite(value):
+            raise ValueError(f"{order}.{name} = {value}: must be finite")
+        if isinstance(value, (list, tuple, numpy.ndarray)):
+            for i in numpy.flatnonzero(~numpy.isfinite(_single(value))):
+                raise ValueError(f"{order}.{name}[{i}] = {numpy.ravel(value)[i]}: must be finite in single precision")

@@ -1,5 +1,9 @@
 """Where the joints of the hand are now, from states that come late, irregularly and in part not at all."""
+from __future__ import annotations
+
 import numpy
+
+from wholehand.messages import Reals, Table
 
 SPACING_S = 0.0045         # between the states of a parabola, at least
 CURVATURE_SHARE = 0.75
@@ -14,18 +18,18 @@ class MotionPredictor:
     overshoot where a motion ends. How old a state is follows from the fastest delivery of the last seconds: the clocks of
     program and client may differ, and what the fastest delivery itself needs is not seen."""
 
-    def __init__(self):
-        self._kept = []  # (time_s, joints), newest first; of the others each is SPACING_S older, at least
+    def __init__(self) -> None:
+        self._kept: list[tuple[float, Reals]] = []  # (time_s, joints), newest first; of the others each is SPACING_S older, at least
         self._session = self._newest_sent_ns = 0
         self._delay_ns = self._delay_before_ns = self._window_ends_ns = 0
 
-    def add(self, state, received_ns):
+    def add(self, state: Table, received_ns: int) -> None:
         """@param state WorldState @param received_ns time.monotonic_ns() when it came"""
         joints = numpy.array(state.theta, float)
         if len(joints):
             self.add_joints(state.session, state.time_s, state.sent_monotonic_ns, received_ns, joints)
 
-    def add_joints(self, session, time_s, sent_ns, received_ns, joints):
+    def add_joints(self, session: int, time_s: float, sent_ns: int, received_ns: int, joints: Reals) -> None:
         """As add(). Old states are ignored."""
         kept = self._kept
         same = bool(kept) and session == self._session and len(joints) == len(kept[0][1])
@@ -42,7 +46,7 @@ class MotionPredictor:
         kept.insert(0, (time_s, joints))
         del kept[KEPT:]
 
-    def joints(self, now_ns):
+    def joints(self, now_ns: int) -> Reals | None:
         """The joints at `now_ns` of time.monotonic_ns(); None before the first state."""
         kept = self._kept
         if not kept:
@@ -63,11 +67,11 @@ class MotionPredictor:
             ahead += CURVATURE_SHARE * curvature * ahead_s * (ahead_s + h)
         return newest + ahead
 
-    def age_s(self, now_ns):
+    def age_s(self, now_ns: int) -> float:
         """Of the newest state; what the fastest delivery needs does not count."""
         return max(0.0, 1e-9 * (now_ns - self._newest_sent_ns - min(self._delay_ns, self._delay_before_ns)))
 
-    def _count_delay(self, delay_ns, now_ns):
+    def _count_delay(self, delay_ns: int, now_ns: int) -> None:
         """The smallest one of this window and of the one before it."""
         if not self._kept:
             self._delay_ns = self._delay_before_ns = delay_ns

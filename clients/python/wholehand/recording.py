@@ -4,17 +4,26 @@
     time_s, sent = f["ticks/time_s"][:], f["ticks/sent"][:]
     frame, data = f.to_pandas("q_m", "sent"), f.to_xarray("bodies")
 """
+from __future__ import annotations
+
+import os
+import typing
+
 import h5py
 
 from wholehand import tables
 
+if typing.TYPE_CHECKING:
+    import pandas
+    import xarray
+
 SCHEMA = 9
 
 
-class Recording(h5py.File):
+class Recording(h5py.File):  # type: ignore[misc]
     """A recording, opened for reading; one that is still written or was cut off, too."""
 
-    def __init__(self, path):
+    def __init__(self, path: str | os.PathLike[str]) -> None:
         super().__init__(path, "r", libver="latest", swmr=True)
         self.meta = self["meta"].attrs
         version = self.meta["schema_version"]
@@ -24,14 +33,14 @@ class Recording(h5py.File):
             raise ValueError(f"{path}: schema_version = {version}: this package reads version {SCHEMA}: {remedy}")
         self.ticks = self["ticks"]
 
-    def rows(self):
+    def rows(self) -> int:
         """Ticks that every dataset of /ticks has; of a killed program some datasets are longer."""
         return min(len(dataset) for dataset in self.ticks.values())
 
-    def to_pandas(self, *names):
+    def to_pandas(self, *names: str) -> pandas.DataFrame:
         """A DataFrame of datasets of /ticks, all where none is named: see tables.to_pandas."""
         return tables.to_pandas(self, *names)
 
-    def to_xarray(self, *names):
+    def to_xarray(self, *names: str) -> xarray.Dataset:
         """A Dataset of datasets of /ticks, all where none is named: see tables.to_xarray."""
         return tables.to_xarray(self, *names)

@@ -9,8 +9,16 @@
 
 Needs the module _rig: the package python3-wholehand, or a build with pybind11-dev and python3-dev.
 """
+from __future__ import annotations
+
+import hashlib
 import os
 import pathlib
+import struct
+import types
+import typing
+
+import numpy
 
 try:
     from wholehand._rig import BadInput, RunEnded
@@ -21,6 +29,8 @@ except ImportError as error:
                       "are installed, for Debian's /usr/bin/python3") from error
 
 __all__ = ["BadInput", "Rig", "RunEnded", "VectorRig", "shipped"]
+
+Path = typing.Union[str, "os.PathLike[str]"]
 
 
 def shipped(relative: str) -> str:
@@ -35,7 +45,7 @@ def shipped(relative: str) -> str:
     return relative
 
 
-def _file(value: "str | os.PathLike[str] | None", folder: str, suffix: str = ".toml") -> str:
+def _file(value: Path | None, folder: str, suffix: str = ".toml") -> str:
     """A path as it is; a name alone is that of a shipped file."""
     text = os.fspath(value) if value is not None else ""
     if not text or "/" in text or text.endswith(suffix):
@@ -49,20 +59,25 @@ def _gains(device: str) -> str:
     return str(beside) if beside.exists() else shipped(f"config/rendering/{beside.name}")
 
 
-def _files(device: "str | os.PathLike[str]", hand: "str | os.PathLike[str]", scene: "str | os.PathLike[str] | None",
-           exercise: "str | os.PathLike[str] | None", patient: "str | os.PathLike[str]",
-           rendering: "str | os.PathLike[str] | None", motion: "str | os.PathLike[str] | None") -> "dict[str, str]":
+def _files(device: Path, hand: Path, scene: Path | None, exercise: Path | None, patient: Path, rendering: Path | None,
+           motion: Path | None) -> dict[str, str]:
     if exercise is not None and (scene is not None or motion is not None):
         raise ValueError(f"exercise = {os.fspath(exercise)!r}: cannot go with scene or motion: it names its own scene; "
                          "leave one of them out")
     device_file = _file(device, "config/devices")
-    if scene is None and exercise is None and motion is None:
-        motion = "reach-grasp-00"
+    scene_file = _file(scene or "four-shapes", "config/scenes")
+    if exercise is None and motion is None and scene_file == shipped("config/scenes/four-shapes.toml"):
+        motion = "reach-grasp-00"  # a hand at rest would begin within a body of that scene
     return {"device": device_file, "hand": _file(hand, "config/hands"),
-            "scene": _file(scene or "four-shapes", "config/scenes"), "exercise": _file(exercise, "config/exercises"),
+            "scene": scene_file, "exercise": _file(exercise, "config/exercises"),
             "patient": _file(patient, "config/patients"),
             "rendering": _file(rendering, "config/rendering") if rendering is not None else _gains(device_file),
             "motion": _file(motion, "data/human-motion", ".csv")}
+
+
+# A saved state: these bytes, the digest of all after it, its counts, and what _history() and _end() say.
+_MARK = b"wholehand rig 1\n"
+_COUNTS = struct.Struct("<QQQ")  # seed, steps, aims
 
 
 class Rig(_Rig):
@@ -70,20 +85,70 @@ class Rig(_Rig):
 
     Arrays are read-only views of memory that the rig owns: valid as long as one of them lives, and overwritten by the next
     step() or reset(); copy what is kept. Positions in m or rad by axis, efforts in N or N·m.
+
+    It can be pickled and copied (copy.deepcopy): as by save() and restore().
     """
 
-    def __init__(self, device: "str | os.PathLike[str]" = "lambda-pride", *,
-                 hand: "str | os.PathLike[str]" = "adult-median-right", scene: "str | os.PathLike[str] | None" = None,
-                 exercise: "str | os.PathLike[str] | None" = None, level: int = 1,
-                 patient: "str | os.PathLike[str]" = "relaxed-adult", rendering: "str | os.PathLike[str] | None" = None,
-                 motion: "str | os.PathLike[str] | None" = None, engine: str = "", rate_hz: float = 1000.0,
+    def __init__(self, device: Path = "lambda-pride", *, hand: Path = "adult-median-right", scene: Path | None = None,
+                 exercise: Path | None = None, level: int = 1, patient: Path = "relaxed-adult",
+                 rendering: Path | None = None, motion: Path | None = None, engine: str = "", rate_hz: float = 1000.0,
                  uncertified: bool = False, seed: int = 0) -> None:
-        """Without scene, exercise and motion: four-shapes with the motion reach-grasp-00.
+        """Without scene and exercise: four-shapes. That scene's motion is reach-grasp-00 where none is named.
         @param exercise names its own scene @param motion recorded motion that the virtual patient plays; None: rests
         @param rendering gains (default: those of the device's name) @param engine "": the default one
         @param uncertified allow gains that are not certified @param seed as of reset()"""
+        self._arguments: dict[str, typing.Any] = {
+            "device": device, "hand": hand, "scene": scene, "exercise": exercise, "level": level, "patient": patient,
+            "rendering": rendering, "motion": motion, "engine": engine, "rate_hz": rate_hz, "uncertified": uncertified}
         super().__init__(**_files(device, hand, scene, exercise, patient, rendering, motion), level=level, engine=engine,
                          rate_hz=rate_hz, uncertified=uncertified, seed=seed)
+
+    def save(self) -> bytes:
+        """The state: what was asked of the rig since reset(), and a digest of where that led. Raises RunEnded once closed,
+        and RuntimeError after more than a million steps with aims."""
+        seed, ticks, aims = self._history()
+        said = _COUNTS.pack(seed, len(ticks), len(aims)) + ticks.tobytes() + aims.tobytes() + self._end()
+        return _MARK + hashlib.sha256(said).digest() + said
+
+    def restore(self, state: bytes) -> None:
+        """Goes to a state that save() returned, to the bit, by running again: as long as the run took. Raises ValueError for
+        a state that is damaged, or of other files or another program; then the rig has begun anew."""
+        said = state[len(_MARK) + 32:]
+        if not state.startswith(_MARK) or len(said) < _COUNTS.size or _MARK + hashlib.sha256(said).digest() + said != state:
+            raise ValueError("the state is damaged, or none that Rig.save() returned")
+        seed, steps, numbers = _COUNTS.unpack_from(said)
+        ticks = numpy.frombuffer(said, numpy.int64, steps, _COUNTS.size)
+        aims = numpy.frombuffer(said, numpy.float64, numbers, _COUNTS.size + ticks.nbytes)
+        self._run_again(seed, ticks, aims)
+        if self._end() != said[_COUNTS.size + ticks.nbytes + aims.nbytes:]:
+            ran = self.tick
+            self.reset(seed)
+            raise ValueError(f"the state was saved with other files or by another program: tick {ran} differs")
+
+    def __enter__(self) -> Rig:
+        return self
+
+    def __exit__(self, *_: type[BaseException] | BaseException | types.TracebackType | None) -> None:
+        self.close()
+
+    def __reduce__(self) -> tuple[typing.Any, ...]:
+        return _again, (type(self), self._arguments, self.save())
+
+    def __repr__(self) -> str:
+        named = {name: value for name, value in self._arguments.items() if value not in (None, "", False)}
+        running = "runs" if self.running else self.ended_by or "closed"
+        return f"<Rig {', '.join(f'{name}={value!s}' for name, value in named.items())}: {self.time_s:.3f} s, {running}>"
+
+    def _end(self) -> bytes:
+        """A digest of the last tick."""
+        last = (self.tick, self.q_m, self.q_s, self.qd_s, self.theta, self.sent, self.bodies, self.exercise_values)
+        return hashlib.sha256(b"".join(array.tobytes() for array in last)).digest()
+
+
+def _again(kind: type[Rig], arguments: dict[str, typing.Any], state: bytes) -> Rig:
+    rig = kind(**arguments)
+    rig.restore(state)
+    return rig
 
 
 class VectorRig(_VectorRig):
@@ -92,12 +157,10 @@ class VectorRig(_VectorRig):
     A rig whose run has ended stands still, and `running` is False, until it is reset. Results do not depend on `threads`.
     """
 
-    def __init__(self, n: int, device: "str | os.PathLike[str]" = "lambda-pride", *, threads: "int | None" = None,
-                 hand: "str | os.PathLike[str]" = "adult-median-right", scene: "str | os.PathLike[str] | None" = None,
-                 exercise: "str | os.PathLike[str] | None" = None, level: int = 1,
-                 patient: "str | os.PathLike[str]" = "relaxed-adult", rendering: "str | os.PathLike[str] | None" = None,
-                 motion: "str | os.PathLike[str] | None" = None, engine: str = "", rate_hz: float = 1000.0,
-                 uncertified: bool = False, seed: int = 0) -> None:
+    def __init__(self, n: int, device: Path = "lambda-pride", *, threads: int | None = None,
+                 hand: Path = "adult-median-right", scene: Path | None = None, exercise: Path | None = None, level: int = 1,
+                 patient: Path = "relaxed-adult", rendering: Path | None = None, motion: Path | None = None, engine: str = "",
+                 rate_hz: float = 1000.0, uncertified: bool = False, seed: int = 0) -> None:
         """As Rig. @param threads default: as many as this process may use processors @param seed of rig 0; rig i begins
         with seed + i"""
         super().__init__(n, threads=threads if threads is not None else len(os.sched_getaffinity(0)),

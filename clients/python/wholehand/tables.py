@@ -1,27 +1,37 @@
 """Recorded datasets as tables of pandas and xarray, which are imported only here."""
+from __future__ import annotations
+
+import typing
+
 import numpy
 
+if typing.TYPE_CHECKING:
+    import pandas
+    import xarray
 
-def _texts(values):
+    from wholehand.recording import Recording
+
+
+def _texts(values: typing.Any) -> list[str]:
     return [value.decode() for value in numpy.atleast_1d(values)]
 
 
-def _names(recording, names):
+def _names(recording: Recording, names: tuple[str, ...]) -> typing.Sequence[str]:
     """Datasets of /ticks, all that have numbers for every row where none is named."""
-    names = names or sorted(recording.ticks)
-    for name in names:
+    chosen = names or sorted(recording.ticks)
+    for name in chosen:
         if f"ticks/{name}" not in recording:
             raise KeyError(f"{name}: there is no such dataset in /ticks; there are {', '.join(sorted(recording.ticks))}")
-    return names
+    return chosen
 
 
-def _units(dataset):
+def _units(dataset: typing.Any) -> str | list[str]:
     """One text for each column, or one for all."""
     units = _texts(dataset.attrs["units"])
     return units[0] if len(units) == 1 else units
 
 
-def to_pandas(recording, *names):
+def to_pandas(recording: Recording, *names: str) -> pandas.DataFrame:
     """A DataFrame of datasets of /ticks: rows by time_s, columns (dataset, label); `attrs["units"]` has their units.
     Bodies have the label "cube px"."""
     import pandas
@@ -42,14 +52,14 @@ def to_pandas(recording, *names):
     return frame
 
 
-def to_xarray(recording, *names):
+def to_xarray(recording: Recording, *names: str) -> xarray.Dataset:
     """A Dataset of datasets of /ticks, over time_s and what their columns are (axis, joint, body, ...)."""
     import xarray
     meta = recording.meta
     known = {tuple(_texts(meta[key])): key.split("_")[0] for key in ("axis_names", "joint_names", "body_names")
              if len(numpy.atleast_1d(meta[key]))}
     variables, rows = {}, recording.rows()
-    coordinates = {"time_s": ("time_s", recording["ticks/time_s"][:rows], {"units": "s"})}
+    coordinates: dict[str, typing.Any] = {"time_s": ("time_s", recording["ticks/time_s"][:rows], {"units": "s"})}
     for name in _names(recording, names):
         if name == "time_s":
             continue

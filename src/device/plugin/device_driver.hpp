@@ -14,6 +14,7 @@ namespace wholehand {
 struct DriverIdentity {
   std::string serial, firmware, sdk;
   std::string driver_sha256;  ///< of the driver's file, its settings, and the files that these name
+  bool simulated = false;     ///< of a plant that is simulated, on which commissioning is learned
 };
 
 /// Prefix of control()'s error for a verb that the device does not support.

@@ -1,0 +1,96 @@
+"""The Python package as pip installs it, into environments that have nothing of this folder, without a network."""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+from app import BINARY, SOURCE, AppTest, main
+
+PROJECT = BINARY.parent / "python"
+OURS = ("numpy", "flatbuffers", "websockets", "h5py", "pandas", "xarray", "wholehand._rig")  # what the package may import
+
+
+def said(*command, **how):
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "PIP_"))}
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, env=environment, **how)
+    if done.returncode != 0:
+        raise AssertionError(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+class Wheel(AppTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        made = tempfile.TemporaryDirectory(prefix="wholehand-wheel-")
+        cls.addClassCleanup(made.cleanup)
+        cls.made = pathlib.Path(made.name)
+        said(sys.executable, "-B", SOURCE / "clients/python/make_wheel.py", PROJECT, cls.made)
+        cls.sdist, = cls.made.glob("*.tar.gz")
+        cls.wheel, = cls.made.glob("*.whl")
+        cls.python = cls.environment("debian", "--system-site-packages")  # what the package needs comes from Debian
+
+    @classmethod
+    def environment(cls, name, *options):
+        said(sys.executable, "-m", "venv", *options, cls.made / name)
+        return cls.made / name / "bin/python"
+
+    def install(self, python, *what):
+        said(python, "-m", "pip", "install", "--no-index", "--disable-pip-version-check", "--force-reinstall", "--no-deps", *what)
+
+    def in_it(self, python, program):
+        return said(python, "-c", program, cwd=self.folder).split()
+
+    def test_the_wheel_brings_the_client_and_rigs_with_their_files(self):
+        self.assertRegex(self.wheel.name, r"-cp3\d+-cp3\d+-linux_")
+        self.install(self.python, self.wheel)
+        said(self.python, "-m", "pip", "install", "--no-index", self.wheel)  # what it needs is there and fits
+        version, where, ran, table = self.in_it(self.python, "import wholehand; from wholehand.rig import Rig, shipped\n"
+                                                "import wholehand.client, wholehand.connection\n"
+                                                "print(wholehand.__version__, wholehand.__file__, Rig(exercise='cocktail-bar')."
+                                                "step(n=20), shipped('config/scenes/table.toml'))")
+        self.assertIn(f"project(wholehand VERSION {version} ", (SOURCE / "CMakeLists.txt").read_text())
+        self.assertEqual(ran, "20")
+        for path in (where, table):
+            self.assertTrue(path.startswith(str(self.made / "debian")), path)
+        self.assertEqual(pathlib.Path(table).read_bytes(), (SOURCE / "config/scenes/table.toml").read_bytes())
+
+    def test_the_five_lines_of_the_readme_plot_a_grasp(self):
+        self.install(self.python, self.wheel)
+        lines = (SOURCE / "clients/python/README.md").read_text().split("## A plot of a grasp")[1].split("```")[3]
+        program = lines.removeprefix("python\n")
+        self.assertEqual(len(program.splitlines()), 5)
+        # In place of matplotlib, which the check has no other use for: prints what is to be drawn.
+        (self.folder / "matplotlib").mkdir()
+        (self.folder / "matplotlib/__init__.py").write_text("")
+        (self.folder / "matplotlib/pyplot.py").write_text("plot = lambda y: print(*y)\nsavefig = lambda file: print(file)\n")
+        *force_n, file = self.in_it(self.python, program)
+        self.assertEqual((len(force_n), float(force_n[0]), file), (600, 0.0, "grasp.png"))
+        self.assertGreater(max(map(float, force_n)), 1.0, "the recorded reach grasps the box")
+
+    def test_the_sdist_becomes_a_client_for_any_machine(self):
+        said(self.python, "-m", "pip", "wheel", "--no-index", "--no-build-isolation", "--no-deps", "-w", self.folder, self.sdist)
+        built, = self.folder.glob("*.whl")
+        self.assertRegex(built.name, "-py3-none-any.whl$")
+        bare = self.environment("bare")
+        self.install(bare, built)
+        self.assertEqual(self.in_it(bare, "import wholehand; print(len(wholehand.__version__.split('.')))"), ["3"])
+        refused = subprocess.run([bare, "-c", "import wholehand; wholehand.open('run.h5')"], capture_output=True, text=True)
+        self.assertIn("No module named 'h5py'", refused.stderr)
+        self.install(self.python, built)
+        refused = subprocess.run([self.python, "-c", "import wholehand.rig"], capture_output=True, text=True, cwd=self.folder)
+        self.assertIn("wholehand.rig needs the module _rig", refused.stderr)
+        self.in_it(self.python, "import wholehand.client, wholehand.bodies, wholehand.kinematics, wholehand.recording")
+
+    def test_an_import_takes_what_it_needs_and_no_more(self):
+        self.install(self.python, self.wheel)
+        for module, needs in (("wholehand", []), ("wholehand.client", ["numpy", "flatbuffers", "websockets"]),
+                              ("wholehand.rig", ["numpy", "wholehand._rig"]), ("wholehand.environment", ["numpy", "wholehand._rig"]),
+                              ("wholehand.recording", ["numpy", "h5py"])):
+            taken = self.in_it(self.python, f"import sys, {module}; print(*(m for m in {OURS} if m in sys.modules))")
+            self.assertEqual(taken, needs, module)
+
+
+if __name__ == "__main__":
+    main()
