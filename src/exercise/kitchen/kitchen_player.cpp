@@ -106,17 +106,27 @@ bool KitchenPlayer::isHeld() const noexcept {
 /// Decides how the present step's thing is met.
 void KitchenPlayer::meet() noexcept {
   met_ = now().thing;
-  const Thing& thing = task_.things[met_];
-  meeting_ = meetingOf(task_, step_, joint_q_, bodies_[met_].position_m.eigen(), layout_.beside);
-  if (meeting_.means == Means::kPush) {
+  const Met met = metAt(step_, joint_q_, bodies_[met_].position_m.eigen());
+  meeting_ = met.meeting;
+  base_m_ = met.base_m;
+  clear_m_ = meeting_.means == Means::kPush
+                 ? Vector3d(-kBefore_m * meeting_.toward)
+                 : Vector3d(-layout_.beside * kBeside_m * Vector3d::UnitY());
+}
+
+KitchenPlayer::Met KitchenPlayer::metAt(int step, double q,
+                                        const Vector3d& center_m) const noexcept {
+  const std::size_t at = std::min<std::size_t>(step, task_.steps.size() - 1);
+  const Thing& thing = task_.things[task_.steps[at].thing];
+  Met met{meetingOf(task_, step, q, center_m, layout_.beside)};
+  if (met.meeting.means == Means::kPush) {
     int k = 0;
-    meeting_.toward.cwiseAbs().maxCoeff(&k);
-    base_m_ = -fingertips_m_[meeting_.toward[k] > 0.0 ? k : k + 3];
-    clear_m_ = -kBefore_m * meeting_.toward;
+    met.meeting.toward.cwiseAbs().maxCoeff(&k);
+    met.base_m = -fingertips_m_[met.meeting.toward[k] > 0.0 ? k : k + 3];
   } else {
-    base_m_ = -layout_.grip_m - layout_.beside * thing.radius_m * Vector3d::UnitY();
-    clear_m_ = -layout_.beside * kBeside_m * Vector3d::UnitY();
+    met.base_m = -layout_.grip_m - layout_.beside * thing.radius_m * Vector3d::UnitY();
   }
+  return met;
 }
 
 /// Where the thing is met, now.

@@ -12,7 +12,7 @@ export const de: KitchenTexts = {
   'more.take': 'Die Hand beim Ring schliessen',
   'more.move': 'Dem Pfeil folgen, bis zur hellen Form',
   'more.hold': 'Dort halten, bis der Ring voll ist',
-  'more.press': 'Beim Ring drücken',
+  'more.press': 'In Richtung des Pfeils drücken, bis die Anzeige voll ist',
   'more.put': 'An seinen Platz tragen',
   'more.let_go': 'Die Hand weit öffnen',
   to: 'bis {a}',

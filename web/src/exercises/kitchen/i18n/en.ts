@@ -11,7 +11,7 @@ export const en = {
   'more.take': 'Close your hand where the ring is',
   'more.move': 'Follow the arrow to the pale shape',
   'more.hold': 'Keep it there until the ring is full',
-  'more.press': 'Press where the ring is',
+  'more.press': 'Press along the arrow until the gauge is full',
   'more.put': 'Carry it to its place',
   'more.let_go': 'Open your hand wide',
   to: 'to {a}',

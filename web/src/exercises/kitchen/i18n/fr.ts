@@ -12,7 +12,7 @@ export const fr: KitchenTexts = {
   'more.take': 'Fermez la main là où est l’anneau',
   'more.move': 'Suivez la flèche jusqu’à la forme claire',
   'more.hold': 'Restez là jusqu’à ce que l’anneau soit plein',
-  'more.press': 'Appuyez là où est l’anneau',
+  'more.press': 'Appuyez dans le sens de la flèche jusqu’à remplir la jauge',
   'more.put': 'Portez-le à sa place',
   'more.let_go': 'Ouvrez grand la main',
   to: 'à {a}',
