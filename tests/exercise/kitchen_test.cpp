@@ -116,7 +116,7 @@ Played play(const std::string& task, int level, const std::string& hand, const s
   ModelFiles files = exerciseFiles(task, level, hand);
   files.patient = config("patients/") + patient + ".toml";
   Models models = load(files);
-  std::unique_ptr<Player> player = models.exercise->makePlayer({seed_of_player});
+  std::unique_ptr<Player> player = makeExercisePlayer(models, seed_of_player);
   const auto rig = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
   const SceneBody& body = rig->models.scene.bodies[0];
   EXPECT_TRUE(rig->renderer->arm());
@@ -138,29 +138,48 @@ Played play(const std::string& task, int level, const std::string& hand, const s
   return out;
 }
 
+/// Shipped tasks. Who is weak in the fingers does what asks for no grip.
+struct ShippedTask {
+  std::string name;
+  bool grips = true;
+  int plays = 0, done = 0;
+};
+
 TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
   std::mt19937_64 random(seed());
-  const std::vector<std::string> tasks{"drawer", "cupboard-door"},
-      hands{"adult-median-right", "adult-median-left", "woman-p05-right", "man-p95-left"},
-      patients{"relaxed-adult", "spastic", "tremor", "spastic-fist"};
+  ShippedTask tasks[] = {{"drawer"},      {"cupboard-door"},       {"light-switch", false},
+                         {"coffee-mill"}, {"flip-top-lid", false}, {"press-lever"}};
+  const std::vector<std::string> hands{"adult-median-right", "adult-median-left", "woman-p05-right",
+                                       "man-p95-left"},
+      patients{"relaxed-adult", "spastic", "tremor", "spastic-fist", "weak"};
   double deepest_m = 0.0, longest_s = 0.0, error_m = 0.0;
-  int done = 0;
-  const int plays = cases(40) / 4 + 1;
+  const int plays = fullCounts() ? 600 : cases(40) / 4 + 1;
   for (int k = 0; k < plays; ++k) {
-    const auto one = [&](const std::vector<std::string>& of) { return of[random() % of.size()]; };
-    const std::string task = one(tasks), hand = one(hands), patient = one(patients);
+    ShippedTask& task = tasks[(seed() + k) % std::size(tasks)];
+    const std::string hand = hands[random() % hands.size()],
+                      patient = patients[random() % (patients.size() - (task.grips ? 1 : 0))];
     const int level = 1 + static_cast<int>(random() % 3);
-    SCOPED_TRACE(task + ", level " + std::to_string(level) + ", " + hand + ", " + patient);
-    const Played played = play(task, level, hand, patient, random() % 100);
+    const std::uint64_t of_player = random() % 100;
+    const std::string who = task.name + ", level " + std::to_string(level) + ", " + hand + ", " +
+                            patient + ", player " + std::to_string(of_player);
+    SCOPED_TRACE(who);
+    const Played played = play(task.name, level, hand, patient, of_player);
     EXPECT_EQ(played.faults, 0);
-    EXPECT_EQ(played.done, 1.0);
-    EXPECT_GT(played.score, 90.0);
-    done += played.done > 0.5 ? 1 : 0;
+    const bool done = played.done > 0.5;
+    if (!done) std::printf("not done: %s\n", who.c_str());
+    if (done) EXPECT_GT(played.score, 90.0);
+    ++task.plays;
+    task.done += done ? 1 : 0;
     deepest_m = std::max(deepest_m, played.deepest_m);
-    longest_s = std::max(longest_s, played.time_s);
+    if (done) longest_s = std::max(longest_s, played.time_s);
     error_m = std::max(error_m, played.error_m);
   }
-  figure("kitchen, plays done of " + std::to_string(plays), done, "");
+  for (const ShippedTask& task : tasks) {
+    SCOPED_TRACE(task.name);
+    figure("kitchen, plays of " + task.name + " done of " + std::to_string(task.plays), task.done,
+           "");
+    EXPECT_GE(task.done, task.plays - task.plays / 20);  // 95 of 100
+  }
   figure("kitchen, longest play", longest_s, "s");
   figure("kitchen, deepest overlap of hand and thing", 1e3 * deepest_m, "mm");
   figure("kitchen, error of a joint", error_m, "m");
@@ -171,46 +190,61 @@ TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
 /// A folder with the shipped drawer, one of its files changed.
 struct FaultyDrawer {
   std::string task = bytesOfFile(config("exercises/drawer.toml")),
-              scene = bytesOfFile(config("scenes/drawer.toml"));
+              scene = bytesOfFile(config("scenes/drawer.toml")),
+              urdf = bytesOfFile(config("scenes/assets/drawer.urdf"));
 
+  /// The faults; without any, what is noticed.
   [[nodiscard]] std::string says(int level = 1) const {
     const Folder folder;
     folder.write("scenes/drawer.toml", scene);
-    folder.write("scenes/assets/drawer.urdf", bytesOfFile(config("scenes/assets/drawer.urdf")));
+    folder.write("scenes/assets/drawer.urdf", urdf);
     const std::string path = folder.write("exercises/drawer.toml", task);
     const auto loaded = loadExercise(path, level, shippedDevice(), shippedHand());
-    return loaded.ok() ? "" : format(loaded.errors());
+    return format(loaded.ok() ? loaded->scene.notices : loaded.errors());
   }
 };
 
 TEST(Kitchen, BadFiles_AreNamedByKeyValueAndRemedy) {
+  enum File { kTask, kScene, kUrdf };
   struct Case {
-    bool in_scene;
+    File file;
     std::string find, with, says, remedy;
   };
   const Case cases[] = {
-      {false, "verb = \"take\"", "verb = \"grab\"", "steps[1].verb", "reach"},
-      {false, "thing = \"drawer\"\nwithin_m", "thing = \"door\"\nwithin_m", "steps[0].thing",
+      {kTask, "verb = \"take\"", "verb = \"grab\"", "steps[1].verb", "reach"},
+      {kTask, "thing = \"drawer\"\nwithin_m", "thing = \"door\"\nwithin_m", "steps[0].thing",
        "add it there"},
-      {false, "body = \"drawer\"", "body = \"worktop\"", "is fixed", "give it a joint"},
-      {false, "body = \"drawer\"", "body = \"nothing\"", "has no such body", "write the name"},
-      {false, "to_m = 0.1\n", "to_m = 0.4\n", "beyond the joint's range", "0 .. 0.12"},
-      {false, "to_m = 0.1\n", "to_rad = 0.1\n", "to_rad", ""},
-      {false, "force_n = 1.0", "force_n = 0.0", "force_n", "40] N"},
-      {true, "axis = [-1.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "has no direction", "[0, 0, 1]"},
-      {true, "axis = [-1.0, 0.0, 0.0]", "axis = [nan, 0.0, 0.0]", "axis", ""},
-      {true, "range_m = [0.0, 0.12]", "range_m = [0.12, 0.0]", "range_m", ""},
-      {true, "range_m = [0.0, 0.12]", "range_m = [0.02, 0.12]", "does not contain 0",
+      {kTask, "body = \"drawer\"", "body = \"worktop\"", "is fixed", "give it a joint"},
+      {kTask, "body = \"drawer\"", "body = \"nothing\"", "has no such body", "write the name"},
+      {kTask, "to_m = 0.1\n", "to_m = 0.4\n", "beyond the joint's range", "0 .. 0.12"},
+      {kTask, "to_m = 0.1\n", "to_rad = 0.1\n", "to_rad", ""},
+      {kTask, "force_n = 1.0", "force_n = 0.0", "force_n", "40] N"},
+      {kScene, "axis = [-1.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "has no direction",
+       "[0, 0, 1]"},
+      {kScene, "axis = [-1.0, 0.0, 0.0]", "axis = [nan, 0.0, 0.0]", "axis", ""},
+      {kScene, "range_m = [0.0, 0.12]", "range_m = [0.12, 0.0]", "range_m", ""},
+      {kScene, "range_m = [0.0, 0.12]", "range_m = [0.02, 0.12]", "does not contain 0",
        "move the body"},
-      {true, "range_m = [0.0, 0.12]", "", "range_m", ""},
-      {true, "friction_n = 2.0", "friction_n = -2.0", "friction_n", "[0, 100] N"},
-      {true, "friction_n = 2.0", "friction_nm = 2.0", "friction_nm", ""},
-      {true, "type = \"slide\"", "type = \"screw\"", "type", "hinge"},
+      {kScene, "range_m = [0.0, 0.12]", "", "range_m", ""},
+      {kScene, "friction_n = 2.0", "friction_n = -2.0", "friction_n", "[0, 100] N"},
+      {kScene, "friction_n = 2.0", "friction_nm = 2.0", "friction_nm", ""},
+      {kScene, "type = \"slide\"", "type = \"screw\"", "type", "hinge"},
+      {kUrdf, "ixx=\"1.3e-2\" iyy=\"1.1e-2\" izz=\"1.9e-2\"", "ixx=\"0\" iyy=\"0\" izz=\"0\"",
+       "drawer.urdf", "must be > 0"},
+      // The bar stands 10 mm before the front: no finger passes behind it.
+      {kUrdf, "<origin xyz=\"0.074 0 0\"/>", "<origin xyz=\"0.034 0 0\"/>", "is buried",
+       "leave 18 mm free behind its radius of 15 mm"},
+      // Level 1 halves it; the device has 20 N along x.
+      {kScene, "friction_n = 2.0", "friction_n = 60.0",
+       "its slide resists with 30 N where the hand takes it; this device pushes with 20 N there",
+       "lower friction_n of its joint"},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.find + " -> " + c.with);
     FaultyDrawer faulty;
-    std::string& text = c.in_scene ? faulty.scene : faulty.task;
+    std::string& text = c.file == kTask    ? faulty.task
+                        : c.file == kScene ? faulty.scene
+                                           : faulty.urdf;
     const std::size_t at = text.find(c.find);
     ASSERT_NE(at, std::string::npos);
     text.replace(at, c.find.size(), c.with);

@@ -262,6 +262,10 @@ class Kitchen final : public Exercise {
   bool returns_ = true;  ///< things are to be put back where they were
 };
 
+constexpr const char* kBaseAxes[] = {"x", "y", "z"};
+/// Half of what a finger needs behind a bar.
+constexpr double kFinger_m = 0.009;
+
 Vector3d vectorFrom(const std::vector<double>& v) {
   return {v[0], v[1], v[2]};
 }
@@ -269,8 +273,8 @@ Vector3d vectorFrom(const std::vector<double>& v) {
 /// Reads the file against the scene. Places are those of a right hand.
 class TaskReader {
  public:
-  TaskReader(TomlTable& root, SceneModel& scene, Side side)
-      : root_(root), scene_(scene), mirrored_(side == Side::kLeft) {}
+  TaskReader(TomlTable& root, SceneModel& scene, const ExerciseSource& source)
+      : root_(root), scene_(scene), source_(source), mirrored_(source.hand->side == Side::kLeft) {}
 
   void read(KitchenTask& task, int level, int& levels) {
     task.par_s = root_.number("par_s", between(1.0, 600.0, "s"), task.par_s);
@@ -284,9 +288,68 @@ class TaskReader {
     for (TomlTable& table : things) readThing(table, task);
     for (TomlTable& table : root_.tables("steps", 1)) readStep(table, task);
     readLevels(task, level, levels);
+    for (std::size_t i = 0; i < things.size(); ++i) {
+      const Thing& thing = task.things[i];
+      if (thing.body < 0 || thing.body >= static_cast<int>(scene_.bodies.size())) continue;
+      const auto is_taken = [i](const Step& step) {
+        return step.verb == Verb::kTake && step.thing == static_cast<int>(i);
+      };
+      if (std::any_of(task.steps.begin(), task.steps.end(), is_taken)) judgeRoom(things[i], thing);
+      if (thing.jointed) judgeResistance(things[i], thing);
+    }
   }
 
  private:
+  /// Fingers need room behind what they close around.
+  void judgeRoom(TomlTable& t, const Thing& thing) {
+    const Vector3d grip_m = thing.start * (thing.grip_m + thing.com_m);
+    const Vector3d behind_m = grip_m + (thing.radius_m + kFinger_m) * Vector3d::UnitX();
+    for (const SceneBody& body : scene_.bodies) {
+      const Pose to_body = body.pose.inverse();
+      for (const Shape& shape : body.shapes) {
+        if (signedDistance(shape, to_body * grip_m) < 0.0 &&
+            signedDistance(shape, to_body * behind_m) > 0.0) {
+          continue;  // what it closes around
+        }
+        if (signedDistance(shape, to_body * behind_m) >= kFinger_m) continue;
+        t.fail("grip_m", "is buried: fingers meet \"" + printable(body.name) + "\" behind it",
+               fmt::format(
+                   "leave {:.0f} mm free behind its radius of {:.0f} mm; 50 mm are comfortable",
+                   2e3 * kFinger_m, 1e3 * thing.radius_m));
+        return;
+      }
+    }
+  }
+
+  /// Warns of a joint that the device cannot move where the hand takes it: nobody could open it.
+  void judgeResistance(TomlTable& t, const Thing& thing) {
+    const SceneJoint& joint = thing.joint;
+    const Vector3d axis = thing.start.rotation * joint.axis;
+    Vector3d way = axis;
+    if (joint.isHinge()) {
+      way = axis.cross(thing.start.rotation * (thing.grip_m + thing.com_m - joint.point_m));
+      if (way.norm() < thing.radius_m) way = thing.radius_m * Vector3d::UnitX();  // a rocker
+    }
+    const double latch = 0.5 * joint.latch_energy_j * joint.latch_wave;
+    const double resists_n = (joint.dry_friction + latch) / way.norm();
+    double pushes_n = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+      const int device_axis = source_.device->axisIndex(kBaseAxes[k]);
+      const double share = std::abs(way.normalized()[k]);
+      if (device_axis < 0 || share < 1e-3) continue;
+      pushes_n = std::min(pushes_n, source_.device->axes[device_axis].effort_limit / share);
+    }
+    if (resists_n <= pushes_n) return;
+    scene_.notices.push_back(
+        {source_.path, t.lineOf("body"), "things.body", printable(scene_.bodies[thing.body].name),
+         fmt::format(
+             "its {} resists with {:.3g} N where the hand takes it; this device pushes with "
+             "{:.3g} N there at most: nobody can move it",
+             joint.isHinge() ? "hinge" : "slide", resists_n, pushes_n),
+         fmt::format("lower {} of its joint in the scene, or friction_ratio of the level",
+                     joint.isHinge() ? "friction_nm" : "friction_n")});
+  }
+
   Vector3d place(TomlTable& t, const char* key) {
     Vector3d v = vectorFrom(t.numbers(key, 3, between(-10.0, 10.0, "m")));
     if (mirrored_) v.y() *= -1.0;
@@ -401,6 +464,7 @@ class TaskReader {
 
   TomlTable& root_;
   SceneModel& scene_;
+  const ExerciseSource& source_;
   bool mirrored_;
   std::vector<std::string> names_;
 };
@@ -417,7 +481,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
     Expected<SceneModel> scene = loadSceneFile(source.scene_path);
     if (scene) {
       out.scene = std::move(*scene);
-      TaskReader(file.root(), out.scene, source.hand->side).read(task, source.level, levels);
+      TaskReader(file.root(), out.scene, source).read(task, source.level, levels);
     } else {
       scene_faults = scene.errors();
       file.root().ignoreUnknownKeys();

@@ -1,12 +1,9 @@
 #include "exercise/kitchen/kitchen_player.hpp"
 
 #include "core/geometry.hpp"
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace wholehand::kitchen {
 namespace {
@@ -26,6 +23,11 @@ constexpr double kClosing_rad_s = 1.0, kFilter_s = 0.05;
 constexpr double kCarry_m_s = 0.06, kFirmly = 2.0, kLeastGrip_n = 3.0;
 // The intention is ahead of what it carries by at most so much; further where nothing is felt yet.
 constexpr double kAhead_m = 0.05, kSearch_m = 0.15, kFelt_n = 0.02;
+constexpr double kBend_rad = 0.2, kPush_m_s = 0.15;
+// Share of the fingers' posture that is new with each record.
+constexpr double kSeen = 0.01;
+// While it is not yet gripped the hand follows a thing that gives way.
+constexpr double kLoose_n = 0.3, kFollow_m_s = 0.05;
 // Who has felt nothing for so long begins anew.
 constexpr double kPatience_s = 2.0;
 
@@ -37,42 +39,13 @@ BarLayout layoutOf(const KitchenTask& task, const DeviceModel& device, const Han
   return makeBarLayout(one, device, &hand);
 }
 
-/// Foremost points of the fingertips of a straight hand at the device's middle.
-std::array<Vector3d, 6> fingertipsOf(const BarLayout& layout, const HandModel& hand) {
-  AxisPosition straight(layout.axes);
-  if (layout.fingers >= 0) {
-    straight[layout.fingers] = std::max(kStraight, layout.lower[layout.fingers]);
-  }
-  ArticulatedBody body(hand);
-  JointPosition theta;
-  Synergy(hand).expand(straight, theta);
-  body.updateKinematics(theta);
-  const auto carries = [&hand](int link) {
-    return std::any_of(hand.links.begin(), hand.links.end(),
-                       [link](const HandLink& other) { return other.parent == link; });
-  };
-  std::array<Vector3d, 6> out;
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    const Vector3d along = (k < 3 ? 1.0 : -1.0) * Vector3d::Unit(static_cast<int>(k % 3));
-    double furthest_m = -std::numeric_limits<double>::infinity();
-    for (const Capsule& c : hand.capsules) {
-      if (c.part == HandPart::kPalm || c.part == HandPart::kThumb || carries(c.link)) continue;
-      const Vector3d tip_m = body.linkPose(c.link) * c.b_m + c.radius_m * along;
-      if (along.dot(tip_m) <= furthest_m) continue;
-      furthest_m = along.dot(tip_m);
-      out[k] = tip_m;
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 KitchenPlayer::KitchenPlayer(const KitchenTask& task, const DeviceModel& device,
                              const HandModel& hand, const PlayerTraits& traits)
     : task_(task),
       layout_(layoutOf(task, device, hand)),
-      fingertips_m_(fingertipsOf(layout_, hand)),
+      fingertips_(hand, layout_.fingers),
       opening_rad_s_(traits.opening_rad_s),
       pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
       start_(layout_.axes) {
@@ -90,6 +63,7 @@ void KitchenPlayer::reset() {
   qd_ = AxisVelocity(layout_.axes);
   advanced_ = lost_ = done_ = false;
   squeeze_n_ = handle_n_ = rate_rad_s_ = idle_s_ = joint_q_ = aim_q_ = 0.0;
+  flexion_rad_ = kHalfBent;
   step_ = met_ = 0;
   meeting_ = Meeting{};
   go(Phase::kDrawBack);
@@ -106,27 +80,39 @@ bool KitchenPlayer::isHeld() const noexcept {
 /// Decides how the present step's thing is met.
 void KitchenPlayer::meet() noexcept {
   met_ = now().thing;
-  const Met met = metAt(step_, joint_q_, bodies_[met_].position_m.eigen());
-  meeting_ = met.meeting;
-  base_m_ = met.base_m;
+  meeting_ = meetingOf(task_, step_, joint_q_, bodies_[met_].position_m.eigen(), layout_.beside);
   clear_m_ = meeting_.means == Means::kPush
                  ? Vector3d(-kBefore_m * meeting_.toward)
                  : Vector3d(-layout_.beside * kBeside_m * Vector3d::UnitY());
 }
 
+/// The base from the point where a thing is met.
+Vector3d KitchenPlayer::baseFrom(const Meeting& meeting, const Thing& thing,
+                                 double flexion_rad) const noexcept {
+  if (meeting.means == Means::kPush) return -fingertips_.foremost(meeting.toward, flexion_rad);
+  return -layout_.grip_m - layout_.beside * thing.radius_m * Vector3d::UnitY();
+}
+
 KitchenPlayer::Met KitchenPlayer::metAt(int step, double q,
                                         const Vector3d& center_m) const noexcept {
   const std::size_t at = std::min<std::size_t>(step, task_.steps.size() - 1);
-  const Thing& thing = task_.things[task_.steps[at].thing];
-  Met met{meetingOf(task_, step, q, center_m, layout_.beside)};
-  if (met.meeting.means == Means::kPush) {
-    int k = 0;
-    met.meeting.toward.cwiseAbs().maxCoeff(&k);
-    met.base_m = -fingertips_m_[met.meeting.toward[k] > 0.0 ? k : k + 3];
-  } else {
-    met.base_m = -layout_.grip_m - layout_.beside * thing.radius_m * Vector3d::UnitY();
-  }
-  return met;
+  const Meeting meeting = meetingOf(task_, step, q, center_m, layout_.beside);
+  return {meeting, baseFrom(meeting, task_.things[task_.steps[at].thing], kStraight)};
+}
+
+/// The same now. Fingers may be more bent than their owner wants.
+Vector3d KitchenPlayer::baseFromPoint(double flexion_rad) const noexcept {
+  return baseFrom(meeting_, task_.things[met_], flexion_rad);
+}
+
+/// As pointAt() at an intended q, which may be ahead of the thing's: far along a path that turns it
+/// leads straight on.
+Vector3d KitchenPlayer::pointAhead(double q) const noexcept {
+  const Thing& thing = task_.things[met_];
+  if (!thing.jointed || !thing.joint.isHinge()) return pointAt(q);
+  const double near = std::clamp(q, joint_q_ - kBend_rad, joint_q_ + kBend_rad);
+  constexpr double kStep = 1e-3;
+  return pointAt(near) + (q - near) / kStep * (pointAt(near + kStep) - pointAt(near));
 }
 
 /// Where the thing is met, now.
@@ -172,7 +158,8 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
   const bool pushes = meeting_.means == Means::kPush;
   const double back_m = layout_.x >= 0 ? layout_.lower[layout_.x] + kBack_m : 0.0;
   const double open = pushes ? kStraight : kHooked;
-  const Vector3d at_m = pointMet() + base_m_, clear_m = at_m + clear_m_;
+  const double flexion_rad = phase == Phase::kAlign ? kStraight : flexion_rad_;
+  const Vector3d at_m = pointMet() + baseFromPoint(flexion_rad), clear_m = at_m + clear_m_;
   switch (phase) {
     case Phase::kDrawBack:
     case Phase::kRest:
@@ -234,9 +221,15 @@ void KitchenPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
   }
   if (isHeld()) {
     idle_s_ = handle_n_ < kFelt_n ? idle_s_ + period_s : 0.0;
-    for (int a = 0; a < qd_.size(); ++a) qd_[a] = 0.0;
+    const AxisPosition before = q_;
     if (meeting_.means != Means::kPush) close(period_s);
-    if (phase_ == Phase::kCarry) carry(period_s);
+    if (phase_ == Phase::kCarry) {
+      carry(period_s);
+    } else if (squeeze_n_ < kLoose_n && meeting_.means == Means::kGrasp) {
+      moveBaseTo(pointMet() + baseFromPoint(flexion_rad_),
+                 kFollow_m_s * period_s);  // it may have given way
+    }
+    for (int a = 0; a < qd_.size(); ++a) qd_[a] = (q_[a] - before[a]) / period_s;
   } else {
     reach_.advance(period_s, q_, qd_);
   }
@@ -278,11 +271,9 @@ void KitchenPlayer::close(double period_s) noexcept {
   wanted_rad_s = std::max(wanted_rad_s, -opening_rad_s_);
   rate_rad_s_ += (wanted_rad_s - rate_rad_s_) * std::min(period_s / kFilter_s, 1.0);
   q_[layout_.fingers] = fingers + rate_rad_s_ * period_s;
-  qd_[layout_.fingers] = rate_rad_s_;
   if (layout_.thumb < 0) return;
   q_[layout_.thumb] = std::clamp(q_[layout_.thumb] + kThumbAlong * rate_rad_s_ * period_s,
                                  layout_.lower[layout_.thumb], layout_.upper[layout_.thumb]);
-  qd_[layout_.thumb] = kThumbAlong * rate_rad_s_;
 }
 
 // Leads the thing along its joint's path: the hand goes on ahead until the thing is where it is
@@ -296,19 +287,20 @@ void KitchenPlayer::carry(double period_s) noexcept {
   const double from = jointed ? joint_q_ : 0.0;
   const double next = aim_q_ + rate * period_s;
   if (std::abs(next - from) < std::max(ahead, std::abs(aim_q_ - from))) aim_q_ = next;
-  moveBaseTo(pointAt(aim_q_) + aside_m_, period_s);
+  const bool pushes = meeting_.means == Means::kPush;
+  const Vector3d base_m = pushes ? baseFromPoint(flexion_rad_) : aside_m_;
+  moveBaseTo(pointAhead(aim_q_) + base_m, (pushes ? kPush_m_s : kArm_m_s) * period_s);
 }
 
-void KitchenPlayer::moveBaseTo(const Vector3d& base_m, double period_s) noexcept {
+/// Moves the base towards a place, by so much along each axis at most.
+void KitchenPlayer::moveBaseTo(const Vector3d& base_m, double most_m) noexcept {
   const int axes[] = {layout_.x, layout_.y, layout_.z};
   for (int k = 0; k < 3; ++k) {
     const int axis = axes[k];
     if (axis < 0) continue;
-    const double most_m = kArm_m_s * period_s;
     const double to = std::clamp(base_m[k], layout_.lower[axis], layout_.upper[axis]);
     const double by = std::clamp(to - q_[axis], -most_m, most_m);
     q_[axis] += by;
-    qd_[axis] = by / period_s;
   }
 }
 
@@ -326,6 +318,7 @@ void KitchenPlayer::see(const TickRecord& record) noexcept {
   squeeze_n_ = reported.values[kSqueeze];
   handle_n_ = reported.values[kHandle];
   joint_q_ = reported.values[kJoint];
+  if (layout_.fingers >= 0) flexion_rad_ += kSeen * (record.q_s[layout_.fingers] - flexion_rad_);
   for (std::size_t i = 0; i < task_.things.size(); ++i) {
     bodies_[i] = record.bodies[task_.things[i].body];
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "exercise/cocktail_bar/bar_layout.hpp"
+#include "exercise/kitchen/fingertips.hpp"
 #include "exercise/kitchen/kitchen_task.hpp"
 #include "exercise/kitchen/meeting.hpp"
 #include "patient/player.hpp"
@@ -48,12 +49,16 @@ class KitchenPlayer final : public Player {
   [[nodiscard]] AxisPosition goalOf(Phase phase) const noexcept;
   [[nodiscard]] Eigen::Vector3d pointMet() const noexcept;
   [[nodiscard]] Eigen::Vector3d pointAt(double q) const noexcept;
+  [[nodiscard]] Eigen::Vector3d baseFrom(const Meeting& meeting, const Thing& thing,
+                                         double flexion_rad) const noexcept;
+  [[nodiscard]] Eigen::Vector3d baseFromPoint(double flexion_rad) const noexcept;
+  [[nodiscard]] Eigen::Vector3d pointAhead(double q) const noexcept;
   [[nodiscard]] Eigen::Vector3d baseNow() const noexcept;
-  void moveBaseTo(const Eigen::Vector3d& base_m, double period_s) noexcept;
+  void moveBaseTo(const Eigen::Vector3d& base_m, double most_m) noexcept;
 
   KitchenTask task_;
   BarLayout layout_;
-  std::array<Eigen::Vector3d, 6> fingertips_m_;  ///< foremost along x, y, z, -x, -y, -z; from base
+  Fingertips fingertips_;
   double opening_rad_s_;
   double pace_;
   AxisPosition start_, q_;
@@ -62,12 +67,12 @@ class KitchenPlayer final : public Player {
   Phase phase_ = Phase::kDrawBack;
   Meeting meeting_;
   int met_ = 0;                                        ///< index of the thing that is met
-  Eigen::Vector3d base_m_ = Eigen::Vector3d::Zero();   ///< base from the point where it is met
   Eigen::Vector3d clear_m_ = Eigen::Vector3d::Zero();  ///< from there to where the hand is clear
   Eigen::Vector3d aside_m_ = Eigen::Vector3d::Zero();  ///< base from the point when it was met
   std::array<BodyState, kMostThings> bodies_{};        ///< of the things, as in the last record
   double joint_q_ = 0.0, squeeze_n_ = 0.0, handle_n_ = 0.0;
   double aim_q_ = 0.0;  ///< where the person carries it now; of a thing without joint [m] of way
+  double flexion_rad_ = 0.0;  ///< of the fingers, as seen
   double rate_rad_s_ = 0.0, idle_s_ = 0.0;
   int step_ = 0;
   bool done_ = false, advanced_ = false, lost_ = false;
