@@ -33,7 +33,6 @@ it.each(TASKS.flatMap((one) => SIDES.map((side) => ({ ...one, side }))))('one pr
       await hand.aim([...model.step({ ...restingWish(), squeeze: down }, seen.see(hand.state), LOOK_S)], t === 0);
       expect(hand.now.faults, 'faults that stopped the loop').toBe(0);
       reached = Math.max(reached, hand.value('joint_q'));
-      if (process.env.TRACE && Math.round(t / LOOK_S) % 30 === 0) console.log(t.toFixed(1), hand.value('instruction'), 'q', hand.value('joint_q').toFixed(3), 'n', hand.value('handle_n').toFixed(2), 'sq', hand.value('squeeze_n').toFixed(2), 'hand', hand.now.q_m.map((v) => v.toFixed(3)).join(' '), 'aim', model.aim.map((v) => v.toFixed(3)).join(' '), 'grip', seen.see(hand.state).grips.map((g) => `${g.x.toFixed(3)} ${g.y.toFixed(3)} ${g.z.toFixed(3)}`).join());
     }
     console.log(`figure: ${task} by one button, ${side}: ${t.toFixed(1)} s, ${presses} presses, score ${hand.value('score').toFixed(0)}, most ${reached.toFixed(3)}, step ${hand.value('instruction')}`);
     expect(hand.value('instruction')).toBe(steps);

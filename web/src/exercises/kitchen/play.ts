@@ -75,7 +75,7 @@ export class KitchenPlay implements Play {
 
   prompt(state: WorldStateT): Prompt {
     const step = this.now(state);
-    return { title: this.plain.prompt(state).title, more: step ? text(`more.${step.verb}`) : '', urgent: step?.to !== undefined };
+    return { title: this.plain.prompt(state).title, more: step ? text(this.leaves(step) ? 'more.leave' : `more.${step.verb}`) : '', urgent: step?.to !== undefined };
   }
 
   donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: text('done.effort') }; }
@@ -149,6 +149,9 @@ export class KitchenPlay implements Play {
     const left = Math.min(q - (joint.least ?? -Infinity), (joint.most ?? Infinity) - q) * arm;
     this.knocks ||= left < END_M && was_m_s > KNOCKS_M_S && this.speed_m_s < was_m_s / 2;
   }
+
+  /** Nothing is held that is let go of. */
+  private leaves({ verb }: KitchenStep): boolean { return verb === 'let_go' && metAt(this.task, this.step)?.means === 'push'; }
 
   private now(state: WorldStateT): KitchenStep | undefined { return this.task.steps[this.values.get(state, 'instruction')]; }
 
