@@ -21,6 +21,7 @@ import unity_package  # noqa: E402
 from watched_main import main  # noqa: E402
 
 NAME = "org.wholehand.client"
+MANUALS = (SOURCE / "clients/csharp/README.md", SOURCE / f"clients/unity/{NAME}/README.md")
 STUBS = {"UnityEngine.TestRunner", "UnityEditor.TestRunner"}  # in the stub of NUnit
 
 
@@ -124,6 +125,7 @@ class Assemblies(unittest.TestCase):
         built = self.compile_assemblies(out, {"engine": engine, "editor": editor, "nunit": nunit})
         self.assertEqual(sorted(built), ["Wholehand.Client", "Wholehand.Protocol", "Wholehand.Unity",
                                          "Wholehand.Unity.Editor", "Wholehand.Unity.Samples.Bar", "Wholehand.Unity.Tests"])
+        self.compile_readmes(out, engine, built)
         tests = out / "HeadlessTests.exe"
         shared = [TESTS / "csharp/Runner.cs", TESTS / "csharp/RealProgram.cs", TESTS / "csharp/StandIn.cs"]
         compile_library(tests, [*sorted((TESTS / "unity").glob("*.cs")), *shared], [engine, editor, nunit, *built.values()],
@@ -132,6 +134,16 @@ class Assemblies(unittest.TestCase):
                               env={**os.environ, "WHOLEHAND_CONFIG": str(SOURCE / "config"),
                                    "WHOLEHAND_GAME_TABLE": str(TESTS / "game_table.toml")})
         self.assertEqual(done.returncode, 0)
+
+    def compile_readmes(self, out, engine, built):
+        """Each piece of C# in the manuals is a file that compiles as it stands."""
+        pieces = [(manual.parent.name, piece) for manual in MANUALS
+                  for piece in re.findall(r"^```csharp\n(.*?)^```", manual.read_text(encoding="utf-8"), re.S | re.M)]
+        self.assertEqual(len(pieces), 4, "pieces of C# in the manuals")
+        for i, (name, piece) in enumerate(pieces):
+            source = out / f"piece_{i}_of_{name}.cs"
+            source.write_text(piece, encoding="utf-8")
+            compile_library(source.with_suffix(".dll"), [source], [engine, *built.values()], "-target:library")
 
     def compile_assemblies(self, out, stubs):
         waiting = {}
