@@ -3,6 +3,7 @@ import { Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { SceneT } from '../src/protocol';
 import { playOf, targetsOf } from '../src/exercises';
+import { infoOf, REPORTS } from '../src/exercises/info';
 import { wayOf } from '../src/exercises/kitchen/cues';
 import { moved, placedOf } from '../src/exercises/kitchen/joint';
 import { KitchenPlay, shareOf } from '../src/exercises/kitchen/play';
@@ -121,6 +122,21 @@ describe('a thing that is pushed', () => {
     expect(targets.zone!(at({ instruction: 1 })).low_n).toBeCloseTo(1.1 * 1.5, 12);
     const play = playOf(scene, null)!, meter = (handle_n: number) => play.meter(at({ instruction: 1, handle_n }))!;
     expect([meter(0.75).value, meter(0.75).zone, meter(1.5).value, meter(1.5).zone]).toEqual([0.25, 'low', 0.5, 'right']);
+  });
+});
+
+describe('console, replay and report', () => {
+  it('say the step, the force at the handle and the time', () => {
+    const info = infoOf(kitchenScene()), value = (name: string) => ({ instruction: 2, handle_n: 3.46, time_s: 12.34 })[name];
+    expect([info.progress(value), info.caption(value)]).toEqual(['2 of 6 done', 'Move · Force 3.5 N · 12.3 s']);
+    expect(info.caption((name) => (name === 'instruction' ? STEPS : 0))).toBe('Force 0.0 N · 0.0 s');
+  });
+
+  it('list the tasks that were done, the person\'s first', () => {
+    const part = (persons: boolean, value: number) => ({ event: 'level_done', index: -1, value, to_s: 20, persons, steps: [[0, 100], [1, 100]] as const });
+    const of = (scene: SceneT | undefined) => REPORTS.map((report) => report.table({ parts: [part(false, 90), part(true, 80)], sums: {}, scene }, (t) => `${t} s`, ({ persons }) => (persons ? 'own' : 'shown'))).filter(Boolean);
+    expect(of(kitchenScene())).toEqual([expect.objectContaining({ title: 'Tasks done', rows: [['A drawer', '2 / 6', '80', '20 s', 'own'], ['A drawer', '2 / 6', '90', '20 s', 'shown']] })]);
+    expect(of(undefined)).toEqual([]);
   });
 });
 
