@@ -1,6 +1,7 @@
 // Tasks of daily life: their rules, the shipped ones played by virtual patients, and bad files.
 #include "assembly/run.hpp"
 #include "exercise/bar_table.hpp"
+#include "exercise/kitchen/meeting.hpp"
 #include "exercise/kitchen/task_steps.hpp"
 #include "support/figure.hpp"
 #include "support/file_bytes.hpp"
@@ -14,6 +15,7 @@ namespace wholehand::test {
 namespace {
 
 using kitchen::KitchenTask;
+using kitchen::Means;
 using kitchen::Seen;
 using kitchen::Step;
 using kitchen::TaskSteps;
@@ -106,22 +108,112 @@ TEST(TaskSteps, Score_IsWholeWithinParAndFallsToNothingAtThreeTimesIt) {
   EXPECT_NEAR(steps.score(), 75.0, 1e-6);  // twice par: half of half
 }
 
+/// A thing with its grip at the origin, on a joint.
+KitchenTask taskOf(SceneJoint::Type type, const Eigen::Vector3d& axis,
+                   const Eigen::Vector3d& point_m, const std::vector<Verb>& verbs) {
+  KitchenTask task;
+  kitchen::Thing& thing = task.things.emplace_back();
+  thing.grip_m = thing.com_m = Eigen::Vector3d::Zero();
+  thing.radius_m = 0.02;
+  thing.joint.type = type, thing.joint.axis = axis, thing.joint.point_m = point_m;
+  thing.jointed = true;
+  for (const Verb verb : verbs) task.steps.push_back(stepOf(verb));
+  return task;
+}
+
+TEST(Meeting, FollowsFromVerbsAndJoint) {
+  using Eigen::Vector3d;
+  constexpr auto kHinge = SceneJoint::Type::kHinge, kSlide = SceneJoint::Type::kSlide;
+  const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
+  struct Case {
+    const char* what;
+    KitchenTask task;
+    Means means;
+    Vector3d toward;
+  };
+  const Case cases[] = {
+      {"a drawer that is taken",
+       taskOf(kSlide, -x, z, {Verb::kReach, Verb::kTake, Verb::kMove}),
+       Means::kGrasp,
+       {}},
+      {"a drawer that is pulled", taskOf(kSlide, -x, z, {Verb::kMove}), Means::kGrasp, {}},
+      {"a button", taskOf(kSlide, x, z, {Verb::kReach, Verb::kPress}), Means::kPush, x},
+      {"a lid, its hinge behind", taskOf(kHinge, y, 0.1 * x, {Verb::kMove}), Means::kPush, z},
+      {"a shutter to the left", taskOf(kSlide, y, z, {Verb::kMove}), Means::kPush, y},
+      {"a lever towards a right palm", taskOf(kSlide, -y, z, {Verb::kPress}), Means::kSqueeze, -y},
+      {"a rocker", taskOf(kHinge, -z, 0.006 * x, {Verb::kMove}), Means::kPush, x},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.what);
+    const kitchen::Meeting meeting = meetingOf(c.task, 0, 0.0, Vector3d::Zero(), 1.0);
+    EXPECT_EQ(static_cast<int>(meeting.means), static_cast<int>(c.means));
+    if (c.means != Means::kGrasp) EXPECT_EQ(meeting.toward, c.toward);
+  }
+  // A rocker is pushed on the half that turns it: by x at p about axis -z, -(p x e_x)·z = p_y.
+  const KitchenTask rocker = taskOf(kHinge, -z, 0.006 * x, {Verb::kMove});
+  const Vector3d on_m = meetingOf(rocker, 0, 0.0, Vector3d::Zero(), 1.0).side_m,
+                 off_m = meetingOf(rocker, 0, 0.2, Vector3d::Zero(), 1.0).side_m;
+  EXPECT_NEAR(on_m.y(), 0.02, 1e-15);
+  EXPECT_LT(off_m.y(), -0.019);
+  // For a left hand the palm looks the other way.
+  const KitchenTask lever = taskOf(kSlide, -y, z, {Verb::kPress});
+  EXPECT_EQ(meetingOf(lever, 0, 0.0, Vector3d::Zero(), -1.0).means, Means::kPush);
+}
+
+// Nobody's hand is shut in: what is open returns only when the palm is 6 cm away and no part of the
+// hand touches it.
+TEST(Kitchen, ThingsReturn_OnlyWhenTheHandIsClear) {
+  const auto loaded =
+      orThrow(loadExercise(config("exercises/drawer.toml"), 1, shippedDevice(), shippedHand()));
+  const ExerciseDescription& about = loaded.exercise->description();
+  std::array<double, kMaxLiveParameters> parameters{};
+  for (std::size_t i = 0; i < about.parameters.size(); ++i) {
+    parameters[i] = about.parameters[i].value;
+  }
+  TickRecord seen;
+  ExerciseRecord out;
+  BodyPlacements placements;
+  const auto placed = [&](double palm_m, int contacts) {
+    seen.palm_target_distance_m = palm_m;
+    seen.contact_count = contacts;
+    seen.contacts[0].body = 0;
+    ExerciseInput input;
+    input.observed = &seen;
+    input.parameters = parameters.data();
+    input.period_s = kTick_s;
+    loaded.exercise->tick(input, out, placements);
+    return placements.count;
+  };
+  EXPECT_EQ(placed(0.03, 0), 0);
+  EXPECT_EQ(placed(-0.03, 0), 0) << "the back of the hand is as near";
+  EXPECT_EQ(placed(0.10, 1), 0) << "a fingertip is inside";
+  EXPECT_EQ(placed(0.10, 0), 1);
+  EXPECT_EQ(placed(0.10, 0), 0) << "once";
+}
+
+TEST(Kitchen, HandThatStartsInsideAThing_IsRefusedAndTheThingIsNamed) {
+  Models models = load(exerciseFiles("drawer"));
+  models.scene.bodies[0].pose.translation_m.setZero();
+  std::unique_ptr<Player> player = makeExercisePlayer(models, 1);
+  const auto rig = buildRig(std::move(models), std::move(player), RigOptions{});
+  const auto armed = rig.ok() ? (*rig)->renderer->arm() : Expected<Done>(rig.errors());
+  ASSERT_FALSE(armed.ok());
+  EXPECT_TRUE(says(format(armed.errors()), "drawer")) << format(armed.errors());
+}
+
 struct Played {
   double score = 0.0, done = 0.0, time_s = 0.0, deepest_m = 0.0, error_m = 0.0;
   int faults = 0;
 };
 
-Played play(const std::string& task, int level, const std::string& hand, const std::string& patient,
-            std::uint64_t seed_of_player) {
-  ModelFiles files = exerciseFiles(task, level, hand);
-  files.patient = config("patients/") + patient + ".toml";
+Played play(const ModelFiles& files, std::uint64_t seed_of_player, int ticks = 25'000) {
   Models models = load(files);
   std::unique_ptr<Player> player = makeExercisePlayer(models, seed_of_player);
   const auto rig = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
   const SceneBody& body = rig->models.scene.bodies[0];
   EXPECT_TRUE(rig->renderer->arm());
   Played out;
-  runTicks(*rig->renderer, 25'000, [&](const TickRecord& r) {
+  runTicks(*rig->renderer, ticks, [&](const TickRecord& r) {
     rig->listener->afterTick(r);
     if (any(r.faults & kStoppingFaults)) ++out.faults;
     for (int i = 0; i < r.contact_count; ++i) {
@@ -131,6 +223,7 @@ Played play(const std::string& task, int level, const std::string& hand, const s
     if (e.value_count != kitchen::kValues) return;
     out.score = e.values[kitchen::kScore], out.done = e.values[kitchen::kDone];
     out.time_s = e.values[kitchen::kTime];
+    if (!body.joint) return;
     const Pose on_path = poseOn(*body.joint, body.pose, e.values[kitchen::kJoint]);
     const Eigen::Vector3d center_m = on_path * body.com_m;
     out.error_m = std::max(out.error_m, (center_m - r.bodies[0].position_m.eigen()).norm());
@@ -163,7 +256,9 @@ TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
     const std::string who = task.name + ", level " + std::to_string(level) + ", " + hand + ", " +
                             patient + ", player " + std::to_string(of_player);
     SCOPED_TRACE(who);
-    const Played played = play(task.name, level, hand, patient, of_player);
+    ModelFiles files = exerciseFiles(task.name, level, hand);
+    files.patient = config("patients/") + patient + ".toml";
+    const Played played = play(files, of_player);
     EXPECT_EQ(played.faults, 0);
     const bool done = played.done > 0.5;
     if (!done) std::printf("not done: %s\n", who.c_str());
@@ -185,6 +280,68 @@ TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
   figure("kitchen, error of a joint", error_m, "m");
   EXPECT_LE(deepest_m, 0.5e-3);
   EXPECT_LE(error_m, 1e-12);  // rounding of quaternions; the pose is computed from q
+}
+
+// A body without joint is taken and put aside, or pushed away by the fingertips, where the file
+// says: nobody wrote a line of code for it.
+TEST(Kitchen, ThingWithoutJoint_IsPutWhereTheFileSays) {
+  const std::string scene = R"(
+kind = "scene"
+version = 1
+name = "Beaker"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+[[bodies]]
+name = "beaker"
+shape = "cylinder"
+radius_m = 0.0275
+height_m = 0.12
+mass_kg = 0.15
+position_m = [0.12, 0.03, 0.0]
+[[bodies]]
+name = "table"
+shape = "box"
+size_m = [0.4, 0.6, 0.04]
+fixed = true
+position_m = [0.2, 0.0, -0.08]
+)",
+                    head = R"(
+kind = "exercise"
+version = 1
+exercise = "kitchen"
+name = "beaker"
+scene = "../scenes/beaker.toml"
+[[things]]
+body = "beaker"
+grip_m = [0.0, 0.0, 0.0]
+radius_m = 0.0275
+)",
+                    take = R"(
+[[steps]]
+verb = "take"
+thing = "beaker"
+force_n = 1.0
+)",
+                    tail = R"(
+size_m = [0.02, 0.02, 0.02]
+[[steps]]
+verb = "let_go"
+thing = "beaker"
+[panel]
+title = { en = "a", fr = "a", de = "a" }
+lead = { en = "a", fr = "a", de = "a" }
+)";
+  const std::string put = "[[steps]]\nverb = \"put\"\nthing = \"beaker\"\ncenter_m = ";
+  const Folder folder;
+  folder.write("scenes/beaker.toml", scene);
+  for (const std::string& steps : {take + put + "[0.05, 0.06, 0.0]", put + "[0.17, 0.03, 0.0]"}) {
+    SCOPED_TRACE(steps);
+    ModelFiles files = exerciseFiles("drawer");
+    files.exercise = folder.write("exercises/beaker.toml", head + steps + tail);
+    const Played played = play(files, 2, 12'000);
+    EXPECT_EQ(played.faults, 0);
+    EXPECT_EQ(played.done, 1.0);
+    EXPECT_LE(played.deepest_m, 0.5e-3);
+  }
 }
 
 /// A folder with the shipped drawer, one of its files changed.

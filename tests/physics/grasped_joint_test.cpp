@@ -240,5 +240,67 @@ TEST(Contacts, OnAnyJoint_DoTheVirtualWorkOfItsForces) {
   EXPECT_LE(worst, tolerance(1e-11));
 }
 
+/// A panel upright in x and z, before the palm, on a hinge beyond the fingertips.
+SceneBody panelBeforeThePalm(double spring_nm_rad) {
+  SceneBody panel = fixedBox({0.12, 0.12, 0.0}, {0.24, 0.02, 0.2});
+  panel.name = "panel";
+  panel.fixed = false;
+  panel.mass_kg = 1.5;
+  const ShapeMoments moment = moments(panel.shapes[0]);
+  panel.inertia_kg_m2 = panel.mass_kg / moment.volume_m3 * moment.inertia_m5;
+  SceneJoint joint;
+  joint.axis = Eigen::Vector3d::UnitZ();  // at +q it comes towards a right hand's palm
+  joint.point_m = {0.12, 0.0, 0.0};
+  joint.least = 0.0, joint.most = 1.2;
+  joint.dry_friction = 0.02;
+  joint.spring_stiffness = spring_nm_rad;
+  joint.spring_rest = 1.5;
+  panel.joint = joint;
+  return panel;
+}
+
+// A door that somebody else shuts on the hand: it stops at the palm, what is felt is its torque
+// over its lever, within the device's limit, and nothing stops or is pierced.
+TEST(Panel, ThatSwingsIntoThePalm_IsStoppedByTheHandAndFelt) {
+  double hardest_n = 0.0, deepest_m = 0.0, fastest = 0.0;
+  Models m = load(shippedFiles());
+  m.scene.bodies = {panelBeforeThePalm(0.3)};
+  const SceneBody panel = m.scene.bodies[0];
+  AxisPosition still(6);
+  still[kFingers] = 65.0 * kDeg, still[kCircumduction] = 5.0 * kDeg;
+  const auto rig = buildScripted(std::move(m), [&](int) { return still; });
+  ASSERT_TRUE(rig->renderer->arm());
+  const auto last = runTicks(*rig->renderer, 6000, [&](const TickRecord& r) {
+    ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone) << r.tick;
+    hardest_n = std::max(hardest_n, std::abs(r.sent[1]));
+    fastest = std::max(fastest, r.bodies[0].angular_velocity_rad_s.eigen().norm());
+    for (int i = 0; i < r.contact_count; ++i) {
+      deepest_m = std::max(deepest_m, -r.contacts[i].distance_m);
+    }
+  });
+  figure("panel into the palm, arrives with", fastest, "rad/s");
+  figure("panel into the palm, hardest", hardest_n, "N");
+  figure("panel into the palm, deepest", 1e3 * deepest_m, "mm");
+  EXPECT_GT(fastest, 0.5);
+  EXPECT_LE(deepest_m, 0.5e-3);
+  EXPECT_LE(hardest_n, last->effort_limit[1]);
+  ASSERT_GT(last->contact_count, 0);
+  EXPECT_LE(last->bodies[0].angular_velocity_rad_s.eigen().norm(), 1e-3);
+  // At rest the hand bears the spring: k (q - rest) is the moment of the contacts, less friction.
+  const BodyState& at = last->bodies[0];
+  const Pose pose{at.orientation_xyzw.eigen().toRotationMatrix(), at.position_m.eigen()};
+  const double spring_nm = 0.3 * (1.5 - positionOn(*panel.joint, panel.pose, pose));
+  double moment_nm = 0.0;
+  for (int i = 0; i < last->contact_count; ++i) {
+    const Contact& c = last->contacts[i];
+    const Eigen::Vector3d arm_m = c.point_m.eigen() - Eigen::Vector3d(0.24, 0.12, 0.0);
+    moment_nm += arm_m.cross(c.force_n.eigen()).z() + c.torque_nm.z;
+  }
+  EXPECT_NEAR(moment_nm, spring_nm, 0.02 + 1e-3);
+  const AxisEffort work = virtualWork(rig->models.hand, last->q_s, *last);
+  EXPECT_LT(work[1], -0.5) << "pushed towards -y";
+  EXPECT_NEAR(last->coupling[1], work[1], 0.02);
+}
+
 }  // namespace
 }  // namespace wholehand::test

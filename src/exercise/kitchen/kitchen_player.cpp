@@ -23,7 +23,7 @@ constexpr double kClosing_rad_s = 1.0, kFilter_s = 0.05;
 constexpr double kCarry_m_s = 0.06, kFirmly = 2.0, kLeastGrip_n = 3.0;
 // The intention is ahead of what it carries by at most so much; further where nothing is felt yet.
 constexpr double kAhead_m = 0.05, kSearch_m = 0.15, kFelt_n = 0.02;
-constexpr double kBend_rad = 0.2, kPush_m_s = 0.15;
+constexpr double kNear_m = 0.01, kBend_rad = 0.2, kPush_m_s = 0.15;
 // Share of the fingers' posture that is new with each record.
 constexpr double kSeen = 0.01;
 // While it is not yet gripped the hand follows a thing that gives way.
@@ -120,15 +120,13 @@ Vector3d KitchenPlayer::pointMet() const noexcept {
   return worldPoint(bodies_[met_], task_.things[met_].grip_m + meeting_.side_m);
 }
 
-/// The same at q of its joint; without one at a part of the way to where it is put [m].
+/// The same at q of its joint; without one so far along its way [m].
 Vector3d KitchenPlayer::pointAt(double q) const noexcept {
   const Thing& thing = task_.things[met_];
   if (thing.jointed) {
     return poseOn(thing.joint, thing.start, q) * (thing.grip_m + thing.com_m + meeting_.side_m);
   }
-  if (now().verb != Verb::kPut) return pointMet() + q * meeting_.toward;
-  const Vector3d way_m = now().center_m - bodies_[met_].position_m.eigen();
-  return pointMet() + q * way_m.normalized();
+  return free_from_m_ + q * free_way_;
 }
 
 Vector3d KitchenPlayer::baseNow() const noexcept {
@@ -195,6 +193,9 @@ void KitchenPlayer::go(Phase phase) noexcept {
   rate_rad_s_ = idle_s_ = 0.0;
   if (phase == Phase::kAlign) meet();
   if (phase == Phase::kCarry) {
+    const Vector3d way_m = now().center_m - bodies_[met_].position_m.eigen();
+    free_from_m_ = pointMet();
+    free_way_ = now().verb == Verb::kPut ? Vector3d(way_m.normalized()) : meeting_.toward;
     aim_q_ = task_.things[met_].jointed ? joint_q_ : 0.0;
     aside_m_ = baseNow() - pointMet();
   }
@@ -255,7 +256,10 @@ double KitchenPlayer::hurry() const noexcept {
     const double asked_n = kFirmly * step.force_n;
     return meeting_.sign * std::clamp((asked_n - handle_n_) / asked_n, -1.0, 1.0);
   }
-  if (step.verb == Verb::kPut) return 1.0;
+  if (step.verb == Verb::kPut) {
+    const Vector3d way_m = step.center_m - bodies_[met_].position_m.eigen();
+    return std::clamp(way_m.dot(free_way_) / kNear_m, -1.0, 1.0);
+  }
   if (step.verb != Verb::kMove && step.verb != Verb::kHold) return 0.0;
   const double missing = step.to - joint_q_;
   if (std::abs(missing) <= 0.2 * step.tolerance) return 0.0;
@@ -284,7 +288,7 @@ void KitchenPlayer::carry(double period_s) noexcept {
       jointed ? std::max(1e-3, (pointAt(aim_q_ + 1e-3) - pointAt(aim_q_)).norm() / 1e-3) : 1.0;
   const double rate = pace_ * hurry() * kCarry_m_s / way_m;
   const double ahead = (handle_n_ < kFelt_n ? kSearch_m : kAhead_m) / way_m;
-  const double from = jointed ? joint_q_ : 0.0;
+  const double from = jointed ? joint_q_ : free_way_.dot(pointMet() - free_from_m_);
   const double next = aim_q_ + rate * period_s;
   if (std::abs(next - from) < std::max(ahead, std::abs(aim_q_ - from))) aim_q_ = next;
   const bool pushes = meeting_.means == Means::kPush;

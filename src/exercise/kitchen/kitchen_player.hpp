@@ -69,7 +69,9 @@ class KitchenPlayer final : public Player {
   int met_ = 0;                                        ///< index of the thing that is met
   Eigen::Vector3d clear_m_ = Eigen::Vector3d::Zero();  ///< from there to where the hand is clear
   Eigen::Vector3d aside_m_ = Eigen::Vector3d::Zero();  ///< base from the point when it was met
-  std::array<BodyState, kMostThings> bodies_{};        ///< of the things, as in the last record
+  /// Way of a thing without joint: from here, unit.
+  Eigen::Vector3d free_from_m_ = Eigen::Vector3d::Zero(), free_way_ = Eigen::Vector3d::UnitX();
+  std::array<BodyState, kMostThings> bodies_{};  ///< of the things, as in the last record
   double joint_q_ = 0.0, squeeze_n_ = 0.0, handle_n_ = 0.0;
   double aim_q_ = 0.0;  ///< where the person carries it now; of a thing without joint [m] of way
   double flexion_rad_ = 0.0;  ///< of the fingers, as seen
