@@ -34,9 +34,27 @@ Json numbers(const Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
-Json taskJson(const KitchenTask& task) {
+/// How the thing of a step is met, with its joint where the steps before have left it.
+Json metJson(const KitchenTask& task, const KitchenPlayer& player, int now) {
+  const Step& step = task.steps[now];
+  const Thing& thing = task.things[step.thing];
+  double q = 0.0;
+  for (int i = 0; i < now; ++i) {
+    const Step& before = task.steps[i];
+    const bool moves = before.verb == Verb::kMove || before.verb == Verb::kHold;
+    if (moves && before.thing == step.thing) q = before.to;
+  }
+  const auto met = player.metAt(now, q, thing.start * thing.com_m);
+  return {{"means", kMeans[static_cast<int>(met.meeting.means)]},
+          {"toward", numbers(met.meeting.toward)},
+          {"side_m", numbers(met.meeting.side_m)},
+          {"base_m", numbers(met.base_m)}};
+}
+
+Json taskJson(const KitchenTask& task, const KitchenPlayer& player) {
   Json steps = Json::array(), things = Json::array();
-  for (const Step& step : task.steps) {
+  for (int i = 0; i < static_cast<int>(task.steps.size()); ++i) {
+    const Step& step = task.steps[i];
     const Thing& thing = task.things[step.thing];
     Json out{{"verb", kVerbs[static_cast<int>(step.verb)]}, {"body", thing.body}};
     if (step.verb == Verb::kMove || step.verb == Verb::kHold) {
@@ -45,6 +63,7 @@ Json taskJson(const KitchenTask& task) {
     }
     if (step.for_s > 0.0) out["for_s"] = step.for_s;
     if (step.force_n > 0.0) out["force_n"] = step.force_n;
+    out["met"] = metJson(task, player, i);
     if (step.verb == Verb::kPut) {
       out["center_m"] = numbers(step.center_m);
       out["half_size_m"] = numbers(step.half_size_m);
@@ -77,7 +96,7 @@ class Kitchen final : public Exercise {
     description_.parameters = {{"force_ratio", "1", 0.25, 2.0, 1.0, 0.5}};
     description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
     description_.event_names = {"step_done", "level_done", "restarted"};
-    description_.json = taskJson(task_).dump();
+    description_.json = taskJson(task_, KitchenPlayer(task_, device_, hand_, {})).dump();
     Kitchen::reset();
   }
   Kitchen(const Kitchen&) = delete;

@@ -86,10 +86,23 @@ void KitchenPlayer::meet() noexcept {
                  : Vector3d(-layout_.beside * kBeside_m * Vector3d::UnitY());
 }
 
-/// The base from the point where the thing is met. Fingers may be more bent than their owner wants.
+/// The base from the point where a thing is met.
+Vector3d KitchenPlayer::baseFrom(const Meeting& meeting, const Thing& thing,
+                                 double flexion_rad) const noexcept {
+  if (meeting.means == Means::kPush) return -fingertips_.foremost(meeting.toward, flexion_rad);
+  return -layout_.grip_m - layout_.beside * thing.radius_m * Vector3d::UnitY();
+}
+
+KitchenPlayer::Met KitchenPlayer::metAt(int step, double q,
+                                        const Vector3d& center_m) const noexcept {
+  const std::size_t at = std::min<std::size_t>(step, task_.steps.size() - 1);
+  const Meeting meeting = meetingOf(task_, step, q, center_m, layout_.beside);
+  return {meeting, baseFrom(meeting, task_.things[task_.steps[at].thing], kStraight)};
+}
+
+/// The same now. Fingers may be more bent than their owner wants.
 Vector3d KitchenPlayer::baseFromPoint(double flexion_rad) const noexcept {
-  if (meeting_.means == Means::kPush) return -fingertips_.foremost(meeting_.toward, flexion_rad);
-  return -layout_.grip_m - layout_.beside * task_.things[met_].radius_m * Vector3d::UnitY();
+  return baseFrom(meeting_, task_.things[met_], flexion_rad);
 }
 
 /// As pointAt() at an intended q, which may be ahead of the thing's: far along a path that turns it

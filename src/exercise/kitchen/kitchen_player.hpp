@@ -19,6 +19,16 @@ class KitchenPlayer final : public Player {
   KitchenPlayer(const KitchenTask& task, const DeviceModel& device, const HandModel& hand,
                 const PlayerTraits& traits);
 
+  /// How a step's thing is met, and the base's place from the point that is met [m], while the hand
+  /// is open (grasp, squeeze) or straight (push).
+  struct Met {
+    Meeting meeting;
+    Eigen::Vector3d base_m = Eigen::Vector3d::Zero();
+  };
+  /// @param q of the thing's joint @param center_m of its mass, in the world
+  [[nodiscard]] WHOLEHAND_RT Met metAt(int step, double q,
+                                       const Eigen::Vector3d& center_m) const noexcept;
+
   [[nodiscard]] AxisPosition start() const override { return start_; }
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
@@ -39,6 +49,8 @@ class KitchenPlayer final : public Player {
   [[nodiscard]] AxisPosition goalOf(Phase phase) const noexcept;
   [[nodiscard]] Eigen::Vector3d pointMet() const noexcept;
   [[nodiscard]] Eigen::Vector3d pointAt(double q) const noexcept;
+  [[nodiscard]] Eigen::Vector3d baseFrom(const Meeting& meeting, const Thing& thing,
+                                         double flexion_rad) const noexcept;
   [[nodiscard]] Eigen::Vector3d baseFromPoint(double flexion_rad) const noexcept;
   [[nodiscard]] Eigen::Vector3d pointAhead(double q) const noexcept;
   [[nodiscard]] Eigen::Vector3d baseNow() const noexcept;

@@ -8,6 +8,7 @@ namespace wholehand::kitchen {
 /// What the hand does to a thing: closes around it and carries it, pushes it with the tips of
 /// straight fingers, or closes the fingers so that it comes towards the palm.
 enum class Means { kGrasp, kPush, kSqueeze };
+inline constexpr const char* kMeans[] = {"grasp", "push", "squeeze"};
 
 /// How a hand without wrist meets the thing of a step.
 struct Meeting {
