@@ -233,8 +233,7 @@ TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
 
 TEST_F(GameInAStation, WhatIsKept_IsHandedOverOnce) {
   runGame(false);
-  for (const BodyOrders& order :
-       {prepare(0, {ballShape(0.03)}), say({spawnCommand(ballAside(0))})}) {
+  for (const Order& order : {prepare(0, {ballShape(0.03)}), say({spawnCommand(ballAside(0))})}) {
     const OrderReply kept = ask(order);
     ASSERT_TRUE(kept.accepted);
     EXPECT_EQ(kept.reason, "nothing is armed: kept for the next arming");
