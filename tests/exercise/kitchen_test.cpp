@@ -201,6 +201,22 @@ TEST(Kitchen, HandThatStartsInsideAThing_IsRefusedAndTheThingIsNamed) {
   EXPECT_TRUE(says(format(armed.errors()), "drawer")) << format(armed.errors());
 }
 
+// Also on a device that hardly draws back, with the largest hand.
+TEST(Kitchen, HandOnAnyDevice_StartsClearOfEveryTask) {
+  const std::string hand = seed() % 2 == 0 ? "man-p95-right" : "man-p95-left";
+  for (const std::string device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
+    for (const std::string task : {"drawer", "cupboard-door", "light-switch", "coffee-mill",
+                                   "flip-top-lid", "press-lever"}) {
+      SCOPED_TRACE(task + " on " + device);
+      Models models = load(exerciseFiles(task, 1, hand, device));
+      std::unique_ptr<Player> player = makeExercisePlayer(models, 1);
+      const auto rig = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
+      const auto armed = rig->renderer->arm();
+      EXPECT_TRUE(armed.ok()) << format(armed.errors());
+    }
+  }
+}
+
 struct Played {
   double score = 0.0, done = 0.0, time_s = 0.0, deepest_m = 0.0, error_m = 0.0;
   int faults = 0;

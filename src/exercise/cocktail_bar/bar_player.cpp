@@ -1,6 +1,6 @@
 #include "exercise/cocktail_bar/bar_player.hpp"
 
-#include "core/geometry.hpp"
+#include "exercise/approach.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,22 +25,12 @@ constexpr double kSettled_s = 0.3;        // a hold is stable after this time
 constexpr double kSlowerAtFirst = 2.0;    // the first motion of a hand that somebody else led
 constexpr double kNear_m = 0.06;          // the hand is at a dispenser within this distance
 
-// Postures [rad]. Stretched fingers pass beside a dispenser; half-bent ones pass in front of the
-// row.
-constexpr double kStretched = 8.0 * kDeg, kHalfBent = 65.0 * kDeg, kClosed = 155.0 * kDeg;
-constexpr double kTurnedAside = 5.0 * kDeg, kOpposed = 20.0 * kDeg;
-// The thumb presses less than four fingers do. More would tip over a free bottle.
-constexpr double kThumbClosed = 27.0 * kDeg;
-constexpr double kThumbAlong = kThumbClosed / (kClosed - kHalfBent);  // thumb per finger angle
-constexpr double kBack_m = 0.006;                                     // distance from the end of x
+using namespace approach;
+
 constexpr double kDrawnBack_m = 0.001;  // tolerance of a withdrawn hand
 constexpr double kHeldBack_m = 0.01;    // a hand farther from where it was drawn back to ...
 constexpr double kHeldBack_s = 1.0;     // ... after this time is held by something
 constexpr double kBeside_m = 0.024;     // sideways from the contact of the palm
-
-// Peak speeds of a person at pace 1.
-constexpr double kArm_m_s = 0.42, kFingers_rad_s = 4.0;
-constexpr double kShortest_s = 0.3;
 
 // Motion of the fingers' target while pressing.
 constexpr double kGripFilter_s = 0.05;
@@ -318,95 +308,68 @@ std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const DeviceModel& device,
   return std::make_unique<BarPlayer>(makeBarLayout(bar, device, hand), traits);
 }
 
-double BarPlayer::durationTo(const AxisPosition& goal) const noexcept {
-  double longest_s = kShortest_s;
-  for (int i = 0; i < goal.size(); ++i) {
-    const bool arm = i == layout_.x || i == layout_.y || i == layout_.z;
-    const double peak = arm ? kArm_m_s : kFingers_rad_s;
-    longest_s = std::max(longest_s, kMinimumJerkPeak * std::abs(goal[i] - q_[i]) / peak);
-  }
-  return longest_s / character_.pace;
-}
-
-/// x of the withdrawn hand.
-double BarPlayer::back_m() const noexcept {
-  return layout_.x >= 0 ? layout_.lower[layout_.x] + kBack_m : 0.0;
-}
-
 bool BarPlayer::drawnBack() const noexcept {
-  return layout_.x < 0 || q_[layout_.x] < back_m() + kDrawnBack_m;
+  return layout_.x < 0 || q_[layout_.x] < back_m(layout_) + kDrawnBack_m;
 }
 
 /// A hand between two dispensers is clamped by the force that pulls it sideways.
 bool BarPlayer::isHeldBack() const noexcept {
-  return layout_.x >= 0 && since_s_ > kHeldBack_s && measured_[layout_.x] > back_m() + kHeldBack_m;
+  return layout_.x >= 0 && since_s_ > kHeldBack_s &&
+         measured_[layout_.x] > back_m(layout_) + kHeldBack_m;
 }
 
 AxisPosition BarPlayer::goalOf(Phase phase) const noexcept {
-  AxisPosition goal = q_;
-  const auto put = [&](int axis, double value) {
-    if (axis >= 0) goal[axis] = std::clamp(value, layout_.lower[axis], layout_.upper[axis]);
-  };
-  const auto hand = [&](double fingers, double turn, double thumb) {
-    put(layout_.fingers, fingers);
-    put(layout_.turn, turn);
-    put(layout_.thumb, thumb);
-  };
-  const auto base = [&](const Eigen::Vector3d& at) {
-    put(layout_.x, at.x());
-    put(layout_.y, at.y());
-    put(layout_.z, at.z());
-  };
+  Goal goal(layout_, q_);
   const Eigen::Vector3d beside = grip_ - Eigen::Vector3d(0.0, layout_.beside * kBeside_m, 0.0);
   switch (phase) {
     case Phase::kDrawBack:
-      put(layout_.x, back_m());
-      hand(kHalfBent, kTurnedAside, 0.0);
+      goal.put(layout_.x, back_m(layout_));
+      goal.hand(kHalfBent, kTurnedAside);
       break;
     case Phase::kFree:
       for (const int axis : {layout_.y, layout_.z}) {
-        if (axis >= 0) put(axis, measured_[axis]);
+        goal.put(axis, measured_[axis]);
       }
-      put(layout_.x, back_m());
-      hand(kStretched, kTurnedAside, 0.0);
+      goal.put(layout_.x, back_m(layout_));
+      goal.hand(kStretched, kTurnedAside);
       break;
     case Phase::kAlign:
-      base({back_m(), beside.y(), beside.z()});
-      hand(kHalfBent, kTurnedAside, 0.0);
+      goal.base({back_m(layout_), beside.y(), beside.z()});
+      goal.hand(kHalfBent, kTurnedAside);
       break;
     case Phase::kEnter:
-      base(beside);
-      hand(kStretched, kTurnedAside, 0.0);
+      goal.base(beside);
+      goal.hand(kStretched, kTurnedAside);
       break;
     case Phase::kTouch:
-      base(grip_);
-      hand(kHalfBent, kOpposed, 0.0);
+      goal.base(grip_);
+      goal.hand(kHalfBent, kOpposed);
       break;
     case Phase::kOpen:
-      hand(kHalfBent, kTurnedAside, 0.0);
+      goal.hand(kHalfBent, kTurnedAside);
       break;
     case Phase::kLeave:
-      base(beside);
-      hand(kStretched, kTurnedAside, 0.0);
+      goal.base(beside);
+      goal.hand(kStretched, kTurnedAside);
       break;
     case Phase::kLift:
-      put(layout_.z, over_.z());
+      goal.put(layout_.z, over_.z());
       break;
     case Phase::kCarry:
-      base(over_);
+      goal.base(over_);
       break;
     case Phase::kReturn:
-      base({grip_.x(), grip_.y(), over_.z()});
+      goal.base({grip_.x(), grip_.y(), over_.z()});
       break;
     case Phase::kLower:
-      base(grip_);
+      goal.base(grip_);
       break;
     case Phase::kWait:
     case Phase::kSqueeze:
     case Phase::kEase:
       break;
   }
-  return goal;
+  return goal.at();
 }
 
 // Times the axes so that fingers pass beside dispensers and not through them.
@@ -441,11 +404,9 @@ void BarPlayer::go(Phase phase, double slower) noexcept {
   settled_s_ = stalled_s_ = 0.0;
   if (phase == Phase::kTouch) share_ = character_.share;
   const AxisPosition goal = goalOf(phase);
-  reach_.begin(q_, qd_, goal, slower * durationTo(goal));
+  reach_.begin(q_, qd_, goal, slower * (durationTo(layout_, q_, goal) / character_.pace));
   shape(phase);
-  for (const int axis : {layout_.fingers, layout_.thumb, layout_.turn}) {
-    if (axis >= 0 && goal[axis] < q_[axis]) reach_.limitSpeed(axis, traits_.opening_rad_s);
-  }
+  limitOpening(layout_, q_, traits_.opening_rad_s, reach_);
   if (layout_.fingers >= 0) fingers_ = q_[layout_.fingers];
   if (layout_.thumb >= 0) {
     thumb_ = q_[layout_.thumb] - kThumbAlong * (fingers_ - kHalfBent);

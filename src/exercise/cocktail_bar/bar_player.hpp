@@ -70,12 +70,10 @@ class BarPlayer final : public Player {
   void pressBy(const BarStatus& seen) noexcept;
   void press(double period_s) noexcept;
   void go(Phase phase, double slower = 1.0) noexcept;
-  [[nodiscard]] double back_m() const noexcept;
   [[nodiscard]] bool drawnBack() const noexcept;
   [[nodiscard]] bool isHeldBack() const noexcept;
   [[nodiscard]] AxisPosition goalOf(Phase phase) const noexcept;
   void shape(Phase phase) noexcept;
-  [[nodiscard]] double durationTo(const AxisPosition& goal) const noexcept;
   void aimAt(const TickRecord& record, int dispenser) noexcept;
   void countFailedGrasp(const BarStatus& seen) noexcept;
   void aimOverGlass(const TickRecord& record) noexcept;

@@ -1,6 +1,6 @@
 #include "exercise/kitchen/kitchen_player.hpp"
 
-#include "core/geometry.hpp"
+#include "exercise/approach.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +10,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Postures [rad] and speeds, as in the bar's player.
-constexpr double kStraight = 0.0, kHalfBent = 65.0 * kDeg, kClosed = 155.0 * kDeg;
+using namespace approach;
+
+constexpr double kStraight = 0.0;
 // The fingers point sideways: they pass behind a bar that stands before a front.
 constexpr double kHooked = 100.0 * kDeg;
-constexpr double kTurnedAside = 5.0 * kDeg, kOpposed = 20.0 * kDeg, kThumbClosed = 27.0 * kDeg;
-constexpr double kThumbAlong = kThumbClosed / (kClosed - kHalfBent);
-constexpr double kBack_m = 0.006, kBeside_m = 0.09, kBefore_m = 0.05, kGently_m = 0.01;
-constexpr double kArm_m_s = 0.42, kFingers_rad_s = 4.0, kShortest_s = 0.3;
-constexpr double kClosing_rad_s = 1.0, kFilter_s = 0.05;
+constexpr double kBeside_m = 0.09, kAside_m = 0.06, kBefore_m = 0.05, kGently_m = 0.01;
+constexpr double kClosing_rad_s = 1.0;
 // A thing is carried at this speed of the grip, with a force of so much more than was asked.
 constexpr double kCarry_m_s = 0.06, kFirmly = 2.0, kLeastGrip_n = 3.0;
 // The intention is ahead of what it carries by at most so much; further where nothing is felt yet.
@@ -48,13 +46,12 @@ KitchenPlayer::KitchenPlayer(const KitchenTask& task, const DeviceModel& device,
       fingertips_(hand, layout_.fingers),
       opening_rad_s_(traits.opening_rad_s),
       pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
-      start_(layout_.axes) {
-  const auto put = [this](int axis, double value) {
-    if (axis >= 0) start_[axis] = std::clamp(value, layout_.lower[axis], layout_.upper[axis]);
-  };
-  put(layout_.x, -0.07);
-  put(layout_.fingers, kHalfBent);
-  put(layout_.turn, kTurnedAside);
+      start_(approach::start(layout_)) {
+  // Aside: the things of a task are before the palm, also of a device that cannot draw back far.
+  if (layout_.y >= 0) {
+    start_[layout_.y] =
+        std::clamp(-layout_.beside * kAside_m, layout_.lower[layout_.y], layout_.upper[layout_.y]);
+  }
   KitchenPlayer::reset();
 }
 
@@ -139,53 +136,39 @@ Vector3d KitchenPlayer::baseNow() const noexcept {
 }
 
 AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
-  AxisPosition goal = q_;
-  const auto put = [&](int axis, double value) {
-    if (axis >= 0) goal[axis] = std::clamp(value, layout_.lower[axis], layout_.upper[axis]);
-  };
-  const auto hand = [&](double fingers, double turn) {
-    put(layout_.fingers, fingers);
-    put(layout_.turn, turn);
-    put(layout_.thumb, 0.0);
-  };
-  const auto base = [&](const Vector3d& base_m) {
-    put(layout_.x, base_m.x());
-    put(layout_.y, base_m.y());
-    put(layout_.z, base_m.z());
-  };
+  Goal goal(layout_, q_);
   const bool pushes = meeting_.means == Means::kPush;
-  const double back_m = layout_.x >= 0 ? layout_.lower[layout_.x] + kBack_m : 0.0;
   const double open = pushes ? kStraight : kHooked;
   const double flexion_rad = phase == Phase::kAlign ? kStraight : flexion_rad_;
   const Vector3d at_m = pointMet() + baseFromPoint(flexion_rad), clear_m = at_m + clear_m_;
   switch (phase) {
     case Phase::kDrawBack:
     case Phase::kRest:
-      put(layout_.x, back_m);
-      hand(kHalfBent, kTurnedAside);
+      goal.put(layout_.x, back_m(layout_));
+      goal.hand(kHalfBent, kTurnedAside);
       break;
     case Phase::kAlign:
-      base({back_m, clear_m.y(), clear_m.z()});
-      hand(open, kTurnedAside);
+      goal.base({back_m(layout_), clear_m.y(), clear_m.z()});
+      goal.hand(open, kTurnedAside);
       break;
     case Phase::kEnter:
     case Phase::kLeave:
-      base(clear_m);
-      hand(open, kTurnedAside);
+      goal.base(clear_m);
+      goal.hand(open, kTurnedAside);
       break;
     case Phase::kTouch:
-      base(pushes ? Vector3d(at_m - kGently_m * meeting_.toward) : at_m);
-      hand(open, pushes ? kTurnedAside : kOpposed);
+      goal.base(pushes ? Vector3d(at_m - kGently_m * meeting_.toward) : at_m);
+      goal.hand(open, pushes ? kTurnedAside : kOpposed);
       break;
     case Phase::kOpen:
-      base(pushes ? clear_m : at_m);
-      hand(open, kTurnedAside);
+      goal.base(pushes ? clear_m : at_m);
+      goal.hand(open, kTurnedAside);
       break;
     case Phase::kClose:
     case Phase::kCarry:
       break;
   }
-  return goal;
+  return goal.at();
 }
 
 void KitchenPlayer::go(Phase phase) noexcept {
@@ -200,18 +183,9 @@ void KitchenPlayer::go(Phase phase) noexcept {
     aside_m_ = baseNow() - pointMet();
   }
   const AxisPosition goal = goalOf(phase);
-  double longest_s = kShortest_s;
-  for (int i = 0; i < goal.size(); ++i) {
-    const bool arm = i == layout_.x || i == layout_.y || i == layout_.z;
-    const double peak = arm ? kArm_m_s : kFingers_rad_s;
-    longest_s = std::max(longest_s, kMinimumJerkPeak * std::abs(goal[i] - q_[i]) / peak);
-  }
-  reach_.begin(q_, qd_, goal, longest_s / pace_);
-  if (phase == Phase::kTouch && layout_.y >= 0) reach_.during(layout_.y, 0.0, 0.7);
-  if (phase == Phase::kTouch && layout_.fingers >= 0) reach_.during(layout_.fingers, 0.2, 1.0);
-  for (const int axis : {layout_.fingers, layout_.thumb, layout_.turn}) {
-    if (axis >= 0 && goal[axis] < q_[axis]) reach_.limitSpeed(axis, opening_rad_s_);
-  }
+  reach_.begin(q_, qd_, goal, durationTo(layout_, q_, goal) / pace_);
+  if (phase == Phase::kTouch) palmFirst(layout_, reach_);
+  limitOpening(layout_, q_, opening_rad_s_, reach_);
 }
 
 void KitchenPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
@@ -267,17 +241,8 @@ double KitchenPlayer::hurry() const noexcept {
 }
 
 void KitchenPlayer::close(double period_s) noexcept {
-  if (layout_.fingers < 0) return;
-  const double lower = kHooked, upper = layout_.upper[layout_.fingers];
-  const double fingers = q_[layout_.fingers];
-  double wanted_rad_s = std::clamp(kClosing_rad_s * closing(), -0.2, kClosing_rad_s);
-  wanted_rad_s = pace_ * std::clamp(wanted_rad_s, (lower - fingers) / 0.2, (upper - fingers) / 0.2);
-  wanted_rad_s = std::max(wanted_rad_s, -opening_rad_s_);
-  rate_rad_s_ += (wanted_rad_s - rate_rad_s_) * std::min(period_s / kFilter_s, 1.0);
-  q_[layout_.fingers] = fingers + rate_rad_s_ * period_s;
-  if (layout_.thumb < 0) return;
-  q_[layout_.thumb] = std::clamp(q_[layout_.thumb] + kThumbAlong * rate_rad_s_ * period_s,
-                                 layout_.lower[layout_.thumb], layout_.upper[layout_.thumb]);
+  const double wanted_rad_s = std::clamp(kClosing_rad_s * closing(), -0.2, kClosing_rad_s);
+  closeBy(layout_, wanted_rad_s, pace_, kHooked, opening_rad_s_, period_s, rate_rad_s_, q_);
 }
 
 // Leads the thing along its joint's path: the hand goes on ahead until the thing is where it is

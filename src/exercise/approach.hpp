@@ -1,0 +1,64 @@
+#pragma once
+
+#include "core/geometry.hpp"
+#include "core/real_time.hpp"
+#include "exercise/cocktail_bar/bar_layout.hpp"
+#include "patient/reach.hpp"
+
+#include <Eigen/Core>
+
+/// Postures, speeds and movements that virtual patients of all exercises have in common: how a hand
+/// goes to a thing, closes around it and draws back.
+namespace wholehand::approach {
+
+// Postures [rad]. Stretched fingers pass beside a thing; half-bent ones pass in front of it.
+inline constexpr double kStretched = 8.0 * kDeg, kHalfBent = 65.0 * kDeg, kClosed = 155.0 * kDeg;
+inline constexpr double kTurnedAside = 5.0 * kDeg, kOpposed = 20.0 * kDeg;
+// The thumb presses less than four fingers do. More would tip over a free bottle.
+inline constexpr double kThumbClosed = 27.0 * kDeg;
+/// Thumb per finger angle while they close.
+inline constexpr double kThumbAlong = kThumbClosed / (kClosed - kHalfBent);
+
+// Peak speeds of a person at pace 1.
+inline constexpr double kArm_m_s = 0.42, kFingers_rad_s = 4.0;
+
+/// Where the axes are to go, within their ranges; what is not named stays. Real-time safe.
+class Goal {
+ public:
+  Goal(const BarLayout& layout, const AxisPosition& from) noexcept : layout_(layout), at_(from) {}
+
+  void put(int axis, double value) noexcept;
+  void hand(double fingers, double turn, double thumb = 0.0) noexcept;
+  void base(const Eigen::Vector3d& at_m) noexcept;
+  [[nodiscard]] const AxisPosition& at() const noexcept { return at_; }
+
+ private:
+  const BarLayout& layout_;
+  AxisPosition at_;
+};
+
+/// x of the withdrawn hand [m].
+[[nodiscard]] WHOLEHAND_RT double back_m(const BarLayout& layout) noexcept;
+
+/// A half-bent hand, nearly withdrawn.
+[[nodiscard]] AxisPosition start(const BarLayout& layout);
+
+/// Duration of a movement at pace 1 [s].
+[[nodiscard]] WHOLEHAND_RT double durationTo(const BarLayout& layout, const AxisPosition& from,
+                                             const AxisPosition& goal) noexcept;
+
+/// The palm arrives before the fingers bend, so that they close around the thing.
+WHOLEHAND_RT void palmFirst(const BarLayout& layout, Reach& reach) noexcept;
+
+/// Opens the hand no faster than its reflexes allow. After Reach::during().
+WHOLEHAND_RT void limitOpening(const BarLayout& layout, const AxisPosition& from,
+                               double opening_rad_s, Reach& reach) noexcept;
+
+/// Moves fingers and thumb by a speed that is wanted, low-passed, and comes to rest at the ends.
+/// @param rate_rad_s speed of the fingers, from call to call
+/// @param pace of this person @param lower of the fingers
+WHOLEHAND_RT void closeBy(const BarLayout& layout, double wanted_rad_s, double pace, double lower,
+                          double opening_rad_s, double period_s, double& rate_rad_s,
+                          AxisPosition& q) noexcept;
+
+}  // namespace wholehand::approach
