@@ -35,6 +35,11 @@ export const DOOR = {
   things: [{ body: 0, joint: { type: 'hinge', axis: [0, 0, 1], point_m: [HINGE.x, HINGE.y, 0], least: 0, most: 1.05 } }],
 };
 
+/** The same front, free, is put to the left; and it is pressed. */
+export const PUT = {
+  ...DRAWER, task: 'put', steps: [{ verb: 'put', body: 0, center_m: [0.06, 0.28, 0.02], half_size_m: [0.08, 0.18, 0.09] }, { verb: 'press', body: 0, force_n: 4, for_s: 1 }, { verb: 'let_go', body: 0 }], things: [{ body: 0 }],
+};
+
 export function kitchenScene(task: object = DRAWER, right = true): SceneT {
   const scene = new SceneT();
   scene.exerciseJson = JSON.stringify(task);

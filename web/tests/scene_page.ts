@@ -7,7 +7,7 @@ import type { PerspectiveCamera } from 'three';
 import '../src/shared/tokens.css';
 import { FakeProgram } from '../src/net/fake_program';
 import type { SceneT, WorldStateT } from '../src/protocol';
-import { DOOR, DRAWER, kitchenScene, kitchenState } from './kitchen_scene';
+import { DOOR, DRAWER, PUT, kitchenScene, kitchenState } from './kitchen_scene';
 import { checkOnCard } from './scene_gpu_check';
 import { SceneView } from '../src/scene/scene_view';
 import type { Quality } from '../src/scene/quality';
@@ -21,13 +21,13 @@ await document.fonts.load('700 40px "Atkinson Hyperlegible Next Variable"');
 const scene = new SceneView(document.getElementById('scene') as HTMLCanvasElement, {
   quality, tone: options.get('tone') ?? 'honey', view: options.get('view') === 'console' ? 'console' : 'game' });
 const reported = program.scene();
-// kitchen=drawer or door, with step= and q=: a made-up task of the kitchen round the stand-in's hand.
-const task = { drawer: DRAWER, door: DOOR }[options.get('kitchen') ?? ''];
+// kitchen=drawer, door or put, with step= and q=: a made-up task of the kitchen round the stand-in's hand.
+const task = { drawer: DRAWER, door: DOOR, put: PUT }[options.get('kitchen') ?? ''];
 if (task) {
   const { exerciseJson, bodies, valueNames } = kitchenScene(task), take = program.state.bind(program);
   Object.assign(reported, { exerciseJson, bodies, valueNames });
   program.state = () => {
-    const { values, bodies: poses } = kitchenState({ instruction: Number(options.get('step') ?? 0), joint_q: Number(options.get('q') ?? 0), held_s: Number(options.get('held') ?? 0) }, task);
+    const { values, bodies: poses } = kitchenState({ instruction: Number(options.get('step') ?? 0), joint_q: Number(options.get('q') ?? 0), held_s: Number(options.get('held') ?? 0), handle_n: Number(options.get('force') ?? 0) }, task);
     return Object.assign(take(), { values, bodies: poses, contacts: [] });
   };
 }

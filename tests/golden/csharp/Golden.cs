@@ -215,6 +215,7 @@ public static class Golden
             MethodInfo method = typeof(WholehandClient).GetMethod(order);
             if (method == null || method.DeclaringType != typeof(WholehandClient)) return null;
             Set(client, "connected", true);
+            Set(client, "haveState", true); // Arm is refused before the first
             Set(client, "command", unchecked((uint)(double)entry["id"] - 1));
             Dictionary<string, object>[] described = form.FieldsOf(order).ToArray();
             object[] values = method.GetParameters()

@@ -16,6 +16,8 @@ const PLINTH_M = 0.05;
 /** Of fronts under a worktop on which everything stands: how far it hangs over, how tall they are [m], how many there are to each side. */
 const OVERHANG_M = 0.02;
 const BASE_M = 0.3;
+/** The plinth reaches so far down: out of every picture [m]. */
+const FLOOR_M = 0.9;
 const BASE_FRONTS = 4;
 /** A shelf begins so far behind a door [m]. */
 const INSIDE_M = 0.02;
@@ -204,6 +206,6 @@ export function makeBase({ low, high }: Extent, color: string, shop: Workshop): 
   }
   const half_m = BASE_FRONTS * NEIGHBOUR_M;
   board([near_x + 0.022, -half_m, low_z], [Math.min(high[0], near_x + 0.04), half_m, low[2]], shadeOf(shop), 0.001);
-  board([near_x + PLINTH_M, -half_m, low_z - 0.3], [near_x + PLINTH_M + 0.02, half_m, low_z - GAP_M], shadeOf(shop), 0.001);
+  board([near_x + PLINTH_M, -half_m, low_z - FLOOR_M], [near_x + PLINTH_M + 0.02, half_m, low_z - GAP_M], shadeOf(shop), 0.001);
   return root;
 }
