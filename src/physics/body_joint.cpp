@@ -1,5 +1,7 @@
 #include "physics/body_joint.hpp"
 
+#include "model/scene/joint_energy.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -46,9 +48,7 @@ void BodyJoint::move(double rate, double step_s) noexcept {
 }
 
 double BodyJoint::energy() const noexcept {
-  const double stretch = q_ - joint_.spring_rest;
-  return 0.5 * (inertia_ * rate_ * rate_ + joint_.spring_stiffness * stretch * stretch) +
-         0.5 * joint_.latch_energy_j * (1.0 - std::cos(joint_.latch_wave * (q_ - joint_.latch_at)));
+  return 0.5 * inertia_ * rate_ * rate_ + storedEnergy(joint_, q_);
 }
 
 }  // namespace wholehand

@@ -1,6 +1,10 @@
 #include "safety/body_energy.hpp"
 
+#include "model/scene/joint_energy.hpp"
+
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace wholehand {
 namespace {
@@ -21,7 +25,28 @@ BodyEnergy::BodyEnergy(const SceneModel& scene, double period_s)
     bodies_[i].mass_kg = body.mass_kg;
     bodies_[i].inertia_kg_m2 = body.inertia_kg_m2;
     free_.push_back(static_cast<int>(i));
+    const std::optional<SceneJoint>& joint = body.joint;
+    if (!joint || (joint->spring_stiffness == 0.0 && joint->latch_energy_j == 0.0)) continue;
+    bodies_[i].store = static_cast<int>(stores_.size());
+    stores_.push_back({*joint, body.pose, body.com_m, 0.0, storedEnergy(*joint, 0.0)});
   }
+}
+
+void BodyEnergy::Store::put(const Eigen::Vector3d& position_m,
+                            const Eigen::Quaterniond& turned) noexcept {
+  const Eigen::Matrix3d rotation = turned.toRotationMatrix();
+  q = positionOn(joint, start, {rotation, position_m - rotation * com_m});
+  stored_j = storedEnergy(joint, q);
+}
+
+/// As put(), through whole turns.
+void BodyEnergy::Store::follow(const BodyState& state) noexcept {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const double last = q;
+  put(state.position_m.eigen(), state.orientation_xyzw.eigen());
+  if (!joint.turnsFreely()) return;
+  q += kTurn * std::round((last - q) / kTurn);
+  stored_j = storedEnergy(joint, q);
 }
 
 double BodyEnergy::kinetic(const Body& body, const BodyState& state) noexcept {
@@ -71,6 +96,13 @@ void BodyEnergy::advance(const TickRecord& observed, const Contact* contacts, in
     if (i >= observed.body_count) break;
     Body& body = bodies_[static_cast<std::size_t>(i)];
     const BodyState& now = observed.bodies[i];
+    if (body.store >= 0) {
+      Store& store = stores_[static_cast<std::size_t>(body.store)];
+      const double before_j = store.stored_j;
+      store.follow(now);
+      energy_.held_j += store.stored_j;
+      if (known_) gained_j += store.stored_j - before_j;
+    }
     if (isZero(now.velocity_m_s) && isZero(now.angular_velocity_rad_s) && body.kinetic_j == 0.0) {
       continue;
     }
@@ -112,6 +144,11 @@ void BodyEnergy::notePlaced(const BodyPlacements& placements, const TickRecord& 
     const double before_j = body.kinetic_j;
     body.kinetic_j = 0.5 * body.mass_kg * placed.velocity_m_s.eigen().squaredNorm();
     placed_j_ += std::max(0.0, body.kinetic_j - before_j);
+    if (body.store < 0) continue;
+    Store& store = stores_[static_cast<std::size_t>(body.store)];
+    const double stored_j = store.stored_j;
+    store.put(placed.position_m.eigen(), placed.orientation_xyzw.eigen());
+    placed_j_ += std::max(0.0, store.stored_j - stored_j);
   }
 }
 

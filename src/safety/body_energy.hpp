@@ -19,7 +19,9 @@ struct PoolEnergy {
 };
 
 /// Energy of the bodies of a world, computed from their states, whatever the engine:
-///   held      K = Σ ½ m v² + ½ ω·I ω of the bodies that move
+///   held      K = Σ ½ m v² + ½ ω·I ω of the bodies that move, and what springs and latches of
+///   their
+///             joints store: a person who stretched a spring may have it back
 ///   received  W = Σ m g·½(v⁻ + v) T, what placements add to K, and f·v T of fixed bodies that an
 ///             exercise moves against the hand
 ///   gained    ΔK − W − work of the hand, −Σ f·½(u⁻ + u) T at its contacts. Contacts and friction
@@ -50,6 +52,18 @@ class BodyEnergy {
     Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();
     Vec3 velocity_m_s, spin_rad_s;  ///< after the last step, or as placed since
     double kinetic_j = 0.0;
+    int store = -1;  ///< index of Store; -1: none
+  };
+  /// Spring and latch of a body's joint.
+  struct Store {
+    SceneJoint joint;
+    Pose start;             ///< of the body frame at q = 0
+    Eigen::Vector3d com_m;  ///< body frame
+    double q = 0.0;
+    double stored_j = 0.0;  ///< after the last step, or as placed since
+
+    void put(const Eigen::Vector3d& position_m, const Eigen::Quaterniond& turned) noexcept;
+    void follow(const BodyState& state) noexcept;
   };
   [[nodiscard]] static double kinetic(const Body& body, const BodyState& state) noexcept;
   [[nodiscard]] double workOfHand(const TickRecord& observed, const Contact* contacts,
@@ -57,6 +71,7 @@ class BodyEnergy {
 
   std::vector<Body> bodies_;  ///< of the scene, as many as a record shows
   std::vector<int> free_;     ///< those that move
+  std::vector<Store> stores_;
   Eigen::Vector3d gravity_m_s2_;
   double period_s_;
   double placed_j_ = 0.0;     ///< received by placements since the last step

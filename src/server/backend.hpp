@@ -81,7 +81,7 @@ struct RefusedItem {
 
 struct OrderReply {
   bool accepted = false;
-  std::string reason;  ///< for people, in English; empty when accepted
+  std::string reason;  ///< for people, in English; empty when accepted and carried out
   Refusal refusal = accepted ? Refusal::kNone : Refusal::kOther;
   std::vector<RefusedItem> items = {};  ///< of kBodiesRefused
 };

@@ -891,6 +891,7 @@ OrderReply Station::Core::keep(CheckedOrders& checked, std::uint32_t claim) {
   tracker_.refuseBusy(checked);
   tracker_.note(checked);
   OrderReply reply = replyFor(std::move(checked.refused));
+  if (reply.accepted) reply.reason = "nothing is armed: kept for the next arming";
   if (!checked.commands.empty()) kept_.push_back(std::move(checked));
   return reply;
 }

@@ -21,6 +21,7 @@ import unity_package  # noqa: E402
 from watched_main import main  # noqa: E402
 
 NAME = "org.wholehand.client"
+MANUALS = (SOURCE / "clients/csharp/README.md", SOURCE / f"clients/unity/{NAME}/README.md")
 STUBS = {"UnityEngine.TestRunner", "UnityEditor.TestRunner"}  # in the stub of NUnit
 
 
@@ -113,17 +114,7 @@ class Assemblies(unittest.TestCase):
     paced = True
 
     def test_they_compile_and_run(self):
-        out = BUILD / "assemblies"
-        shutil.rmtree(out, ignore_errors=True)
-        out.mkdir()
-        stub = TESTS / "unity/stub"
-        engine, editor, nunit = (out / f"{name}.dll" for name in ("UnityEngine", "UnityEditor", "nunit.framework"))
-        compile_library(engine, [stub / f"{name}.cs" for name in ("Maths", "Objects", "Headless")], [], "-target:library")
-        compile_library(editor, [stub / "Editor.cs"], [engine], "-target:library")
-        compile_library(nunit, [stub / "NUnit.cs"], [], "-target:library")
-        built = self.compile_assemblies(out, {"engine": engine, "editor": editor, "nunit": nunit})
-        self.assertEqual(sorted(built), ["Wholehand.Client", "Wholehand.Protocol", "Wholehand.Unity",
-                                         "Wholehand.Unity.Editor", "Wholehand.Unity.Samples.Bar", "Wholehand.Unity.Tests"])
+        out, engine, editor, nunit, built = assemblies(self)
         tests = out / "HeadlessTests.exe"
         shared = [TESTS / "csharp/Runner.cs", TESTS / "csharp/RealProgram.cs", TESTS / "csharp/StandIn.cs"]
         compile_library(tests, [*sorted((TESTS / "unity").glob("*.cs")), *shared], [engine, editor, nunit, *built.values()],
@@ -133,41 +124,75 @@ class Assemblies(unittest.TestCase):
                                    "WHOLEHAND_GAME_TABLE": str(TESTS / "game_table.toml")})
         self.assertEqual(done.returncode, 0)
 
-    def compile_assemblies(self, out, stubs):
-        waiting = {}
-        for file in (BUILD / NAME).rglob("*.asmdef"):
-            definition = json.loads(file.read_text(encoding="utf-8"))
-            definition["folder"] = file.parent
-            waiting[definition["name"]] = definition
-        folders = {definition["folder"] for definition in waiting.values()}
-        built = {}
-        while waiting:
-            ready = [d for d in waiting.values() if all(r in built or r in STUBS for r in d["references"])]
-            self.assertTrue(ready, f"{list(waiting)} wait for each other, or for what is not there")
-            for definition in ready:
-                name = definition["name"]
-                built[name] = out / f"{name}.dll"
-                compile_library(built[name], self.sources_of(definition["folder"], folders),
-                                [*(built[r] for r in definition["references"] if r in built),
-                                 *self.stubs_of(definition, stubs)], "-target:library",
-                                *(["-warn:0"] if name == "Wholehand.Protocol" else ["-warn:4", "-warnaserror"]))
-                del waiting[name]
-        return built
 
-    @staticmethod
-    def stubs_of(definition, stubs):
-        if not definition["noEngineReferences"]:
-            yield stubs["engine"]
-        if definition["includePlatforms"] == ["Editor"]:
-            yield stubs["editor"]
-        if "nunit.framework.dll" in definition["precompiledReferences"]:
-            yield stubs["nunit"]
+class Manuals(unittest.TestCase):
+    def test_each_piece_of_csharp_compiles_as_it_stands(self):
+        out, engine, _, _, built = assemblies(self)
+        pieces = [(manual.parent.name, piece) for manual in MANUALS
+                  for piece in re.findall(r"^```csharp\n(.*?)^```", manual.read_text(encoding="utf-8"), re.S | re.M)]
+        self.assertEqual(len(pieces), 4, "pieces of C# in the manuals")
+        for i, (name, piece) in enumerate(pieces):
+            source = out / f"piece_{i}_of_{name}.cs"
+            source.write_text(piece, encoding="utf-8")
+            compile_library(source.with_suffix(".dll"), [source], [engine, *built.values()], "-target:library")
 
-    @staticmethod
-    def sources_of(folder, folders):
-        """As Unity: a source belongs to the nearest .asmdef above it."""
-        return [source for source in sorted(folder.rglob("*.cs"))
-                if next(above for above in source.parents if above in folders) == folder]
+
+BUILT = []
+
+
+def assemblies(test):
+    """(folder, engine, editor, nunit, by name): the package's assemblies and the stand-ins, compiled once."""
+    if not BUILT:
+        out = BUILD / "assemblies"
+        shutil.rmtree(out, ignore_errors=True)
+        out.mkdir()
+        stub = TESTS / "unity/stub"
+        engine, editor, nunit = (out / f"{name}.dll" for name in ("UnityEngine", "UnityEditor", "nunit.framework"))
+        compile_library(engine, [stub / f"{name}.cs" for name in ("Maths", "Objects", "Headless")], [], "-target:library")
+        compile_library(editor, [stub / "Editor.cs"], [engine], "-target:library")
+        compile_library(nunit, [stub / "NUnit.cs"], [], "-target:library")
+        built = compile_assemblies(test, out, {"engine": engine, "editor": editor, "nunit": nunit})
+        test.assertEqual(sorted(built), ["Wholehand.Client", "Wholehand.Protocol", "Wholehand.Unity",
+                                         "Wholehand.Unity.Editor", "Wholehand.Unity.Samples.Bar", "Wholehand.Unity.Tests"])
+        BUILT.append((out, engine, editor, nunit, built))
+    return BUILT[0]
+
+
+def compile_assemblies(test, out, stubs):
+    waiting = {}
+    for file in (BUILD / NAME).rglob("*.asmdef"):
+        definition = json.loads(file.read_text(encoding="utf-8"))
+        definition["folder"] = file.parent
+        waiting[definition["name"]] = definition
+    folders = {definition["folder"] for definition in waiting.values()}
+    built = {}
+    while waiting:
+        ready = [d for d in waiting.values() if all(r in built or r in STUBS for r in d["references"])]
+        test.assertTrue(ready, f"{list(waiting)} wait for each other, or for what is not there")
+        for definition in ready:
+            name = definition["name"]
+            built[name] = out / f"{name}.dll"
+            compile_library(built[name], sources_of(definition["folder"], folders),
+                            [*(built[r] for r in definition["references"] if r in built),
+                             *stubs_of(definition, stubs)], "-target:library",
+                            *(["-warn:0"] if name == "Wholehand.Protocol" else ["-warn:4", "-warnaserror"]))
+            del waiting[name]
+    return built
+
+
+def stubs_of(definition, stubs):
+    if not definition["noEngineReferences"]:
+        yield stubs["engine"]
+    if definition["includePlatforms"] == ["Editor"]:
+        yield stubs["editor"]
+    if "nunit.framework.dll" in definition["precompiledReferences"]:
+        yield stubs["nunit"]
+
+
+def sources_of(folder, folders):
+    """As Unity: a source belongs to the nearest .asmdef above it."""
+    return [source for source in sorted(folder.rglob("*.cs"))
+            if next(above for above in source.parents if above in folders) == folder]
 
 
 if __name__ == "__main__":

@@ -250,11 +250,10 @@ TEST(Urdf, HingesAndSlidesToItsRoot_AreBodiesOnJoints) {
       "position_m = [0.5, 0, 0]\n";
   const std::string head =
       "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, -9.81]\n";
-  const auto free = loadSceneFile(folder.write("free.toml", head + body));
+  const auto free = loadSceneFile(folder.write("free.toml", head + body + "fixed = false\n"));
   ASSERT_FALSE(free.ok());
   EXPECT_TRUE(says(format(free.errors()), "set fixed = true"));
-  const SceneModel scene =
-      orThrow(loadSceneFile(folder.write("scene.toml", head + body + "fixed = true\n")));
+  const SceneModel scene = orThrow(loadSceneFile(folder.write("scene.toml", head + body)));
   ASSERT_EQ(scene.bodies.size(), 3U);
   const SceneBody &cabinet = scene.bodies[0], &tray = scene.bodies[1], &door = scene.bodies[2];
   EXPECT_TRUE(cabinet.fixed);
@@ -281,6 +280,48 @@ TEST(Urdf, HingesAndSlidesToItsRoot_AreBodiesOnJoints) {
   for (const Diagnostic& d : scene.notices) noticed += d.key + ": " + d.problem + "\n";
   EXPECT_TRUE(says(noticed, "link[door]: has no <inertial>"));
   EXPECT_TRUE(says(noticed, "link[door]: moves without dry friction"));
+}
+
+/// As Bullet's own files: a base of mass 0, and a placeholder of 1 kg·m² for what moves.
+TEST(Urdf, PlaceholdersOfWhatMoves_AreRefusedWithARemedyThatHelps) {
+  const Folder folder;
+  const auto write = [&](const std::string& inertial) {
+    folder.write(
+        "lid.urdf",
+        "<robot name=\"r\"><link name=\"base\"><inertial><mass value=\"0\"/><inertia "
+        "ixx=\"0\" iyy=\"0\" izz=\"0\"/></inertial><collision><geometry><box size=\"0.1 0.1 "
+        "0.1\"/></geometry></collision></link><link name=\"lid\"><inertial>" +
+            inertial +
+            "</inertial><collision><geometry><box size=\"0.12 0.06 0.01\"/></geometry>"
+            "</collision></link><joint name=\"hinge\" type=\"revolute\"><origin "
+            "xyz=\"0 0 0.2\"/><parent link=\"base\"/><child link=\"lid\"/><axis xyz=\"1 0 "
+            "0\"/><limit lower=\"0\" upper=\"1\"/></joint></robot>");
+  };
+  const auto load = [&](const std::string& more) {
+    return loadSceneFile(
+        folder.write("lid.toml",
+                     "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, 0]\n"
+                     "[[bodies]]\nname = \"r\"\nshape = \"urdf\"\nfile = \"lid.urdf\"\n"
+                     "position_m = [0.5, 0, 0]\n" +
+                         more));
+  };
+  // m (a² + b²) / 12 about x and z.
+  const double about_x = 0.1 * (0.06 * 0.06 + 0.01 * 0.01) / 12.0;
+  const double about_z = 0.1 * (0.12 * 0.12 + 0.06 * 0.06) / 12.0;
+  for (const char* inertia : {"<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>",
+                              "<inertia ixx=\"1\" iyy=\"1\" izz=\"9\"/>", ""}) {
+    write(std::string("<mass value=\"0.1\"/>") + inertia);
+    const Expected<SceneModel> refused = load("");
+    ASSERT_FALSE(refused.ok());
+    EXPECT_TRUE(says(format(refused.errors()), "uniform_density = true"))
+        << format(refused.errors());
+    const SceneModel scene = orThrow(load("uniform_density = true\n"));
+    ASSERT_EQ(scene.bodies.size(), 2U);
+    EXPECT_TRUE(scene.bodies[0].fixed);
+    EXPECT_EQ(scene.bodies[1].mass_kg, 0.1);
+    EXPECT_NEAR(scene.bodies[1].inertia_kg_m2(0, 0), about_x, 1e-15);
+    EXPECT_NEAR(scene.bodies[1].inertia_kg_m2(2, 2), about_z, 1e-15);
+  }
 }
 
 TEST(Urdf, BadFiles_NameLineElementAndFault) {

@@ -1,4 +1,4 @@
-// Rows between bodies, four at once. Without friction: the bits of Bullet's own sweep, row by row.
+// Rows between bodies, four at once. Without friction they move bodies as Bullet's own rows do.
 #include "physics/bullet/body_rows.hpp"
 
 #include "core/vector_clones.hpp"
@@ -6,156 +6,240 @@
 #include "support/seed.hpp"
 
 #include <BulletCollision/CollisionShapes/btEmptyShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+#include <memory>
+#include <vector>
 
 namespace wholehand::bullet {
 namespace {
 
 constexpr int kBodies = 30, kContacts = 120;
+constexpr double kStep_s = 1e-3;
+const ContactGoals kGoals{kStep_s, 1e-5, 0.05, 0.97, 0.2};
 
-/// Random contacts among bodies, the first of which is fixed, as Bullet's solver sets them up.
-struct Contacts {
-  BodyRows::Bodies bodies;
-  btConstraintArray normals, frictions;
-  std::vector<bool> touched;
-  std::vector<btManifoldPoint> points;
+btVector3 vector(std::mt19937_64& random) {
+  std::normal_distribution<double> number;
+  const double x = number(random), y = number(random), z = number(random);
+  return {x, y, z};
+}
 
-  Contacts(std::mt19937_64& random, btRigidBody& any) : touched(kBodies), points(kContacts) {
-    std::uniform_real_distribution<double> positive(0.1, 2.0);
-    std::uniform_int_distribution<int> body(0, kBodies - 1);
-    for (int i = 0; i < kBodies; ++i) {
-      btSolverBody& added = bodies.expand(btSolverBody{});
-      const bool moves = i > 0;
-      added.m_originalBody = moves ? &any : nullptr;
-      added.m_invMass = moves ? btVector3(1, 1, 1) * positive(random) : btVector3(0, 0, 0);
-      added.m_linearFactor = added.m_angularFactor = btVector3(1, 1, 1);
-      added.m_deltaLinearVelocity = moves ? vector(random) : btVector3(0, 0, 0);
-      added.m_deltaAngularVelocity = moves ? vector(random) : btVector3(0, 0, 0);
-      touched[i] = moves && i % 9 == 0;
-    }
-    for (int i = 0; i < kContacts; ++i) {
-      const int a = body(random), b = (a + 1 + body(random) % (kBodies - 1)) % kBodies;
-      btSolverConstraint& normal = add(normals, a, b, random);
-      normal.m_appliedImpulse = i % 3 == 0 ? positive(random) : 0.0;
-      normal.m_frictionIndex = frictions.size();
-      for (int k = 0; k < 2; ++k) {
-        btSolverConstraint& tangent = add(frictions, a, b, random);
-        tangent.m_friction = 0.0;  // Bullet's is a square, ours a disc: friction_disc_test.cpp
-        tangent.m_relpos1CrossNormal = tangent.m_relpos2CrossNormal = btVector3(0, 0, 0);
-        tangent.m_angularComponentA = tangent.m_angularComponentB = btVector3(0, 0, 0);
-      }
-    }
+/// Bullet's own rows of the same contacts.
+class Bullet final : public btSequentialImpulseConstraintSolver {
+ public:
+  Bullet() {
+    info_.m_timeStep = kStep_s;
+    info_.m_splitImpulse = 0;
+    info_.m_erp2 = kGoals.erp;
+    info_.m_linearSlop = kGoals.slop_m;
+    info_.m_warmstartingFactor = kGoals.warm_start;
+    info_.m_restitutionVelocityThreshold = kGoals.bounce_from_m_s;
+    info_.m_solverMode |=
+        SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
   }
 
-  static btVector3 vector(std::mt19937_64& random) {
-    std::normal_distribution<double> number;
-    const double x = number(random), y = number(random), z = number(random);
-    return {x, y, z};
+  void begin() {
+    m_tmpSolverBodyPool.resizeNoInitialize(0);
+    m_tmpSolverContactConstraintPool.resizeNoInitialize(0);
+    m_tmpSolverContactFrictionConstraintPool.resizeNoInitialize(0);
+    m_fixedBodyId = -1;
   }
+  int bodyOf(btRigidBody& rigid) { return getOrInitSolverBody(rigid, kStep_s); }
+  void add(btPersistentManifold& manifold) { convertContact(&manifold, info_); }
+  btAlignedObjectArray<btSolverBody>& bodies() { return m_tmpSolverBodyPool; }
 
-  btSolverConstraint& add(btConstraintArray& rows, int a, int b, std::mt19937_64& random) const {
-    std::uniform_real_distribution<double> positive(0.1, 2.0);
-    btSolverConstraint& row = rows.expand(btSolverConstraint{});
-    const btVector3 along = vector(random).normalized(), none(0, 0, 0);
-    const bool a_moves = a > 0, b_moves = b > 0;
-    row.m_solverBodyIdA = a;
-    row.m_solverBodyIdB = b;
-    row.m_contactNormal1 = a_moves ? along : none;
-    row.m_contactNormal2 = b_moves ? -along : none;
-    row.m_relpos1CrossNormal = a_moves ? vector(random) : none;
-    row.m_relpos2CrossNormal = b_moves ? vector(random) : none;
-    row.m_angularComponentA = a_moves ? row.m_relpos1CrossNormal * positive(random) : none;
-    row.m_angularComponentB = b_moves ? row.m_relpos2CrossNormal * positive(random) : none;
-    row.m_jacDiagABInv = 0.1 * positive(random);
-    row.m_rhs = 0.3 * vector(random).x();
-    row.m_cfm = 0.0;
-    row.m_appliedImpulse = 0.0;
-    row.m_lowerLimit = 0.0;
-    row.m_upperLimit = 1e10;
-    return row;
-  }
-
-  // One manifold after the other.
-  void addTo(BodyRows& rows) {
-    for (int i = 0; i < kContacts; ++i) {
-      btConstraintArray one, its_frictions;
-      one.push_back(normals[i]);
-      one[0].m_frictionIndex = 0;
-      one[0].m_originalContactPoint = &points[i];
-      for (int k = 0; k < 2; ++k) its_frictions.push_back(frictions[2 * i + k]);
-      rows.add(one, its_frictions, bodies, touched);
-    }
-  }
-
-  // As the hand's rows do between two sweeps.
-  void push(std::mt19937_64& random) {
-    for (int i = 0; i < kBodies; ++i) {
-      if (touched[i]) bodies[i].m_deltaLinearVelocity += 0.1 * vector(random);
-    }
-  }
-
-  // As Bullet's solveSingleIteration(); every second time from the last to the first.
-  void sweep(btSequentialImpulseConstraintSolver& solver, bool near_only, bool backwards) {
-    const auto press = solver.getActiveConstraintRowSolverLowerLimit();
-    const auto left_out = [&](const btSolverConstraint& row) {
-      return near_only && !touched[row.m_solverBodyIdA] && !touched[row.m_solverBodyIdB];
-    };
+  // As its solveSingleIteration(); every second time from the last to the first.
+  void sweep(const std::vector<bool>& touched, bool near_only, bool backwards) {
+    const auto press = getActiveConstraintRowSolverLowerLimit();
+    btConstraintArray& normals = m_tmpSolverContactConstraintPool;
     for (int k = 0; k < normals.size(); ++k) {
       btSolverConstraint& row = normals[backwards ? normals.size() - 1 - k : k];
-      if (!left_out(row)) press(bodies[row.m_solverBodyIdA], bodies[row.m_solverBodyIdB], row);
+      const bool near = touched[row.m_solverBodyIdA] || touched[row.m_solverBodyIdB];
+      if (near || !near_only)
+        press(bodies()[row.m_solverBodyIdA], bodies()[row.m_solverBodyIdB], row);
+    }
+  }
+  [[nodiscard]] double impulse(int contact) const {
+    return m_tmpSolverContactConstraintPool[contact].m_appliedImpulse;
+  }
+
+ private:
+  btContactSolverInfo info_;
+};
+
+/// Random contacts among bodies of any place, motion, mass and inertia, the first of which is
+/// fixed.
+struct Contacts {
+  btEmptyShape shape;
+  std::vector<std::unique_ptr<btRigidBody>> rigids;
+  std::vector<btPersistentManifold> manifolds;
+
+  explicit Contacts(std::mt19937_64& random, double friction = 0.0) {
+    std::uniform_real_distribution<double> positive(0.1, 2.0);
+    for (int i = 0; i < kBodies; ++i) {
+      const btVector3 inertia(positive(random), positive(random), positive(random));
+      btRigidBody::btRigidBodyConstructionInfo of(i == 0 ? 0.0 : positive(random), nullptr, &shape,
+                                                  inertia);
+      of.m_startWorldTransform.setOrigin(vector(random));
+      of.m_startWorldTransform.setRotation(
+          btQuaternion(vector(random).normalized(), positive(random)));
+      auto& rigid = *rigids.emplace_back(std::make_unique<btRigidBody>(of));
+      rigid.setCompanionId(-1);
+      if (i == 0) continue;
+      rigid.setLinearVelocity(vector(random));
+      rigid.setAngularVelocity(vector(random));
+      rigid.applyCentralForce(btVector3(0, 0, -9.81) / rigid.getInvMass());
+    }
+    std::uniform_int_distribution<int> body(0, kBodies - 1);
+    manifolds.reserve(kContacts);
+    for (int i = 0; i < kContacts; ++i) {
+      const int a = body(random), b = (a + 1 + body(random) % (kBodies - 1)) % kBodies;
+      auto& manifold = manifolds.emplace_back(rigids[a].get(), rigids[b].get(), 0, 1.0, 1.0);
+      btManifoldPoint point;
+      point.m_normalWorldOnB = vector(random).normalized();
+      point.m_distance1 = 2e-4 * vector(random).x();
+      point.m_positionWorldOnA = vector(random);
+      point.m_positionWorldOnB =
+          point.m_positionWorldOnA - point.m_normalWorldOnB * point.m_distance1;
+      point.m_combinedFriction = friction;
+      point.m_combinedRestitution = i % 4 == 0 ? 0.5 : 0.0;
+      manifold.addManifoldPoint(point);
+      manifold.getContactPoint(0).m_appliedImpulse = i % 3 == 0 ? positive(random) : 0.0;
     }
   }
 };
 
-void expectSame(const btVector3& a, const btVector3& b) {
-  for (int k = 0; k < 3; ++k) EXPECT_EQ(a[k], b[k]);
+void expectNear(const btVector3& a, const btVector3& b) {
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], 1e-10);
 }
 
-TEST(BodyRows, SweptBetweenPushesOfTheHand_HaveTheBitsOfBulletsOwnSweep) {
+TEST(BodyRows, SweptBetweenPushesOfTheHand_MoveBodiesAsBulletsOwnRowsDo) {
   auto random = test::seededRandom(6702);
-  btSequentialImpulseConstraintSolver solver;
-  btEmptyShape shape;
-  btRigidBody any(btRigidBody::btRigidBodyConstructionInfo(1.0, nullptr, &shape));
   BodyRows rows(kContacts, kBodies);
   for (int round = 0; round < 20; ++round) {
     auto same = random;
-    Contacts ours(random, any), bullets(same, any);
+    Contacts our_contacts(random), their_contacts(same);
+    Bullet ours, bullets;
+    ours.begin(), bullets.begin();
+    std::vector<bool> touched(kBodies + 1);
     rows.clear();
     EXPECT_EQ(rows.room(), kContacts);
-    ours.addTo(rows);
+    for (int i = 1; i < kBodies; ++i) {
+      const int id = ours.bodyOf(*our_contacts.rigids[i]);
+      ASSERT_EQ(bullets.bodyOf(*their_contacts.rigids[i]), id);
+      touched[id] = i % 9 == 0;
+    }
+    for (int i = 0; i < kContacts; ++i) {
+      btPersistentManifold& manifold = our_contacts.manifolds[i];
+      const auto id = [&](const btCollisionObject* of) {
+        return ours.bodyOf(*const_cast<btRigidBody*>(static_cast<const btRigidBody*>(of)));
+      };
+      rows.add(manifold, id(manifold.getBody0()), id(manifold.getBody1()), kGoals, ours.bodies(),
+               touched);
+      bullets.add(their_contacts.manifolds[i]);
+    }
     EXPECT_EQ(rows.room(), 0);
-    rows.begin(ours.bodies, ours.touched);
+    rows.begin(ours.bodies(), touched);
     ASSERT_TRUE(rows.any() && rows.anyNear());
     for (int sweep = 0; sweep < 12; ++sweep) {
       const bool near_only = sweep >= 6;
-      const double most = near_only ? rows.sweepNear(ours.bodies) : rows.sweepAll(ours.bodies);
+      const double most = near_only ? rows.sweepNear(ours.bodies()) : rows.sweepAll(ours.bodies());
       EXPECT_GT(most, 0.0);
-      bullets.sweep(solver, near_only, sweep % 2 == 1);
-      ours.push(random);
-      bullets.push(same);
+      bullets.sweep(touched, near_only, sweep % 2 == 1);
+      // As the hand's rows do between two sweeps.
+      for (int i = 0; i < ours.bodies().size(); ++i) {
+        if (!touched[i]) continue;
+        const btVector3 push = 0.1 * vector(random);
+        ours.bodies()[i].m_deltaLinearVelocity += push;
+        bullets.bodies()[i].m_deltaLinearVelocity += push;
+      }
     }
-    rows.write(ours.bodies);
+    rows.write(ours.bodies());
     int pressing = 0;
     for (int i = 0; i < kContacts; ++i) {
-      const btManifoldPoint& point = ours.points[i];
-      EXPECT_EQ(point.m_appliedImpulse, bullets.normals[i].m_appliedImpulse);
+      const btManifoldPoint& point = our_contacts.manifolds[i].getContactPoint(0);
+      EXPECT_NEAR(point.m_appliedImpulse, bullets.impulse(i), 1e-10);
       EXPECT_EQ(point.m_appliedImpulseLateral1, 0.0);
       EXPECT_EQ(point.m_appliedImpulseLateral2, 0.0);
       pressing += point.m_appliedImpulse > 0.0 ? 1 : 0;
     }
-    for (int i = 0; i < kBodies; ++i) {
-      expectSame(ours.bodies[i].m_deltaLinearVelocity, bullets.bodies[i].m_deltaLinearVelocity);
-      expectSame(ours.bodies[i].m_deltaAngularVelocity, bullets.bodies[i].m_deltaAngularVelocity);
+    for (int i = 0; i < ours.bodies().size(); ++i) {
+      expectNear(ours.bodies()[i].m_deltaLinearVelocity, bullets.bodies()[i].m_deltaLinearVelocity);
+      expectNear(ours.bodies()[i].m_deltaAngularVelocity,
+                 bullets.bodies()[i].m_deltaAngularVelocity);
     }
     EXPECT_GT(pressing, kContacts / 10);
     EXPECT_LT(pressing, kContacts);
     if (testing::Test::HasFailure()) return;
   }
+}
+
+/// Two bodies that stick: at the point they end without relative velocity, whatever they begin
+/// with, and what one gains of momentum the other one loses.
+TEST(BodyRows, ContactThatSticks_EndsTheSlipAndKeepsMomentum) {
+  auto random = test::seededRandom(6703);
+  BodyRows rows(1, 3);
+  int stuck = 0;
+  for (int round = 0; round < 200; ++round) {
+    Contacts contacts(random, 1e9);
+    btPersistentManifold& manifold = contacts.manifolds[0];
+    btManifoldPoint& point = manifold.getContactPoint(0);
+    point.m_distance1 = 0.0;
+    point.m_combinedRestitution = 0.0;
+    point.m_positionWorldOnB = point.m_positionWorldOnA;
+    point.m_appliedImpulse = 1.0;
+    point.m_appliedImpulseLateral1 = vector(random).x();
+    point.m_appliedImpulseLateral2 = vector(random).x();
+    Bullet solver;
+    solver.begin();
+    std::vector<bool> touched(3);
+    std::array<btRigidBody*, 2> rigids{};
+    std::array<int, 2> ids{};
+    for (int i = 0; i < 2; ++i) {
+      const btCollisionObject* of = i == 0 ? manifold.getBody0() : manifold.getBody1();
+      rigids[i] = const_cast<btRigidBody*>(static_cast<const btRigidBody*>(of));
+      ids[i] = solver.bodyOf(*rigids[i]);
+    }
+    rows.clear();
+    rows.add(manifold, ids[0], ids[1], kGoals, solver.bodies(), touched);
+    rows.begin(solver.bodies(), touched);
+    double change = 1.0;
+    for (int sweep = 0; sweep < 20'000 && change > 1e-14; ++sweep) {
+      change = rows.sweepAll(solver.bodies());
+    }
+    rows.write(solver.bodies());
+    std::array<btVector3, 2> velocity, gained;
+    for (int i = 0; i < 2; ++i) {
+      const btSolverBody& body = solver.bodies()[ids[i]];
+      velocity[i].setZero(), gained[i].setZero();
+      if (body.m_originalBody == nullptr) continue;
+      const btVector3 arm = point.m_positionWorldOnA - rigids[i]->getCenterOfMassPosition();
+      velocity[i] = body.m_linearVelocity + body.m_externalForceImpulse +
+                    body.m_deltaLinearVelocity +
+                    (body.m_angularVelocity + body.m_deltaAngularVelocity).cross(arm);
+      gained[i] = body.m_deltaLinearVelocity / rigids[i]->getInvMass();
+    }
+    const btVector3 impulse = point.m_appliedImpulse * point.m_normalWorldOnB +
+                              point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+                              point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2;
+    for (int i = 0; i < 2; ++i) {
+      if (rigids[i]->getInvMass() > 0.0) {
+        EXPECT_LE((gained[i] - (i == 0 ? 1.0 : -1.0) * impulse).length(), 1e-9);
+      }
+    }
+    // Slid together or pulled apart: friction of any size needs what presses.
+    if (point.m_appliedImpulse <= 0.0 || change > 1e-14) continue;
+    ++stuck;
+    // Apart by the slop, they may close it.
+    const btVector3 slip = velocity[0] - velocity[1];
+    EXPECT_LE((slip + point.m_normalWorldOnB * (kGoals.slop_m / kStep_s)).length(), 1e-6);
+  }
+  EXPECT_GT(stuck, 50);
 }
 
 TEST(BodyRows, WithoutContacts_HaveNothingToSweep) {

@@ -2,9 +2,11 @@
 // is felt as the virtual work of the joint's force, and the grasp does not slip.
 #include "physics/engine_bench.hpp"
 #include "physics/still_hand.hpp"
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace wholehand::test {
 namespace {
@@ -147,6 +149,157 @@ TEST(SprungHandle, HeldFor60SAgainst5N_DoesNotSlip) {
   figure("handle held, slip", 1e3 * most_m, "mm");
   EXPECT_NEAR(force_n, 5.0, 0.6);
   EXPECT_LE(most_m, 1e-4);
+}
+
+/// A bar on a joint drawn at random, with spring, viscous and dry friction and a latch.
+SceneBody anyBar(std::mt19937_64& random) {
+  const auto between = [&](double low, double high) { return uniform(random, low, high); };
+  const auto any = [&] { return Eigen::Vector3d(between(-1, 1), between(-1, 1), between(-1, 1)); };
+  SceneJoint joint;
+  joint.type = random() % 2 == 0 ? SceneJoint::Type::kHinge : SceneJoint::Type::kSlide;
+  joint.axis = any().normalized();
+  const double size = joint.isHinge() ? 0.01 : 1.0;  // N·m to N at about 100 mm
+  if (joint.isHinge()) joint.point_m = between(0.05, 0.2) * any().normalized();
+  joint.spring_stiffness = between(0.0, 100.0) * size;
+  joint.spring_rest = between(-0.01, 0.01);
+  joint.viscous_friction = between(0.0, 5.0) * size;
+  joint.dry_friction = random() % 2 == 0 ? 0.0 : between(0.1, 2.0) * 10.0 * size;
+  joint.latch_energy_j = between(0.0, 2e-3);
+  joint.latch_wave = joint.isHinge() ? 8.0 : 2.0 * std::numbers::pi / 0.02;
+  return handleBar(between(0.0125, 0.025), between(0.1, 2.0), joint);
+}
+
+/// Momentum m_q that a body's joint has, its inertia by its definition.
+double momentOf(const SceneBody& body) {
+  if (!body.joint->isHinge()) return body.mass_kg;
+  const Eigen::Vector3d& axis = body.joint->axis;
+  return axis.dot(body.inertia_kg_m2 * axis) +
+         body.mass_kg * axis.cross(body.com_m - body.joint->point_m).squaredNorm();
+}
+
+// By d'Alembert, over one step: what the hand's contacts do on q̇ is the change of momentum less the
+// joint's forces, as written in body_joint.hpp (spring, viscous friction and rising slopes at the
+// step's end, gravity and falling slopes at its start), less a dry friction of |λ| ≤ F_c T.
+TEST(Contacts, OnAnyJoint_DoTheVirtualWorkOfItsForces) {
+  std::mt19937_64 random(seed());
+  double worst = 0.0, most = 0.0;
+  int counted = 0, slid = 0;
+  for (int k = 0; k < cases(10); ++k) {
+    const SceneBody bar = anyBar(random);
+    const SceneJoint& joint = *bar.joint;
+    PulledBar hand(bar, [](int) { return Eigen::Vector3d::Zero(); });
+    ASSERT_TRUE(hand.rig->renderer->arm());
+    const double period_s = hand.rig->renderer->config().period_s, inertia = momentOf(bar);
+    const Eigen::Vector3d gravity_m_s2 = hand.rig->models.scene.gravity_m_s2;
+    const double latch = 0.5 * joint.latch_energy_j * joint.latch_wave;
+    double q = 0.0, rate = 0.0;
+    TickRecord before;
+    hand.run(2500, [&](const TickRecord& r) {
+      const BodyState& now = r.bodies[0];
+      const Pose at{now.orientation_xyzw.eigen().toRotationMatrix(), now.position_m.eigen()};
+      const double next_q = positionOn(joint, bar.pose, at);
+      const Eigen::Vector3d axis = at.rotation * joint.axis;
+      const double next_rate = joint.isHinge() ? axis.dot(now.angular_velocity_rad_s.eigen())
+                                               : axis.dot(now.velocity_m_s.eigen());
+      if (before.contact_count > 0) {
+        const Pose then = poseOn(joint, bar.pose, q);
+        const Eigen::Vector3d about = then.rotation * joint.axis, hinge_m = then * joint.point_m;
+        const auto way = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+          return joint.isHinge() ? about.cross(p - hinge_m) : about;
+        };
+        double hand_does = 0.0;
+        for (int i = 0; i < before.contact_count; ++i) {
+          const Contact& c = before.contacts[i];
+          const Eigen::Vector3d on_body = c.point_m.eigen() - c.distance_m * c.normal.eigen();
+          hand_does -= c.force_n.eigen().dot(way(on_body));
+          if (joint.isHinge()) hand_does -= c.torque_nm.eigen().dot(about);
+        }
+        const double phase = joint.latch_wave * q, step = period_s * next_rate;
+        const double slope = std::max(0.0, latch * joint.latch_wave * std::cos(phase));
+        const double force = bar.mass_kg * gravity_m_s2.dot(way(then.translation_m)) -
+                             latch * std::sin(phase) - slope * step -
+                             joint.spring_stiffness * (q + step - joint.spring_rest) -
+                             joint.viscous_friction * next_rate;
+        const double rest = inertia * (next_rate - rate) / period_s - force - hand_does;
+        const double scale = std::abs(hand_does) + std::abs(force) + std::abs(latch);
+        const double off = std::max(0.0, std::abs(rest) - joint.dry_friction) / scale;
+        worst = std::max(worst, off);
+        most = std::max(most, std::abs(hand_does));
+        ++counted;
+        if (joint.dry_friction > 0.0 && std::abs(next_rate) > 1e-6) ++slid;
+      }
+      before = r;
+      q = next_q, rate = next_rate;
+    });
+  }
+  figure("contacts on random joints, steps", counted, "");
+  figure("of them slid against dry friction", slid, "");
+  figure("virtual work of contacts and joint, worst", 100.0 * worst, "%");
+  ASSERT_GT(counted, 100);
+  EXPECT_GT(most, 1e-3);
+  EXPECT_LE(worst, tolerance(1e-11));
+}
+
+/// A panel upright in x and z, before the palm, on a hinge beyond the fingertips.
+SceneBody panelBeforeThePalm(double spring_nm_rad) {
+  SceneBody panel = fixedBox({0.12, 0.12, 0.0}, {0.24, 0.02, 0.2});
+  panel.name = "panel";
+  panel.fixed = false;
+  panel.mass_kg = 1.5;
+  const ShapeMoments moment = moments(panel.shapes[0]);
+  panel.inertia_kg_m2 = panel.mass_kg / moment.volume_m3 * moment.inertia_m5;
+  SceneJoint joint;
+  joint.axis = Eigen::Vector3d::UnitZ();  // at +q it comes towards a right hand's palm
+  joint.point_m = {0.12, 0.0, 0.0};
+  joint.least = 0.0, joint.most = 1.2;
+  joint.dry_friction = 0.02;
+  joint.spring_stiffness = spring_nm_rad;
+  joint.spring_rest = 1.5;
+  panel.joint = joint;
+  return panel;
+}
+
+// A door that somebody else shuts on the hand: it stops at the palm, what is felt is its torque
+// over its lever, within the device's limit, and nothing stops or is pierced.
+TEST(Panel, ThatSwingsIntoThePalm_IsStoppedByTheHandAndFelt) {
+  double hardest_n = 0.0, deepest_m = 0.0, fastest = 0.0;
+  Models m = load(shippedFiles());
+  m.scene.bodies = {panelBeforeThePalm(0.3)};
+  const SceneBody panel = m.scene.bodies[0];
+  AxisPosition still(6);
+  still[kFingers] = 65.0 * kDeg, still[kCircumduction] = 5.0 * kDeg;
+  const auto rig = buildScripted(std::move(m), [&](int) { return still; });
+  ASSERT_TRUE(rig->renderer->arm());
+  const auto last = runTicks(*rig->renderer, 6000, [&](const TickRecord& r) {
+    ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone) << r.tick;
+    hardest_n = std::max(hardest_n, std::abs(r.sent[1]));
+    fastest = std::max(fastest, r.bodies[0].angular_velocity_rad_s.eigen().norm());
+    for (int i = 0; i < r.contact_count; ++i) {
+      deepest_m = std::max(deepest_m, -r.contacts[i].distance_m);
+    }
+  });
+  figure("panel into the palm, arrives with", fastest, "rad/s");
+  figure("panel into the palm, hardest", hardest_n, "N");
+  figure("panel into the palm, deepest", 1e3 * deepest_m, "mm");
+  EXPECT_GT(fastest, 0.5);
+  EXPECT_LE(deepest_m, 0.5e-3);
+  EXPECT_LE(hardest_n, last->effort_limit[1]);
+  ASSERT_GT(last->contact_count, 0);
+  EXPECT_LE(last->bodies[0].angular_velocity_rad_s.eigen().norm(), 1e-3);
+  // At rest the hand bears the spring: k (q - rest) is the moment of the contacts, less friction.
+  const BodyState& at = last->bodies[0];
+  const Pose pose{at.orientation_xyzw.eigen().toRotationMatrix(), at.position_m.eigen()};
+  const double spring_nm = 0.3 * (1.5 - positionOn(*panel.joint, panel.pose, pose));
+  double moment_nm = 0.0;
+  for (int i = 0; i < last->contact_count; ++i) {
+    const Contact& c = last->contacts[i];
+    const Eigen::Vector3d arm_m = c.point_m.eigen() - Eigen::Vector3d(0.24, 0.12, 0.0);
+    moment_nm += arm_m.cross(c.force_n.eigen()).z() + c.torque_nm.z;
+  }
+  EXPECT_NEAR(moment_nm, spring_nm, 0.02 + 1e-3);
+  const AxisEffort work = virtualWork(rig->models.hand, last->q_s, *last);
+  EXPECT_LT(work[1], -0.5) << "pushed towards -y";
+  EXPECT_NEAR(last->coupling[1], work[1], 0.02);
 }
 
 }  // namespace

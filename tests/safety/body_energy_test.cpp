@@ -67,6 +67,71 @@ TEST(BodyEnergy, OfABallThatFalls_IsWhatGravityGave) {
   EXPECT_NEAR(received_j, w.held(), 1e-9);
 }
 
+/// A ball of kMass_kg on a joint, at its start.
+SceneModel onJoint(const SceneJoint& joint) {
+  SceneModel scene;
+  scene.gravity_m_s2.setZero();
+  scene.bodies = {ball({0.3, 0.0, 0.1}, kRadius_m, kMass_kg)};
+  scene.bodies[0].joint = joint;
+  return scene;
+}
+
+// A mass on a spring, let go at A: ½ m v² + ½ k x² stays ½ k A², and nobody gave anything.
+TEST(BodyEnergy, OfAMassOnASpring_StaysWhatWasStored) {
+  SceneJoint joint;
+  joint.type = SceneJoint::Type::kSlide;
+  joint.axis = Eigen::Vector3d::UnitY();
+  joint.spring_stiffness = 300.0;
+  const SceneModel scene = onJoint(joint);
+  BodyEnergy energy(scene, kPeriod_s);
+  TickRecord record;
+  record.body_count = 1;
+  const double rate = std::sqrt(300.0 / kMass_kg), far_m = 0.015;
+  for (int k = 0; k < 1000; ++k) {
+    const double phase = rate * kPeriod_s * k;
+    record.bodies[0].position_m = {0.3, far_m * std::cos(phase), 0.1};
+    record.bodies[0].velocity_m_s = {0.0, -far_m * rate * std::sin(phase), 0.0};
+    energy.advance(record, nullptr, 0, {});
+    ASSERT_NEAR(energy.energy().held_j, 33.75e-3, 1e-12) << k;  // 300 N/m, 15 mm
+    ASSERT_NEAR(energy.gained_j(), 0.0, 1e-12) << k;
+    ASSERT_EQ(energy.energy().received_j, 0.0) << k;
+  }
+}
+
+// Turned from detent to detent a latch stores U₀ sin²(n q/2), through whole turns; an
+// exercise that puts it on top gave U₀.
+TEST(BodyEnergy, OfALatch_IsWhatIsStoredAndWhatAPlacementGave) {
+  SceneJoint joint;
+  joint.axis = Eigen::Vector3d::UnitZ();
+  joint.latch_energy_j = 0.02;
+  joint.latch_wave = 5.0;
+  const SceneModel scene = onJoint(joint);
+  BodyEnergy energy(scene, kPeriod_s);
+  TickRecord record;
+  record.body_count = 1;
+  record.bodies[0].position_m = {0.3, 0.0, 0.1};
+  const auto turned = [](double q) {
+    return QuatXyzw::from(Eigen::Quaterniond(Eigen::AngleAxisd(q, Eigen::Vector3d::UnitZ())));
+  };
+  for (int k = 0; k < 500; ++k) {
+    const double q = 0.02 * k;  // more than a turn
+    record.bodies[0].orientation_xyzw = turned(q);
+    energy.advance(record, nullptr, 0, {});
+    ASSERT_NEAR(energy.energy().held_j, 0.02 * std::pow(std::sin(2.5 * q), 2), 1e-13) << k;
+  }
+  record.bodies[0].orientation_xyzw = turned(0.0);
+  energy.advance(record, nullptr, 0, {});
+  BodyPlacements placed;
+  placed.count = 1;
+  placed.items[0] = {0, 0, record.bodies[0].position_m, turned(kPi / 5.0), {}};
+  energy.notePlaced(placed, record);
+  record.bodies[0].orientation_xyzw = turned(kPi / 5.0);
+  energy.advance(record, nullptr, 0, {});
+  EXPECT_NEAR(energy.energy().received_j, 0.02, 1e-13);
+  EXPECT_NEAR(energy.energy().held_j, 0.02, 1e-13);
+  EXPECT_NEAR(energy.gained_j(), 0.0, 1e-13);
+}
+
 TEST(BodyEnergy, OfASpinningBall_IsThatOfAnyTurn) {
   Watched w;
   w.state(0).angular_velocity_rad_s = {3.0, -4.0, 12.0};

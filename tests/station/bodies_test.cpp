@@ -233,10 +233,14 @@ TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
 
 TEST_F(GameInAStation, WhatIsKept_IsHandedOverOnce) {
   runGame(false);
-  ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
-  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
+  for (const Order& order : {prepare(0, {ballShape(0.03)}), say({spawnCommand(ballAside(0))})}) {
+    const OrderReply kept = ask(order);
+    ASSERT_TRUE(kept.accepted);
+    EXPECT_EQ(kept.reason, "nothing is armed: kept for the next arming");
+  }
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
+  EXPECT_EQ(ask(prepare(1, {ballShape(0.03)})).reason, "");  // handed over at once
   ASSERT_TRUE(ask(orders::Stop{}).accepted);
   EXPECT_EQ(ask(prepare(0, {ballShape(0.03)})).refusal, Refusal::kStillStopping);
   ASSERT_TRUE(becomes(RunState::kStopped));

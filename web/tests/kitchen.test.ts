@@ -3,6 +3,7 @@ import { Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { SceneT } from '../src/protocol';
 import { playOf, targetsOf } from '../src/exercises';
+import { infoOf, REPORTS } from '../src/exercises/info';
 import { wayOf } from '../src/exercises/kitchen/cues';
 import { moved, placedOf } from '../src/exercises/kitchen/joint';
 import { KitchenPlay, shareOf } from '../src/exercises/kitchen/play';
@@ -49,6 +50,14 @@ describe('a joint', () => {
     expect(moved(from, joint, 0.7).turn.angleTo(to.turn)).toBeLessThan(1e-7);
   });
 
+  it('that turns once round has an arrow all the way round', () => {
+    const joint = { type: 'hinge', axis: [0, 0, 1], point_m: [0.1, 0, 0], least: null, most: null } as const, now = placedOf(kitchenState({}).bodies[0])!;
+    const way = wayOf(now, joint, 2 * Math.PI, { x: 0, y: 0, z: 0 }), radius = Math.hypot(0, 0.03);
+    expect(way[0]!.distanceTo(way.at(-1)!)).toBeLessThan(1e-12);
+    // Half-way it is across the axis.
+    expect(way[0]!.distanceTo(way[(way.length - 1) / 2]!)).toBeCloseTo(2 * radius, 12);
+  });
+
   it('has an arrow that ends at the goal, however near that is', () => {
     const joint = jointOf(taskOf(kitchenScene())!, 0)!, now = placedOf(kitchenState({ joint_q: 0.09 }).bodies[0])!, way = wayOf(now, joint, 0.01, { x: 0, y: 0, z: 0.1 });
     // Bar at 0.1 m shut, 0 at the goal; three.js's z is towards the person.
@@ -77,8 +86,8 @@ describe('the handle', () => {
 
   it('of a door is led along its arc, not through it', () => {
     const way = targetsOf(kitchenScene(DOOR)).awayFromUse!(kitchenState({ instruction: 2 }, DOOR), 0)!, radius = Math.hypot(0.1 - HINGE.x, 0.03 - HINGE.y);
-    // A chord of 0.15 rad.
-    expect(Math.hypot(way.x, way.y, way.z)).toBeCloseTo(2 * radius * Math.sin(0.075), 12);
+    // The chord of an arc of 2 cm.
+    expect(Math.hypot(way.x, way.y, way.z)).toBeCloseTo(2 * radius * Math.sin(0.01 / radius), 12);
   });
 
   it('turns with its body', () => {
@@ -89,6 +98,61 @@ describe('the handle', () => {
     const bar = kitchenState({ joint_q: Math.PI / 2 }, DOOR).bodies[0]!.positionM!;
     // 0.05 m before the body is, after a quarter turn, 0.05 m to its right.
     expect(grip(Math.PI / 2).y - grip(0).y).toBeCloseTo(bar.y - 0.05 - 0.03, 12);
+  });
+});
+
+describe('a thing that is pushed', () => {
+  // A rocker about an upright axis through the body's frame: 2 cm to the left of it, away from the person.
+  const met = { means: 'push', toward: [1, 0, 0], side_m: [0, 0.02, 0], base_m: [-0.17, 0.01, -0.02] } as const;
+  const task = {
+    ...DRAWER, steps: [{ verb: 'reach', body: 0, met }, { verb: 'press', body: 0, force_n: 3, for_s: 0.5, met }, { verb: 'let_go', body: 0, met: { ...met, means: 'grasp' } }],
+    things: [{ body: 0, grip_m: [-0.006, 0, 0], joint: { type: 'hinge', axis: [0, 0, -1], point_m: [0.1, 0.03, 0], least: 0, most: 0.4 } }],
+  };
+  const scene = Object.assign(kitchenScene(task), { parameters: [{ name: 'force_ratio' }] }) as unknown as SceneT, targets = targetsOf(scene);
+  const at = (now: Readonly<Record<string, number>>) => Object.assign(kitchenState(now), { parameters: [0.5] });
+
+  it('is met where the task says, also while it is let go of', () => {
+    for (const instruction of [0, 1, 2]) expect(targets.met!(at({ instruction }), 0)).toEqual({ at_m: { x: -0.006, y: 0.02, z: 0 }, base_m: { x: -0.17, y: 0.01, z: -0.02 }, pushes: { x: 1, y: 0, z: 0 } });
+    const seen = new Perceiver({ ...scene, axes: [{ name: 'x' }, { name: 'y' }, { name: 'z' }], capsules: [] } as unknown as SceneT, targets);
+    const grip = seen.see(Object.assign(at({ instruction: 1 }), { links: [{ positionM: { x: 0, y: 0, z: 0 } }], qM: [0, 0, 0], qS: [0, 0, 0], contacts: [] }) as never).grips[0]!;
+    expect([grip.x, grip.y, grip.z].map((v) => v.toFixed(9))).toEqual([0.1 - 0.006 - 0.17, 0.03 + 0.02 + 0.01, 0.004 - 0.02].map((v) => v.toFixed(9)));
+  });
+
+  it('is asked for as much force as the live parameter says, on its meter too', () => {
+    expect(targets.zone!(at({ instruction: 1 })).low_n).toBeCloseTo(1.1 * 1.5, 12);
+    const play = playOf(scene, null)!, meter = (handle_n: number) => play.meter(at({ instruction: 1, handle_n }))!;
+    expect([meter(0.75).value, meter(0.75).zone, meter(1.5).value, meter(1.5).zone]).toEqual([0.25, 'low', 0.5, 'right']);
+  });
+});
+
+describe('console, replay and report', () => {
+  it('say the step, the force at the handle and the time', () => {
+    const info = infoOf(kitchenScene()), value = (name: string) => ({ instruction: 2, handle_n: 3.46, time_s: 12.34 })[name];
+    expect([info.progress(value), info.caption(value)]).toEqual(['2 of 6 done', 'Move · Force 3.5 N · 12.3 s']);
+    expect(info.caption((name) => (name === 'instruction' ? STEPS : 0))).toBe('Force 0.0 N · 0.0 s');
+  });
+
+  it('list the tasks that were done, the person\'s first', () => {
+    const part = (persons: boolean, value: number) => ({ event: 'level_done', index: -1, value, to_s: 20, persons, steps: [[0, 100], [1, 100]] as const });
+    const of = (scene: SceneT | undefined) => REPORTS.map((report) => report.table({ parts: [part(false, 90), part(true, 80)], sums: {}, scene }, (t) => `${t} s`, ({ persons }) => (persons ? 'own' : 'shown'))).filter(Boolean);
+    expect(of(kitchenScene())).toEqual([expect.objectContaining({ title: 'Tasks done', rows: [['A drawer', '2 / 6', '80', '20 s', 'own'], ['A drawer', '2 / 6', '90', '20 s', 'shown']] })]);
+    expect(of(undefined)).toEqual([]);
+  });
+});
+
+describe('what is heard', () => {
+  it('slides as fast as the handle moves, and knocks once where it meets its end', () => {
+    const play = playOf(kitchenScene(), null)!, rates: number[] = [], knocks: number[] = [];
+    // 0.1 m/s to the end at 0.12 m, then still.
+    for (let i = 0; i < 20; i++) {
+      const state = Object.assign(kitchenState({ instruction: 2, joint_q: Math.min(0.12, 0.01 * i) }), { timeS: 0.1 * i });
+      play.follow(state);
+      rates.push(play.flow(state).rate);
+      if (play.heard!()) knocks.push(i);
+    }
+    expect(rates[5]).toBeCloseTo(0.1 / 0.15, 9);
+    expect(rates.at(-1)).toBe(0);
+    expect(knocks).toEqual([13]);
   });
 });
 

@@ -12,6 +12,7 @@ import { checkOnCard } from './scene_gpu_check';
 import { SceneView } from '../src/scene/scene_view';
 import type { Quality } from '../src/scene/quality';
 
+// dump=ADDRESS, with step=: a scene and its states as JSON ({ scene, states }), as the console has them (window.wholehandNow).
 const options = new URLSearchParams(location.search);
 const program = new FakeProgram(options) as unknown as { advance(dt: number): void; scene(): SceneT; state(): WorldStateT };
 const quality = (options.get('quality') ?? 'high') as Quality;
@@ -29,6 +30,11 @@ if (task) {
     const { values, bodies: poses } = kitchenState({ instruction: Number(options.get('step') ?? 0), joint_q: Number(options.get('q') ?? 0), held_s: Number(options.get('held') ?? 0) }, task);
     return Object.assign(take(), { values, bodies: poses, contacts: [] });
   };
+}
+if (options.has('dump')) {
+  const { scene: dumped, states } = await (await fetch(options.get('dump')!)).json() as { scene: SceneT; states: WorldStateT[] };
+  Object.assign(reported, dumped);
+  program.state = () => states[Number(options.get('step') ?? 0)]!;
 }
 if (options.has('plain')) reported.exerciseJson = '';
 scene.setScene(reported);

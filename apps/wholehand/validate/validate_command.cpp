@@ -215,6 +215,7 @@ class Validation {
     auto rendering = renderingFor(device_file);
     if (!add(rendering)) return {};
     int levels = 1;
+    std::string notices;
     for (int level = 1; level <= levels; ++level) {
       ModelFiles files;
       files.hand = handFor();
@@ -229,9 +230,13 @@ class Validation {
       if (!add(checked)) return {};
       add(checked->refused);
       levels = models->exercise->description().levels;
+      for (const Diagnostic& notice : models->scene.notices) {
+        const std::string line = noticed({notice});
+        if (notices.find(line) == std::string::npos) notices += line;
+      }
     }
-    return fmt::format("    {} level{}, with the device {}\n", levels, levels == 1 ? "" : "s",
-                       device_file);
+    return fmt::format("    {} level{}, with the device {}\n{}", levels, levels == 1 ? "" : "s",
+                       device_file, notices);
   }
 
   // The grid, and that every file that its cells read is there.

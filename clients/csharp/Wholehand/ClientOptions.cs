@@ -28,7 +28,7 @@ namespace Wholehand
         internal static readonly RefusedBody[] NoItems = new RefusedBody[0];
 
         public readonly bool Accepted;
-        public readonly string Reason; // for a person; empty when accepted
+        public readonly string Reason; // for a person; of what was accepted: what it waits for, or empty
 
         /// <summary>Why, for the game to say in its person's language; None of what the program did not
         /// answer.</summary>

@@ -31,6 +31,12 @@ namespace Wholehand
 
         private const int MostNumbers = 1024;
 
+        // Stops are counted, and an arming begins, while nothing renders.
+        internal override bool IsSameRest(WorldState s)
+        {
+            return s.Endings == Endings && s.RunState == RunState && s.Steering == Steering;
+        }
+
         // Without captured variables: the compiler makes each of these once.
         internal override void CopyRest(WorldState s)
         {

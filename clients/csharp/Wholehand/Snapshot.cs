@@ -11,6 +11,8 @@ namespace Wholehand
         public long SentMonotonicNs;   // clock of the program's machine
         public long ReceivedNs;        // MonotonicClock of this machine when it came
 
+        private bool taken; // a program that was never armed sends a state of zeros
+
         internal Snapshot()
         {
         }
@@ -18,7 +20,7 @@ namespace Wholehand
         /// <summary>Whether it is a copy of that state already.</summary>
         internal bool IsOf(WorldState s)
         {
-            return s.Tick == Tick && s.Session == Session && s.SentMonotonicNs == SentMonotonicNs;
+            return taken && IsSameRest(s) && s.Tick == Tick && s.Session == Session && s.SentMonotonicNs == SentMonotonicNs;
         }
 
         /// <summary>Throws what FlatBuffers throws where the state is damaged; then it is no copy of it.</summary>
@@ -29,6 +31,13 @@ namespace Wholehand
             Tick = s.Tick;
             TimeS = s.TimeS;
             SentMonotonicNs = s.SentMonotonicNs;
+            taken = true;
+        }
+
+        /// <summary>Whether what changes while no tick passes is the same.</summary>
+        internal virtual bool IsSameRest(WorldState s)
+        {
+            return true;
         }
 
         internal abstract void CopyRest(WorldState s);

@@ -27,9 +27,13 @@ namespace Wholehand
         }
 
         /// <summary>Starts rendering (again). <paramref name="endingsSeen"/> is HandState.Endings as the person was
-        /// shown it when pressing; refused where anything has been stopped since.</summary>
+        /// shown it when pressing; refused where anything has been stopped since, and before the first state.</summary>
         public Task<CommandReply> Arm(uint endingsSeen)
         {
+            lock (gate)
+            {
+                if (connected && !haveState) return Refused("no state has come yet: wait for the first (TryGetState), and give its Endings");
+            }
             return Ask(Order.Arm, b => wholehand.protocol.Arm.CreateArm(b, endingsSeen).Value);
         }
 

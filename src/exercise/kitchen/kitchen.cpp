@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -24,18 +25,36 @@ using Json = nlohmann::ordered_json;
 enum Event : std::int32_t { kStepDone, kLevelDone, kRestarted };
 enum Parameter : std::int32_t { kForceRatio };
 
-/// Things return to their places once the palm is farther from all of them.
+/// Things return to their places once the palm is farther from all of them and nothing touches
+/// them.
 constexpr double kClear_m = 0.06;
-static_assert(kMaxPlacements >= 8);
-constexpr std::size_t kMostThings = 8;
+static_assert(kMaxPlacements >= kMostThings);
 
 Json numbers(const Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
-Json taskJson(const KitchenTask& task) {
+/// How the thing of a step is met, with its joint where the steps before have left it.
+Json metJson(const KitchenTask& task, const KitchenPlayer& player, int now) {
+  const Step& step = task.steps[now];
+  const Thing& thing = task.things[step.thing];
+  double q = 0.0;
+  for (int i = 0; i < now; ++i) {
+    const Step& before = task.steps[i];
+    const bool moves = before.verb == Verb::kMove || before.verb == Verb::kHold;
+    if (moves && before.thing == step.thing) q = before.to;
+  }
+  const auto met = player.metAt(now, q, thing.start * thing.com_m);
+  return {{"means", kMeans[static_cast<int>(met.meeting.means)]},
+          {"toward", numbers(met.meeting.toward)},
+          {"side_m", numbers(met.meeting.side_m)},
+          {"base_m", numbers(met.base_m)}};
+}
+
+Json taskJson(const KitchenTask& task, const KitchenPlayer& player) {
   Json steps = Json::array(), things = Json::array();
-  for (const Step& step : task.steps) {
+  for (int i = 0; i < static_cast<int>(task.steps.size()); ++i) {
+    const Step& step = task.steps[i];
     const Thing& thing = task.things[step.thing];
     Json out{{"verb", kVerbs[static_cast<int>(step.verb)]}, {"body", thing.body}};
     if (step.verb == Verb::kMove || step.verb == Verb::kHold) {
@@ -44,6 +63,7 @@ Json taskJson(const KitchenTask& task) {
     }
     if (step.for_s > 0.0) out["for_s"] = step.for_s;
     if (step.force_n > 0.0) out["force_n"] = step.force_n;
+    out["met"] = metJson(task, player, i);
     if (step.verb == Verb::kPut) {
       out["center_m"] = numbers(step.center_m);
       out["half_size_m"] = numbers(step.half_size_m);
@@ -76,7 +96,7 @@ class Kitchen final : public Exercise {
     description_.parameters = {{"force_ratio", "1", 0.25, 2.0, 1.0, 0.5}};
     description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
     description_.event_names = {"step_done", "level_done", "restarted"};
-    description_.json = taskJson(task_).dump();
+    description_.json = taskJson(task_, KitchenPlayer(task_, device_, hand_, {})).dump();
     Kitchen::reset();
   }
   Kitchen(const Kitchen&) = delete;
@@ -157,12 +177,27 @@ class Kitchen final : public Exercise {
     }
     handle_n_ += share * (force_n - handle_n_);
     squeeze_n_ += share * (gripForce_n(seen, thing.body, posture_) - squeeze_n_);
-    const bool near = seen.palm_body == thing.body && seen.palm_target_distance_m >= 0.0;
-    last_.palm_m = near ? seen.palm_target_distance_m : std::numeric_limits<double>::infinity();
+    // Of a thing that is pushed the palm looks elsewhere: the distance counts to every side.
+    last_.palm_m = seen.palm_body == thing.body ? std::abs(seen.palm_target_distance_m)
+                                                : std::numeric_limits<double>::infinity();
     last_.squeeze_n = squeeze_n_ / ratio;
     last_.handle_n = handle_n_.norm() / ratio;
     last_.center_m = seen.bodies[thing.body].position_m.eigen();
-    last_.q = thing.jointed ? positionOn(thing.joint, thing.start, poseOf(thing, seen)) : 0.0;
+    countTurns(seen);
+    last_.q = q_[steps_.now().thing];
+  }
+
+  /// q of every thing, through whole turns of hinges without range. While things return it is that
+  /// nearest to their places.
+  void countTurns(const TickRecord& seen) noexcept {
+    constexpr double kTurn = 2.0 * std::numbers::pi;
+    for (std::size_t i = 0; i < task_.things.size(); ++i) {
+      const Thing& thing = task_.things[i];
+      if (!thing.jointed) continue;
+      const double q = positionOn(thing.joint, thing.start, poseOf(thing, seen));
+      const double last = returns_ ? 0.0 : q_[i];
+      q_[i] = thing.joint.turnsFreely() ? q + kTurn * std::round((last - q) / kTurn) : q;
+    }
   }
 
   /// Pose of a thing's body frame.
@@ -174,8 +209,15 @@ class Kitchen final : public Exercise {
 
   /// Puts all things where they were at the start, once the hand is clear of them.
   void giveBack(const TickRecord& seen, BodyPlacements& placements) noexcept {
-    const bool away = seen.palm_target_distance_m < 0.0 || seen.palm_target_distance_m > kClear_m;
-    if (!away) return;
+    const auto of_a_thing = [this](const Contact& c) {
+      return std::any_of(task_.things.begin(), task_.things.end(),
+                         [&c](const Thing& thing) { return thing.body == c.body; });
+    };
+    const auto* contacts = std::begin(seen.contacts);
+    if (std::abs(seen.palm_target_distance_m) <= kClear_m ||
+        std::any_of(contacts, contacts + seen.contact_count, of_a_thing)) {
+      return;
+    }
     returns_ = false;
     for (const Thing& thing : task_.things) {
       const Eigen::Quaterniond turned(thing.start.rotation);
@@ -213,11 +255,16 @@ class Kitchen final : public Exercise {
   TaskSteps steps_;
   ExerciseDescription description_;
   Seen last_;
+  std::array<double, kMostThings> q_{};  ///< of every thing's joint
   Vector3d handle_n_ = Vector3d::Zero();
   double squeeze_n_ = 0.0;
   bool paused_ = false;
   bool returns_ = true;  ///< things are to be put back where they were
 };
+
+constexpr const char* kBaseAxes[] = {"x", "y", "z"};
+/// Half of what a finger needs behind a bar.
+constexpr double kFinger_m = 0.009;
 
 Vector3d vectorFrom(const std::vector<double>& v) {
   return {v[0], v[1], v[2]};
@@ -226,8 +273,8 @@ Vector3d vectorFrom(const std::vector<double>& v) {
 /// Reads the file against the scene. Places are those of a right hand.
 class TaskReader {
  public:
-  TaskReader(TomlTable& root, SceneModel& scene, Side side)
-      : root_(root), scene_(scene), mirrored_(side == Side::kLeft) {}
+  TaskReader(TomlTable& root, SceneModel& scene, const ExerciseSource& source)
+      : root_(root), scene_(scene), source_(source), mirrored_(source.hand->side == Side::kLeft) {}
 
   void read(KitchenTask& task, int level, int& levels) {
     task.par_s = root_.number("par_s", between(1.0, 600.0, "s"), task.par_s);
@@ -241,9 +288,68 @@ class TaskReader {
     for (TomlTable& table : things) readThing(table, task);
     for (TomlTable& table : root_.tables("steps", 1)) readStep(table, task);
     readLevels(task, level, levels);
+    for (std::size_t i = 0; i < things.size(); ++i) {
+      const Thing& thing = task.things[i];
+      if (thing.body < 0 || thing.body >= static_cast<int>(scene_.bodies.size())) continue;
+      const auto is_taken = [i](const Step& step) {
+        return step.verb == Verb::kTake && step.thing == static_cast<int>(i);
+      };
+      if (std::any_of(task.steps.begin(), task.steps.end(), is_taken)) judgeRoom(things[i], thing);
+      if (thing.jointed) judgeResistance(things[i], thing);
+    }
   }
 
  private:
+  /// Fingers need room behind what they close around.
+  void judgeRoom(TomlTable& t, const Thing& thing) {
+    const Vector3d grip_m = thing.start * (thing.grip_m + thing.com_m);
+    const Vector3d behind_m = grip_m + (thing.radius_m + kFinger_m) * Vector3d::UnitX();
+    for (const SceneBody& body : scene_.bodies) {
+      const Pose to_body = body.pose.inverse();
+      for (const Shape& shape : body.shapes) {
+        if (signedDistance(shape, to_body * grip_m) < 0.0 &&
+            signedDistance(shape, to_body * behind_m) > 0.0) {
+          continue;  // what it closes around
+        }
+        if (signedDistance(shape, to_body * behind_m) >= kFinger_m) continue;
+        t.fail("grip_m", "is buried: fingers meet \"" + printable(body.name) + "\" behind it",
+               fmt::format(
+                   "leave {:.0f} mm free behind its radius of {:.0f} mm; 50 mm are comfortable",
+                   2e3 * kFinger_m, 1e3 * thing.radius_m));
+        return;
+      }
+    }
+  }
+
+  /// Warns of a joint that the device cannot move where the hand takes it: nobody could open it.
+  void judgeResistance(TomlTable& t, const Thing& thing) {
+    const SceneJoint& joint = thing.joint;
+    const Vector3d axis = thing.start.rotation * joint.axis;
+    Vector3d way = axis;
+    if (joint.isHinge()) {
+      way = axis.cross(thing.start.rotation * (thing.grip_m + thing.com_m - joint.point_m));
+      if (way.norm() < thing.radius_m) way = thing.radius_m * Vector3d::UnitX();  // a rocker
+    }
+    const double latch = 0.5 * joint.latch_energy_j * joint.latch_wave;
+    const double resists_n = (joint.dry_friction + latch) / way.norm();
+    double pushes_n = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+      const int device_axis = source_.device->axisIndex(kBaseAxes[k]);
+      const double share = std::abs(way.normalized()[k]);
+      if (device_axis < 0 || share < 1e-3) continue;
+      pushes_n = std::min(pushes_n, source_.device->axes[device_axis].effort_limit / share);
+    }
+    if (resists_n <= pushes_n) return;
+    scene_.notices.push_back(
+        {source_.path, t.lineOf("body"), "things.body", printable(scene_.bodies[thing.body].name),
+         fmt::format(
+             "its {} resists with {:.3g} N where the hand takes it; this device pushes with "
+             "{:.3g} N there at most: nobody can move it",
+             joint.isHinge() ? "hinge" : "slide", resists_n, pushes_n),
+         fmt::format("lower {} of its joint in the scene, or friction_ratio of the level",
+                     joint.isHinge() ? "friction_nm" : "friction_n")});
+  }
+
   Vector3d place(TomlTable& t, const char* key) {
     Vector3d v = vectorFrom(t.numbers(key, 3, between(-10.0, 10.0, "m")));
     if (mirrored_) v.y() *= -1.0;
@@ -323,7 +429,7 @@ class TaskReader {
     }
     const char* to = hinge ? "to_rad" : "to_m";
     const char* tolerance = hinge ? "tolerance_rad" : "tolerance_m";
-    step.to = t.number(to, hinge ? between(-7.0, 7.0, "rad") : between(-2.0, 2.0, "m"));
+    step.to = t.number(to, hinge ? between(-70.0, 70.0, "rad") : between(-2.0, 2.0, "m"));
     step.tolerance = t.number(tolerance, above(0.0, 1.0, hinge ? "rad" : "m"));
     if (step.verb == Verb::kHold) step.for_s = t.number("for_s", between(0.05, 60.0, "s"));
     if (thing == nullptr || !t.isGood(to) || !t.isGood(tolerance)) return;
@@ -358,6 +464,7 @@ class TaskReader {
 
   TomlTable& root_;
   SceneModel& scene_;
+  const ExerciseSource& source_;
   bool mirrored_;
   std::vector<std::string> names_;
 };
@@ -374,7 +481,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
     Expected<SceneModel> scene = loadSceneFile(source.scene_path);
     if (scene) {
       out.scene = std::move(*scene);
-      TaskReader(file.root(), out.scene, source.hand->side).read(task, source.level, levels);
+      TaskReader(file.root(), out.scene, source).read(task, source.level, levels);
     } else {
       scene_faults = scene.errors();
       file.root().ignoreUnknownKeys();

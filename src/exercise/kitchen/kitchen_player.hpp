@@ -1,18 +1,33 @@
 #pragma once
 
 #include "exercise/cocktail_bar/bar_layout.hpp"
+#include "exercise/kitchen/fingertips.hpp"
 #include "exercise/kitchen/kitchen_task.hpp"
+#include "exercise/kitchen/meeting.hpp"
 #include "patient/player.hpp"
 #include "patient/reach.hpp"
 
+#include <array>
+
 namespace wholehand::kitchen {
 
-/// A virtual patient who does a task step by step: goes beside the thing, closes the hand around
-/// its grip, moves it along its joint, lets go, draws back. The seed sets the pace. Deterministic.
+/// A virtual patient who does a task step by step: goes beside the thing, meets it as meetingOf()
+/// says (closes the hand around it, pushes it with straight fingers, or squeezes it), moves it,
+/// lets go, draws back. Nothing here is about one task. The seed sets the pace. Deterministic.
 class KitchenPlayer final : public Player {
  public:
   KitchenPlayer(const KitchenTask& task, const DeviceModel& device, const HandModel& hand,
                 const PlayerTraits& traits);
+
+  /// How a step's thing is met, and the base's place from the point that is met [m], while the hand
+  /// is open (grasp, squeeze) or straight (push).
+  struct Met {
+    Meeting meeting;
+    Eigen::Vector3d base_m = Eigen::Vector3d::Zero();
+  };
+  /// @param q of the thing's joint @param center_m of its mass, in the world
+  [[nodiscard]] WHOLEHAND_RT Met metAt(int step, double q,
+                                       const Eigen::Vector3d& center_m) const noexcept;
 
   [[nodiscard]] AxisPosition start() const override { return start_; }
   void reset() override;
@@ -24,25 +39,43 @@ class KitchenPlayer final : public Player {
 
   void go(Phase phase) noexcept;
   void next() noexcept;
+  void meet() noexcept;
   void close(double period_s) noexcept;
   void carry(double period_s) noexcept;
+  [[nodiscard]] double closing() const noexcept;
+  [[nodiscard]] double hurry() const noexcept;
+  [[nodiscard]] const Step& now() const noexcept;
+  [[nodiscard]] bool isHeld() const noexcept;
   [[nodiscard]] AxisPosition goalOf(Phase phase) const noexcept;
-  [[nodiscard]] Eigen::Vector3d gripAt(double q) const noexcept;
-  void moveBaseTo(const Eigen::Vector3d& base_m, double period_s) noexcept;
+  [[nodiscard]] Eigen::Vector3d pointMet() const noexcept;
+  [[nodiscard]] Eigen::Vector3d pointAt(double q) const noexcept;
+  [[nodiscard]] Eigen::Vector3d baseFrom(const Meeting& meeting, const Thing& thing,
+                                         double flexion_rad) const noexcept;
+  [[nodiscard]] Eigen::Vector3d baseFromPoint(double flexion_rad) const noexcept;
+  [[nodiscard]] Eigen::Vector3d pointAhead(double q) const noexcept;
+  [[nodiscard]] Eigen::Vector3d baseNow() const noexcept;
+  void moveBaseTo(const Eigen::Vector3d& base_m, double most_m) noexcept;
 
   KitchenTask task_;
   BarLayout layout_;
+  Fingertips fingertips_;
   double opening_rad_s_;
   double pace_;
   AxisPosition start_, q_;
   AxisVelocity qd_;
   Reach reach_;
   Phase phase_ = Phase::kDrawBack;
-  Eigen::Vector3d grip_m_ = Eigen::Vector3d::Zero();   ///< of the present thing, world
-  Eigen::Vector3d aside_m_ = Eigen::Vector3d::Zero();  ///< base from the grip when it was taken
-  double joint_q_ = 0.0;                               ///< as in the last record
-  double aim_q_ = 0.0;                                 ///< where the person carries it now
-  double squeeze_n_ = 0.0, rate_rad_s_ = 0.0;
+  Meeting meeting_;
+  int met_ = 0;                                        ///< index of the thing that is met
+  Eigen::Vector3d clear_m_ = Eigen::Vector3d::Zero();  ///< from there to where the hand is clear
+  Eigen::Vector3d aside_m_ = Eigen::Vector3d::Zero();  ///< base from the point when it was met
+  /// Way of a thing without joint: from here, unit.
+  Eigen::Vector3d free_from_m_ = Eigen::Vector3d::Zero(), free_way_ = Eigen::Vector3d::UnitX();
+  std::array<BodyState, kMostThings> bodies_{};  ///< of the things, as in the last record
+  double joint_q_ = 0.0, squeeze_n_ = 0.0, handle_n_ = 0.0;
+  double aim_q_ = 0.0;  ///< where the person carries it now; of a thing without joint [m] of way
+  double flexion_rad_ = 0.0;  ///< of the fingers, as seen
+  double rate_rad_s_ = 0.0, idle_s_ = 0.0;
   int step_ = 0;
   bool done_ = false, advanced_ = false, lost_ = false;
 };

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <cstdint>
 #include <iterator>
 #include <string>
@@ -15,14 +16,18 @@ namespace wholehand::kitchen {
 enum class Verb : std::int32_t { kReach, kTake, kMove, kHold, kPress, kPut, kLetGo };
 inline constexpr const char* kVerbs[] = {"reach", "take", "move", "hold", "press", "put", "let_go"};
 
-/// A thing of the task: a body of the scene and where the hand takes it.
+/// Most things of a task.
+inline constexpr std::size_t kMostThings = 8;
+
+/// A thing of the task: a body of the scene and where the hand takes or pushes it.
 struct Thing {
   int body = -1;           ///< index in the scene
   Eigen::Vector3d grip_m;  ///< from the centre of mass, body axes
-  double radius_m = 0.0;   ///< of what the hand closes around
-  Pose start;              ///< of the body frame at q = 0
-  Eigen::Vector3d com_m;   ///< body frame
-  SceneJoint joint;        ///< of a body on a joint
+  /// Of what the hand closes around; of a rocker, from its hinge to where it is pushed.
+  double radius_m = 0.0;
+  Pose start;             ///< of the body frame at q = 0
+  Eigen::Vector3d com_m;  ///< body frame
+  SceneJoint joint;       ///< of a body on a joint
   bool jointed = false;
 };
 

@@ -214,6 +214,7 @@ class BodyReader {
 
   void readUrdf(SceneBody& body) {
     urdf_wrong_ = true;
+    uniform_density_ = t_.flag("uniform_density", false);
     const std::string file = t_.text("file");
     if (!t_.isGood("file")) return;
     const fs::path path = folder_ / file;
@@ -224,7 +225,7 @@ class BodyReader {
       return;
     }
     Expected<UrdfBody> urdf =
-        loadUrdf(path.string(), *time_, body.fixed ? UrdfUse::kShapes : UrdfUse::kShapesAndMass);
+        loadUrdf(path.string(), *time_, UrdfUse{body.fixed, uniform_density_});
     if (!urdf) {
       urdf_faults_ = urdf.errors();
       return;
@@ -237,12 +238,18 @@ class BodyReader {
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
     ballast_m_ = urdf->ballast_m;
-    if (!urdf->movers.empty() && !body.fixed) {
-      t_.fail("fixed",
-              fmt::format("is false, and the URDF's link '{}' moves on a joint: its root "
-                          "stands in the world",
-                          printable(urdf->movers.front().name)),
-              "set fixed = true");
+    if (!urdf->movers.empty()) {
+      if (!body.fixed && t_.has("fixed")) {
+        t_.fail("fixed",
+                fmt::format("is false, and the URDF's link '{}' moves on a joint: its root "
+                            "stands in the world",
+                            printable(urdf->movers.front().name)),
+                "set fixed = true");
+      }
+      body.fixed = true;
+    } else if (body.fixed && t_.has("uniform_density")) {
+      t_.fail("uniform_density", "has no effect on a fixed body",
+              "take it out, or set fixed = false");
     }
     for (UrdfMover& mover : urdf->movers) addMover(body, std::move(mover), path.string());
   }
@@ -270,7 +277,7 @@ class BodyReader {
     body.joint->least -= start, body.joint->most -= start;
     MassProperties m;
     if (mover.inertial) {
-      m = *mover.inertial;
+      m = uniform_density_ ? uniformDensity(body.shapes, mover.inertial->mass_kg) : *mover.inertial;
     } else {
       double volume_m3 = 0.0;
       for (const Shape& shape : body.shapes) volume_m3 += moments(shape).volume_m3;
@@ -278,7 +285,7 @@ class BodyReader {
       note(fmt::format("has no <inertial>: {:.3g} kg, at {} kg/m³", m.mass_kg, kWood_kg_m3),
            "give it one");
     }
-    if (mover.inertial) judgeInertial(body, m);
+    if (mover.inertial && !uniform_density_) judgeInertial(body, m);
     body.mass_kg = m.mass_kg;
     body.com_m = m.com_m;
     body.inertia_kg_m2 = m.inertia_kg_m2;
@@ -372,8 +379,7 @@ class BodyReader {
     body.mass_kg = from_urdf ? t_.number("mass_kg", rule, inertial_ ? inertial_->mass_kg : 1.0)
                              : t_.number("mass_kg", rule);
     if (body.shapes.empty()) return;
-    const bool even = t_.flag("uniform_density", false);
-    const bool given = inertial_.has_value() && !even;
+    const bool given = inertial_.has_value() && !uniform_density_;
     MassProperties m = given ? *inertial_ : uniformDensity(body.shapes, body.mass_kg);
     if (!rule.allows(m.mass_kg)) {
       t_.fail("file", fmt::format("the URDF's masses add up to {} kg", formatNumber(m.mass_kg)),
@@ -388,7 +394,7 @@ class BodyReader {
   void judgeInertial(const SceneBody& body, const MassProperties& m) {
     const char* const remedy =
         "correct the URDF's <inertial> (kg, m, kg·m²), or set uniform_density = true to use its "
-        "colliders'";
+        "colliders' own";
     const double aside_m = besideShapes(body.shapes, ballast_m_, m.com_m);
     if (aside_m > 0.0) {
       t_.fail(
@@ -414,6 +420,7 @@ class BodyReader {
   fs::path folder_;
   MeshLoadTime* time_;
   bool shape_wrong_ = false;
+  bool uniform_density_ = false;  ///< of the colliders: only masses are the URDF's
   std::optional<MassProperties> inertial_;
   std::vector<Vector3d> ballast_m_;
   Diagnostics urdf_faults_;

@@ -27,6 +27,10 @@ struct SceneJoint {
   double latch_at = 0.0;          ///< q of a detent [rad; m]
 
   [[nodiscard]] bool isHinge() const { return type == Type::kHinge; }
+  /// A hinge without ends.
+  [[nodiscard]] bool turnsFreely() const {
+    return isHinge() && most - least > std::numeric_limits<double>::max();
+  }
 };
 
 /// Pose of a body frame at q. @param start its pose at q = 0. Real-time safe.

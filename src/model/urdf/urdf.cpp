@@ -16,6 +16,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -51,8 +52,8 @@ class UrdfFaults {
   /// Exactly `count` finite numbers separated by blanks; zeros, with a fault, otherwise.
   std::vector<double> numbers(const XMLElement& e, const char* attribute, const std::string& key,
                               std::size_t count);
-  /// One finite number > 0; 1, with a fault, otherwise.
-  double positive(const XMLElement& e, const char* attribute, const std::string& key);
+  /// A mass > 0; 1, with a fault, otherwise.
+  double mass_kg(const XMLElement& e, const std::string& key);
   /// A dimension in [0.001, 10] m.
   double length_m(const XMLElement& e, const char* attribute, const std::string& key);
   /// Pose of an element's `<origin xyz rpy>`; identity without one.
@@ -166,16 +167,19 @@ std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribu
     return zeros;
   }
   if (auto parsed = parseNumbers(found); parsed && parsed->size() == count) return *parsed;
-  add(&e, key + "." + attribute, found, "cannot be read", remedy);
+  const bool macro = std::strstr(found, "$(") != nullptr || std::strstr(found, "${") != nullptr;
+  add(&e, key + "." + attribute, found, "cannot be read",
+      macro ? "is a macro of xacro: run xacro first" : remedy);
   return zeros;
 }
 
-double UrdfFaults::positive(const XMLElement& e, const char* attribute, const std::string& key) {
+double UrdfFaults::mass_kg(const XMLElement& e, const std::string& key) {
   const std::size_t before = all_.size();
-  const double value = numbers(e, attribute, key, 1).front();
+  const double value = numbers(e, "value", key, 1).front();
   if (all_.size() > before) return 1.0;
   if (value > 0.0) return value;
-  add(&e, key + "." + attribute, e.Attribute(attribute), "is not positive", "must be > 0");
+  add(&e, key + ".value", e.Attribute("value"), "is not positive",
+      "must be > 0; of a body that never moves, set fixed = true in the scene");
   return 1.0;
 }
 
@@ -563,14 +567,21 @@ class Reader {
   std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key) {
     const XMLElement* mass = e.FirstChildElement("mass");
     const XMLElement* inertia = e.FirstChildElement("inertia");
-    if (mass == nullptr || inertia == nullptr) {
+    if (mass == nullptr || (inertia == nullptr && !use_.uniform_density)) {
       faults_.add(&e, key, "", fmt::format("has no <{}>", mass == nullptr ? "mass" : "inertia"),
-                  "give both <mass value> and <inertia ixx iyy izz ...>, or no <inertial> at all");
+                  mass == nullptr
+                      ? "give both <mass value> and <inertia ixx iyy izz ...>, or no <inertial>"
+                      : "give <inertia ixx iyy izz ...>, or set uniform_density = true in the "
+                        "scene");
       return std::nullopt;
     }
     const std::size_t before = faults_.all().size();
     MassProperties m;
-    m.mass_kg = faults_.positive(*mass, "value", key + ".mass");
+    m.mass_kg = faults_.mass_kg(*mass, key + ".mass");
+    if (use_.uniform_density) {
+      if (faults_.all().size() > before) return std::nullopt;
+      return m;
+    }
     constexpr std::array<const char*, 6> kNames{"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
     constexpr std::array<std::pair<int, int>, 6> kCells{
         {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
@@ -583,8 +594,10 @@ class Reader {
     const Pose frame = faults_.origin(e, key);
     if (faults_.all().size() > before) return std::nullopt;
     if (const std::string why = inertiaFault(m.inertia_kg_m2); !why.empty()) {
-      faults_.add(inertia, key + ".inertia", "", why,
-                  "principal moments must be > 0, none larger than the sum of the other two");
+      faults_.add(
+          inertia, key + ".inertia", "", why,
+          "principal moments must be > 0, none larger than the sum of the other two; or set "
+          "uniform_density = true in the scene");
       return std::nullopt;
     }
     return moved(m, frame);
@@ -682,6 +695,9 @@ class Reader {
 
   /// Joints at what a joint carries are refused; then inertials of what has a mass are read.
   void checkCarried() {
+    const bool stands = use_.fixed || std::any_of(links_.begin(), links_.end(), [](const Link& l) {
+                          return l.joint.has_value();
+                        });
     for (Link& link : links_) {
       const int below = link.joint ? carrierOf(link.parent) : -1;
       if (below >= 0) {
@@ -694,7 +710,7 @@ class Reader {
                     "make one of the two joints fixed");
       }
       const bool moves = carrierOf(linkIndex(link.name)) >= 0;
-      if (link.inertial_element != nullptr && (moves || use_ == UrdfUse::kShapesAndMass)) {
+      if (link.inertial_element != nullptr && (moves || !stands)) {
         link.inertial =
             readInertial(*link.inertial_element, fmt::format("link[{}].inertial", link.name));
       }

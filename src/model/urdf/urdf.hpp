@@ -14,8 +14,11 @@ namespace wholehand {
 
 class MeshLoadTime;  // model/mesh/mesh_file.hpp
 
-/// What a body takes from a URDF.
-enum class UrdfUse { kShapes, kShapesAndMass };
+/// What a body takes from a URDF's inertials.
+struct UrdfUse {
+  bool fixed = false;            ///< nothing, of the root: it never moves
+  bool uniform_density = false;  ///< the masses alone
+};
 
 /// What a movable joint of a URDF carries: one rigid body.
 struct UrdfMover {
@@ -50,8 +53,7 @@ struct UrdfBody {
 /// MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);
 /// As above; the time of its meshes is added to `time`.
-/// @param use kShapes for a body that never moves: inertials are not looked at
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path, MeshLoadTime& time,
-                                          UrdfUse use = UrdfUse::kShapesAndMass);
+                                          UrdfUse use = {});
 
 }  // namespace wholehand

@@ -43,6 +43,13 @@ struct FourVectors {
   load(to.z, from[2].data());
 }
 
+[[gnu::always_inline]] inline void storeVectors(const FourVectors& from,
+                                                std::array<std::array<double, 4>, 3>& to) {
+  store(from.x, to[0].data());
+  store(from.y, to[1].data());
+  store(from.z, to[2].data());
+}
+
 /// From four vectors with a fourth number each.
 [[gnu::always_inline]] inline void gather(FourVectors& to, const double* of_0, const double* of_1,
                                           const double* of_2, const double* of_3) {
@@ -75,6 +82,49 @@ struct FourVectors {
 [[gnu::always_inline]] inline void dot(FourNumbers& to, const FourVectors& a,
                                        const FourVectors& b) {
   to = a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// to = a × b
+[[gnu::always_inline]] inline void cross(FourVectors& to, const FourVectors& a,
+                                         const FourVectors& b) {
+  to.x = a.y * b.z - a.z * b.y;
+  to.y = a.z * b.x - a.x * b.z;
+  to.z = a.x * b.y - a.y * b.x;
+}
+
+/// to = M v, M by its rows
+[[gnu::always_inline]] inline void multiply(FourVectors& to,
+                                            const std::array<FourVectors, 3>& matrix,
+                                            const FourVectors& v) {
+  dot(to.x, matrix[0], v), dot(to.y, matrix[1], v), dot(to.z, matrix[2], v);
+}
+
+/// Turns rows on bodies into those on their joints. @param sign of the rows' direction
+void projectOnJoints(const std::array<const BodyJoint*, 4>& joints, const FourVectors& along,
+                     double sign, FourVectors& about) {
+  for (int i = 0; i < 4; ++i) {
+    if (joints[i] == nullptr) continue;
+    btVector3 linear = sign * btVector3(along.x[i], along.y[i], along.z[i]);
+    btVector3 angular(about.x[i], about.y[i], about.z[i]);
+    projectOnJoint(*joints[i], linear, angular);
+    about.x[i] = angular.x(), about.y[i] = about.z[i] = 0.0;
+  }
+}
+
+void takeState(const btSolverBody& body, std::array<double, 4>& linear,
+               std::array<double, 4>& angular, std::array<std::array<double, 4>, 3>& mobility) {
+  linear = angular = {};
+  mobility = {};
+  if (!moves(body)) return;
+  if (const BodyJoint* joint = onJoint(body)) {
+    angular[0] = joint->rate();
+    mobility[0][0] = joint->yield();
+    return;
+  }
+  copyVector(body.m_linearVelocity + body.m_externalForceImpulse, linear);
+  copyVector(body.m_angularVelocity + body.m_externalTorqueImpulse, angular);
+  const btMatrix3x3& inertia = body.m_originalBody->getInvInertiaTensorWorld();
+  for (int r = 0; r < 3; ++r) copyVector(inertia[r], mobility[r]);
 }
 
 /// to += factor · vector
@@ -164,6 +214,7 @@ struct BodyRows::Velocities {
 BodyRows::BodyRows(int contacts, int bodies)
     : groups_(contacts),
       motions_(bodies + 1),
+      states_(bodies + 1),
       depth_(bodies),
       open_(2 * contacts),
       first_(2 * contacts + 1),
@@ -193,131 +244,180 @@ BodyRows::Group& BodyRows::groupFor(int run) noexcept {
     open = &groups_[group_count_++];
     open->run = run;
     open->used = 0;
+    open->has_joint = false;
   }
   Group& group = *open;
   if (group.used == kWide - 1) open = nullptr;
   return group;
 }
 
-void BodyRows::copy(const btSolverConstraint& from, bool a_moves, Row& to, int place) noexcept {
-  const btVector3& along = a_moves ? from.m_contactNormal1 : from.m_contactNormal2;
-  for (int k = 0; k < 3; ++k) {
-    to.along[k][place] = a_moves ? along[k] : -along[k];
-    to.about_a[k][place] = from.m_relpos1CrossNormal[k];
-    to.about_b[k][place] = from.m_relpos2CrossNormal[k];
-    to.response_a[k][place] = from.m_angularComponentA[k];
-    to.response_b[k][place] = from.m_angularComponentB[k];
-  }
-  to.target[place] = from.m_rhs;
-  to.effective_mass[place] = from.m_jacDiagABInv;
-  to.impulse[place] = from.m_appliedImpulse;
-}
-
 // A place without contact: its bodies are none, its rows zero.
 void BodyRows::leaveEmpty(Group& group, int place) noexcept {
-  static const btSolverConstraint kNone = [] {
-    btSolverConstraint none;
-    for (btVector3* vector :
-         {&none.m_contactNormal1, &none.m_contactNormal2, &none.m_relpos1CrossNormal,
-          &none.m_relpos2CrossNormal, &none.m_angularComponentA, &none.m_angularComponentB}) {
-      vector->setZero();
-    }
-    none.m_rhs = none.m_jacDiagABInv = none.m_appliedImpulse = 0.0;
-    return none;
-  }();
-  for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) copy(kNone, true, *row, place);
+  for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) {
+    for (Each& each : row->along) each[place] = 0.0;
+    row->impulse[place] = 0.0;
+  }
+  for (EachVector* arm : {&group.arm_a, &group.arm_b}) {
+    for (Each& each : *arm) each[place] = 0.0;
+  }
   group.a[place] = group.b[place] = &motions_.back();
+  group.before_a[place] = group.before_b[place] = &states_.back();
+  group.joint_a[place] = group.joint_b[place] = nullptr;
   group.inverse_mass_a[place] = group.inverse_mass_b[place] = group.friction[place] = 0.0;
-  group.yield_11[place] = group.yield_22[place] = group.mass_11[place] = group.mass_22[place] = 1.0;
-  group.yield_12[place] = group.mass_12[place] = 0.0;
+  group.goal[place] = 0.0;
   group.point[place] = nullptr;
 }
 
-// Bullet made the rows for two free bodies.
-void BodyRows::turnToJoints(Group& group, int place, btSolverBody& a, btSolverBody& b) noexcept {
-  Row* const rows[] = {&group.normal, &group.tangent1, &group.tangent2};
-  const auto vector = [place](const EachVector& each) {
-    return btVector3(each[0][place], each[1][place], each[2][place]);
-  };
-  const auto one_side = [&](btSolverBody& body, EachVector Row::*about, EachVector Row::*response,
-                            Each& inverse_mass, double sign) {
-    const BodyJoint* joint = onJoint(body);
-    if (joint == nullptr) return;
-    inverse_mass[place] = 0.0;
-    for (Row* row : rows) {
-      btVector3 along = sign * vector(row->along), turns = vector(row->*about);
-      projectOnJoint(*joint, along, turns);
-      for (int k = 0; k < 3; ++k) {
-        (row->*about)[k][place] = turns[k];
-        (row->*response)[k][place] = joint->yield() * turns[k];
-      }
-      body.m_deltaAngularVelocity[0] += joint->yield() * turns.x() * row->impulse[place];
-    }
-  };
-  one_side(a, &Row::about_a, &Row::response_a, group.inverse_mass_a, 1.0);
-  one_side(b, &Row::about_b, &Row::response_b, group.inverse_mass_b, -1.0);
-  const auto yield = [&](const Row& row, const Row& to) {
-    return (group.inverse_mass_a[place] + group.inverse_mass_b[place]) *
-               vector(row.along).dot(vector(to.along)) +
-           vector(row.about_a).dot(vector(to.response_a)) +
-           vector(row.about_b).dot(vector(to.response_b));
-  };
-  for (Row* row : rows) {
-    const double mobility = yield(*row, *row);
-    const double effective_mass = mobility > kLeastMobility ? 1.0 / mobility : 0.0;
-    row->target[place] *= effective_mass / row->effective_mass[place];
-    row->effective_mass[place] = effective_mass;
+/// A direction of a contact, and what impulses along it change.
+struct BodyRows::Laid {
+  FourVectors along, about_a, about_b, response_a, response_b;
+  FourNumbers yield;  ///< velocity per impulse
+
+  [[gnu::always_inline]] inline void store(Row& row) const {
+    storeVectors(along, row.along);
+    storeVectors(about_a, row.about_a), storeVectors(about_b, row.about_b);
+    storeVectors(response_a, row.response_a), storeVectors(response_b, row.response_b);
   }
-  constexpr double kDefinite = 1.0 + 1e-9;  // where one joint alone moves both
-  group.yield_11[place] = kDefinite * std::max(yield(*rows[1], *rows[1]), kLeastMobility);
-  group.yield_22[place] = kDefinite * std::max(yield(*rows[2], *rows[2]), kLeastMobility);
-  group.yield_12[place] = yield(*rows[1], *rows[2]);
+};
+
+/// Lays the three rows of a group's contacts, and lets the starting impulses act.
+void BodyRows::lay(Group& group) {
+  FourVectors linear_a, angular_a, linear_b, angular_b, arm_a, arm_b;
+  std::array<FourVectors, 3> mobility_a, mobility_b;
+  const auto gatherStates = [](FourVectors& to, const std::array<const State*, kWide>& from,
+                               auto part) {
+    gather(to, part(*from[0]), part(*from[1]), part(*from[2]), part(*from[3]));
+  };
+  const auto linear_of = [](const State& state) { return state.linear.data(); };
+  const auto angular_of = [](const State& state) { return state.angular.data(); };
+  gatherStates(linear_a, group.before_a, linear_of),
+      gatherStates(linear_b, group.before_b, linear_of);
+  gatherStates(angular_a, group.before_a, angular_of);
+  gatherStates(angular_b, group.before_b, angular_of);
+  for (int r = 0; r < 3; ++r) {
+    const auto row_of = [r](const State& state) { return state.mobility[r].data(); };
+    gatherStates(mobility_a[r], group.before_a, row_of);
+    gatherStates(mobility_b[r], group.before_b, row_of);
+  }
+  loadVectors(arm_a, group.arm_a), loadVectors(arm_b, group.arm_b);
+  FourNumbers inverse_mass_a, inverse_mass_b, goal;
+  load(inverse_mass_a, group.inverse_mass_a.data());
+  load(inverse_mass_b, group.inverse_mass_b.data());
+  load(goal, group.goal.data());
+  const FourNumbers none{}, one = none + 1.0, least = none + kLeastMobility;
+  Velocities velocities;
+  velocities.take(group);
+  std::array<Laid, 3> laid;
+  const std::array<Row*, 3> rows{&group.normal, &group.tangent1, &group.tangent2};
+  for (int i = 0; i < 3; ++i) {
+    Laid& to = laid[i];
+    Row& row = *rows[i];
+    loadVectors(to.along, row.along);
+    cross(to.about_a, arm_a, to.along);
+    cross(to.about_b, to.along, arm_b);
+    if (group.has_joint) projectOnJoints(group.joint_a, to.along, 1.0, to.about_a);
+    if (group.has_joint) projectOnJoints(group.joint_b, to.along, -1.0, to.about_b);
+    multiply(to.response_a, mobility_a, to.about_a);
+    multiply(to.response_b, mobility_b, to.about_b);
+    FourNumbers turns_a, turns_b, rate_a, rate_b, spin_a, spin_b, start;
+    dot(turns_a, to.about_a, to.response_a), dot(turns_b, to.about_b, to.response_b);
+    to.yield = inverse_mass_a + inverse_mass_b + turns_a + turns_b;
+    dot(rate_a, to.along, linear_a), dot(rate_b, to.along, linear_b);
+    dot(spin_a, to.about_a, angular_a), dot(spin_b, to.about_b, angular_b);
+    const FourNumbers effective_mass = to.yield > least ? one / to.yield : none;
+    const FourNumbers lacking = (i == 0 ? goal : none) - (rate_a - rate_b + spin_a + spin_b);
+    to.store(row);
+    store(effective_mass, row.effective_mass.data());
+    store(lacking * effective_mass, row.target.data());
+    load(start, row.impulse.data());
+    velocities.apply(row, group, start);
+  }
+  velocities.put(group);
+  const Laid &first = laid[1], &second = laid[2];
+  FourNumbers coupled_a, coupled_b;
+  dot(coupled_a, first.about_a, second.response_a);
+  dot(coupled_b, first.about_b, second.response_b);
+  const FourNumbers yield_12 = coupled_a + coupled_b;
+  const FourNumbers definite = none + (1.0 + 1e-9);  // where one joint alone moves both
+  const FourNumbers yield_11 = definite * (first.yield > least ? first.yield : least);
+  const FourNumbers yield_22 = definite * (second.yield > least ? second.yield : least);
+  const FourNumbers det = yield_11 * yield_22 - yield_12 * yield_12;
+  store(yield_11, group.yield_11.data()), store(yield_12, group.yield_12.data());
+  store(yield_22, group.yield_22.data());
+  store(yield_22 / det, group.mass_11.data()), store(-yield_12 / det, group.mass_12.data());
+  store(yield_11 / det, group.mass_22.data());
 }
 
-void BodyRows::add(const btConstraintArray& normals, const btConstraintArray& frictions,
-                   Bodies& bodies, const std::vector<bool>& touched) noexcept {
-  for (int i = 0; i < normals.size(); ++i) {
-    const btSolverConstraint& normal = normals[i];
-    const btSolverConstraint& tangent = frictions[normal.m_frictionIndex];
-    const int a = normal.m_solverBodyIdA, b = normal.m_solverBodyIdB;
-    const bool a_moves = moves(bodies[a]), b_moves = moves(bodies[b]);
-    const int depth = std::max(a_moves ? depth_[a] : 0, b_moves ? depth_[b] : 0);
+WHOLEHAND_VECTOR_CLONES void BodyRows::lay(const std::vector<Group*>& groups) noexcept {
+  for (Group* group : groups) lay(*group);
+}
+
+void BodyRows::put(Group& group, int place, int a, int b, const Bodies& bodies) noexcept {
+  group.a[place] = &motions_[a], group.b[place] = &motions_[b];
+  group.before_a[place] = &states_[a], group.before_b[place] = &states_[b];
+  group.joint_a[place] = onJoint(bodies[a]), group.joint_b[place] = onJoint(bodies[b]);
+  const auto inverse_mass = [](const btSolverBody& body, const BodyJoint* joint) {
+    return moves(body) && joint == nullptr ? body.m_originalBody->getInvMass() : 0.0;
+  };
+  group.inverse_mass_a[place] = inverse_mass(bodies[a], group.joint_a[place]);
+  group.inverse_mass_b[place] = inverse_mass(bodies[b], group.joint_b[place]);
+  if (group.joint_a[place] != nullptr || group.joint_b[place] != nullptr) group.has_joint = true;
+}
+
+void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGoals& goals,
+                   const Bodies& bodies, const std::vector<bool>& touched) noexcept {
+  const btRigidBody *rigid_a = bodies[a].m_originalBody, *rigid_b = bodies[b].m_originalBody;
+  if (rigid_a == nullptr && rigid_b == nullptr) return;
+  const auto write = [](const btVector3& from, EachVector& to, int place) {
+    for (int k = 0; k < 3; ++k) to[k][place] = from[k];
+  };
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    btManifoldPoint& point = manifold.getContactPoint(k);
+    if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
+    const int depth =
+        std::max(rigid_a != nullptr ? depth_[a] : 0, rigid_b != nullptr ? depth_[b] : 0);
     depth_[a] = depth_[b] = depth + 1;
     Group& group = groupFor(2 * depth + (touched[a] || touched[b] ? 0 : 1));
     const int place = group.used++;
-    group.point[place] = static_cast<btManifoldPoint*>(normal.m_originalContactPoint);
-    group.a[place] = &motions_[a];
-    group.b[place] = &motions_[b];
-    group.inverse_mass_a[place] = bodies[a].m_invMass.x();
-    group.inverse_mass_b[place] = bodies[b].m_invMass.x();
-    group.friction[place] = tangent.m_friction;
-    copy(normal, a_moves, group.normal, place);
-    copy(tangent, a_moves, group.tangent1, place);
-    const btSolverConstraint& other = frictions[normal.m_frictionIndex + 1];
-    copy(other, a_moves, group.tangent2, place);
-    group.yield_11[place] = 1.0 / tangent.m_jacDiagABInv;
-    group.yield_22[place] = 1.0 / other.m_jacDiagABInv;
-    group.yield_12[place] = tangent.m_relpos1CrossNormal.dot(other.m_angularComponentA) +
-                            tangent.m_relpos2CrossNormal.dot(other.m_angularComponentB);
-    if (onJoint(bodies[a]) != nullptr || onJoint(bodies[b]) != nullptr) {
-      turnToJoints(group, place, bodies[a], bodies[b]);
+    put(group, place, a, b, bodies);
+    group.point[place] = &point;
+    group.friction[place] = point.m_combinedFriction;
+    const btVector3 none(0.0, 0.0, 0.0), &normal = point.m_normalWorldOnB;
+    const auto arm = [&](const btRigidBody* rigid, const btVector3& at_m) {
+      return rigid != nullptr ? at_m - rigid->getCenterOfMassPosition() : none;
+    };
+    const btVector3 arm_a = arm(rigid_a, point.getPositionWorldOnA());
+    const btVector3 arm_b = arm(rigid_b, point.getPositionWorldOnB());
+    write(arm_a, group.arm_a, place), write(arm_b, group.arm_b, place);
+    const double apart_m = point.getDistance() + goals.slop_m;
+    double goal = apart_m > 0.0 ? -apart_m / goals.step_s : -apart_m * goals.erp / goals.step_s;
+    if (point.m_combinedRestitution > 0.0) {
+      const btVector3 of_a = rigid_a != nullptr ? rigid_a->getVelocityInLocalPoint(arm_a) : none;
+      const btVector3 of_b = rigid_b != nullptr ? rigid_b->getVelocityInLocalPoint(arm_b) : none;
+      const double closing_m_s = normal.dot(of_b - of_a);
+      if (closing_m_s >= goals.bounce_from_m_s) goal += point.m_combinedRestitution * closing_m_s;
     }
-    const double det = group.yield_11[place] * group.yield_22[place] -
-                       group.yield_12[place] * group.yield_12[place];
-    group.mass_11[place] = group.yield_22[place] / det;
-    group.mass_12[place] = -group.yield_12[place] / det;
-    group.mass_22[place] = group.yield_11[place] / det;
+    group.goal[place] = goal;
+    btVector3 &tangent1 = point.m_lateralFrictionDir1, &tangent2 = point.m_lateralFrictionDir2;
+    btPlaneSpace1(normal, tangent1, tangent2);
+    write(normal, group.normal.along, place);
+    write(tangent1, group.tangent1.along, place);
+    write(tangent2, group.tangent2.along, place);
+    group.normal.impulse[place] = goals.warm_start * point.m_appliedImpulse;
+    group.tangent1.impulse[place] = goals.warm_start * point.m_appliedImpulseLateral1;
+    group.tangent2.impulse[place] = goals.warm_start * point.m_appliedImpulseLateral2;
     uneven_ = uneven_ || isUneven(group, place);
     ++contacts_;
   }
 }
 
-void BodyRows::begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept {
+void BodyRows::begin(Bodies& bodies, const std::vector<bool>& touched) noexcept {
   if (!any()) return;
   backwards_ = false;
   for (int i = 0; i < bodies.size(); ++i) {
     copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
     copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);
+    takeState(bodies[i], states_[i].linear, states_[i].angular, states_[i].mobility);
     if (moves(bodies[i])) (touched[i] ? touched_ : free_).push_back(i);
   }
   // The groups by their runs, which is by depth.
@@ -329,6 +429,11 @@ void BodyRows::begin(const Bodies& bodies, const std::vector<bool>& touched) noe
   for (Group* group : all_) {
     if (group->run % 2 == 0) near_.push_back(group);
     for (int place = group->used; place < kWide; ++place) leaveEmpty(*group, place);
+  }
+  lay(all_);
+  for (const int i : touched_) {
+    copyVector(motions_[i].linear, bodies[i].m_deltaLinearVelocity);
+    copyVector(motions_[i].angular, bodies[i].m_deltaAngularVelocity);
   }
 }
 

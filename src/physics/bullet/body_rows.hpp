@@ -4,19 +4,33 @@
 #include "physics/bullet/inertia_root.hpp"
 #include "physics/bullet/row_arithmetic.hpp"
 
-#include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
-#include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
+#include <LinearMath/btAlignedObjectArray.h>
 
 #include <array>
 #include <vector>
 
+namespace wholehand {
+class BodyJoint;  // physics/body_joint.hpp
+}
+
 namespace wholehand::bullet {
 
-/// Rows of the contacts between two bodies, as Bullet's solver sets them up. Projected Gauss-Seidel
-/// sweeps four contacts at once: contacts that share a movable body keep their order, and four that
-/// share none form a group. The two directions of friction are one unknown, a vector within
-/// Coulomb's disc (friction_disc.hpp). Real-time safe except for construction.
+/// What a step's contacts between bodies aim at.
+struct ContactGoals {
+  double step_s = 0.0;
+  double slop_m = 0.0;           ///< overlap that is left alone
+  double erp = 0.0;              ///< fraction of a deeper overlap that is removed
+  double warm_start = 0.0;       ///< fraction of the last step's impulses
+  double bounce_from_m_s = 0.0;  ///< slower bodies do not bounce
+};
+
+/// Rows of the contacts between two bodies: where they are apart, they may close the gap in this
+/// step and no further. Projected Gauss-Seidel sweeps four contacts at once: contacts that share a
+/// movable body keep their order, and four that share none form a group. The two directions of
+/// friction are one unknown, a vector within Coulomb's disc (friction_disc.hpp). Real-time safe
+/// except for construction.
 class BodyRows {
  public:
   using Bodies = btAlignedObjectArray<btSolverBody>;
@@ -28,13 +42,14 @@ class BodyRows {
   void clear() noexcept;
   /// Number of contacts that may still be added.
   [[nodiscard]] int room() const noexcept { return static_cast<int>(groups_.size()) - contacts_; }
-  /// Adds contacts after those that are there. @pre two rows of friction per contact, no compliance
-  /// @param touched per body: the hand changes its velocity between sweeps, and its contacts are
-  /// near. The starting impulses of these rows act on bodies on joints here; on others they acted.
-  void add(const btConstraintArray& normals, const btConstraintArray& frictions, Bodies& bodies,
-           const std::vector<bool>& touched) noexcept;
-  /// Takes the velocities of the bodies. Call after the last contact and before the first sweep.
-  void begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept;
+  /// Adds the contacts of a manifold after those that are there. Lays the points' directions of
+  /// friction. @param a, b its bodies @param touched per body: the hand changes its velocity
+  /// between sweeps, and its contacts are near
+  void add(btPersistentManifold& manifold, int a, int b, const ContactGoals& goals,
+           const Bodies& bodies, const std::vector<bool>& touched) noexcept;
+  /// Takes the velocities of the bodies, and lets the starting impulses act. Call after the last
+  /// contact and before the first sweep.
+  void begin(Bodies& bodies, const std::vector<bool>& touched) noexcept;
   [[nodiscard]] bool any() const noexcept { return contacts_ > 0; }
   [[nodiscard]] bool anyNear() const noexcept { return !near_.empty(); }
   /// Largest normal impulse after the last sweep [N·s].
@@ -60,6 +75,11 @@ class BodyRows {
   struct alignas(64) Motion {
     std::array<double, 4> linear{}, angular{};  ///< the last one zero
   };
+  /// A body before contacts, as rows see it: one on a joint has its rate as the x of its spin.
+  struct alignas(32) State {
+    std::array<double, 4> linear{}, angular{};        ///< velocity; the last one unused
+    std::array<std::array<double, 4>, 3> mobility{};  ///< angular velocity per impulse, by rows
+  };
   /// A number, and a vector, of each contact of a group.
   using Each = std::array<double, kWide>;
   using EachVector = std::array<Each, 3>;
@@ -76,12 +96,18 @@ class BodyRows {
     Each inverse_mass_a, inverse_mass_b, friction;
     /// Velocity of the tangents per impulse, a symmetric matrix, and its inverse.
     Each yield_11, yield_12, yield_22, mass_11, mass_12, mass_22;
+    EachVector arm_a, arm_b;  ///< from the body's centre to the contact
+    Each goal;                ///< velocity of the normal
     std::array<Motion*, kWide> a, b;
+    std::array<const State*, kWide> before_a, before_b;
+    std::array<const BodyJoint*, kWide> joint_a, joint_b;  ///< null: the body is free, or fixed
     std::array<btManifoldPoint*, kWide> point;
+    bool has_joint = false;
     int run = 0;
     int used = 0;  ///< the first places have a contact; the others are of no body, and zero
   };
   struct Velocities;
+  struct Laid;
   static constexpr int kMostUneven = 8;  ///< bodies of an island
   struct IslandBody {
     double linear = 0.0;     ///< 1 / √m
@@ -92,7 +118,6 @@ class BodyRows {
     int place = 0;
   };
 
-  static void turnToJoints(Group& group, int place, btSolverBody& a, btSolverBody& b) noexcept;
   [[nodiscard]] static bool isUneven(const Group& group, int place) noexcept;
   [[nodiscard]] int islandOf(int body) noexcept;
   void findIslands(const Bodies& bodies) noexcept;
@@ -103,7 +128,9 @@ class BodyRows {
 
   [[nodiscard]] Group& groupFor(int run) noexcept;
   void leaveEmpty(Group& group, int place) noexcept;
-  static void copy(const btSolverConstraint& from, bool a_moves, Row& to, int place) noexcept;
+  void put(Group& group, int place, int a, int b, const Bodies& bodies) noexcept;
+  static void lay(const std::vector<Group*>& groups) noexcept;
+  [[gnu::always_inline]] static inline void lay(Group& group);
   [[gnu::always_inline]] static inline void press(Group& group, FourNumbers& most);
   [[gnu::always_inline]] static inline void rub(Group& group, const FourNumbers& normal,
                                                 FourNumbers& most);
@@ -114,6 +141,7 @@ class BodyRows {
   std::vector<Group> groups_;        ///< fixed size; the first group_count_ are in use
   std::vector<Group*> all_, near_;   ///< in the order of sweeps
   std::vector<Motion> motions_;      ///< per body; the last one of no body
+  std::vector<State> states_;        ///< the same
   std::vector<int> touched_, free_;  ///< movable bodies
   std::vector<int> depth_;           ///< per body: of its next contact
   /// Per run: its group with a free place, or null. A run's contacts share no movable body: they

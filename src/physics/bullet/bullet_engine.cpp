@@ -72,12 +72,6 @@ void BulletEngine::configure(const SolverSettings& settings) {
                                 ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
   solver_info_.m_numIterations = std::max(settings.iterations, kMostFarSweeps);
   solver_info_.m_leastSquaresResidualThreshold = 0.0;
-  solver_info_.m_splitImpulse = 0;
-  solver_info_.m_erp2 = settings.contact_erp;
-  solver_info_.m_linearSlop = settings.penetration_slop_m;
-  solver_info_.m_warmstartingFactor = settings.body_warm_start;
-  solver_info_.m_solverMode |=
-      SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
 }
 
 // The list of manifolds grows when it first needs to. More at once than in any scene that a tick

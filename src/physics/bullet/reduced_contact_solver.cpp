@@ -69,13 +69,10 @@ int ReducedContactSolver::mostSolverBodies(int bodies) {
 // The base class grows these arrays at first contacts; growing them here keeps the tick free of
 // allocation.
 void ReducedContactSolver::reserve(int bodies) {
-  const int rows = MANIFOLD_CACHE_SIZE;  // of one manifold
   m_tmpSolverBodyPool.reserve(mostSolverBodies(bodies));
   slot_.reserve(mostSolverBodies(bodies));
   island_.reserve(ConeNewton::kMostUnknowns / 6);
   touched_.resize(mostSolverBodies(bodies));
-  m_tmpSolverContactConstraintPool.reserve(rows);
-  m_tmpSolverContactFrictionConstraintPool.reserve(2 * rows);
 }
 
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
@@ -114,35 +111,17 @@ void ReducedContactSolver::findTouched() {
   joints_.begin(touched_);
 }
 
-// The base class moves what a manifold names: for this call that is the bodies, not their
-// colliders. Its rows go on to ours at once: all of a scene would not stay in a processor's cache.
 void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
                                                const btContactSolverInfo& info) {
   if (manifold.getNumContacts() > body_rows_.room()) {
     dropped_ += manifold.getNumContacts();
     return;
   }
-  const btCollisionObject* a = manifold.getBody0();
-  const btCollisionObject* b = manifold.getBody1();
-  manifold.setBodies(tagOf(a)->rigid, tagOf(b)->rigid);
-  const auto change_of = [this](const btCollisionObject* collider) -> btVector3* {
-    const btRigidBody& rigid = *tagOf(collider)->rigid;
-    if (jointOf(rigid) == nullptr || rigid.getCompanionId() < 0) return nullptr;
-    return &m_tmpSolverBodyPool[rigid.getCompanionId()].m_deltaAngularVelocity;
-  };
-  const btVector3* on_a = change_of(a);
-  const btVector3* on_b = change_of(b);
-  const btVector3 before_a = on_a != nullptr ? *on_a : btVector3(0, 0, 0);
-  const btVector3 before_b = on_b != nullptr ? *on_b : btVector3(0, 0, 0);
-  convertContact(&manifold, info);
-  // Bullet lets the impulses of the last step act on a free body.
-  if (btVector3* change = change_of(a)) *change = before_a;
-  if (btVector3* change = change_of(b)) *change = before_b;
-  manifold.setBodies(a, b);
-  body_rows_.add(m_tmpSolverContactConstraintPool, m_tmpSolverContactFrictionConstraintPool,
-                 m_tmpSolverBodyPool, touched_);
-  m_tmpSolverContactConstraintPool.resizeNoInitialize(0);
-  m_tmpSolverContactFrictionConstraintPool.resizeNoInitialize(0);
+  const ContactGoals goals{info.m_timeStep, settings_.penetration_slop_m, settings_.contact_erp,
+                           settings_.body_warm_start, info.m_restitutionVelocityThreshold};
+  const int a = getOrInitSolverBody(*tagOf(manifold.getBody0())->rigid, info.m_timeStep);
+  const int b = getOrInitSolverBody(*tagOf(manifold.getBody1())->rigid, info.m_timeStep);
+  body_rows_.add(manifold, a, b, goals, m_tmpSolverBodyPool, touched_);
 }
 
 void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,

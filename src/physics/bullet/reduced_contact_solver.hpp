@@ -65,8 +65,8 @@ struct HandContact {
 ///
 /// Self-contacts and joint limits of the hand (HandRows) are solved together with them: at once by
 /// ConeNewton, or by sweeps of projected Gauss-Seidel where the bodies that the hand touches are
-/// many or touch others. The base class sets up the rows of contacts between bodies, which BodyRows
-/// takes over and sweeps; those of bodies that the hand does not touch get fewer sweeps.
+/// many or touch others. BodyRows sweeps contacts between bodies; those of bodies that the hand
+/// does not touch get fewer sweeps.
 class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
  public:
   /// @pre kinematics and rows outlive this @param bodies number of bodies in the scene

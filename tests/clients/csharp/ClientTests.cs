@@ -256,8 +256,8 @@ public static class ClientTests
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
-            var arm = client.Arm(1);
-            Check.Equal(Order.Arm, program.HearCommand().OrderType, "by WebSocket");
+            var other = client.Action(Act.Pause);
+            Check.Equal(Order.Action, program.HearCommand().OrderType, "by WebSocket");
             var stop = client.EmergencyStop();
             Command first = program.HearCommand(), repeated;
             Check.Equal(Order.EmergencyStop, first.OrderType, "by WebSocket");
@@ -272,10 +272,25 @@ public static class ClientTests
             program.Say(DatagramKind.Present, 1, new byte[0]);
             Check.Until(() => stop.IsCompleted, "seen");
             Check.True(stop.Result.Accepted, "accepted");
-            Check.True(!arm.IsCompleted, "the other waits for its own answer");
+            Check.True(!other.IsCompleted, "the other waits for its own answer");
             program.TellReply(1, false, "stopped");
-            Check.Until(() => arm.IsCompleted, "answered");
-            Check.Equal("stopped", arm.Result.Reason, "in words");
+            Check.Until(() => other.IsCompleted, "answered");
+            Check.Equal("stopped", other.Result.Reason, "in words");
+        }
+    }
+
+    public static void ArmBeforeTheFirstState_SaysSo()
+    {
+        using (var program = new MadeUpProgram())
+        using (WholehandClient client = Connected(program))
+        {
+            CommandReply early = client.Arm(1).Result;
+            Check.True(!early.Accepted && early.Reason.Contains("no state has come yet"), early.Reason);
+            program.Say(DatagramKind.State, 1, MadeUpProgram.StateMessage(5));
+            var state = new HandState();
+            Check.Until(() => client.TryGetState(state), "a state");
+            client.Arm(1);
+            Check.Equal(Order.Arm, program.HearCommand().OrderType, "it is asked now");
         }
     }
 
@@ -284,10 +299,10 @@ public static class ClientTests
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
-            var arm = client.Arm(1);
+            var waits = client.Action(Act.Pause);
             program.FallSilent();
             Check.Until(() => !client.Connected, "lost after two seconds");
-            Check.Until(() => arm.IsCompleted && !arm.Result.Accepted, "what waits is given up");
+            Check.Until(() => waits.IsCompleted && !waits.Result.Accepted, "what waits is given up");
             Check.True(!client.Arm(1).Result.Accepted, "commands are refused meanwhile");
             program.Sequence = 0;
             program.Welcome();

@@ -190,6 +190,8 @@ public static class LiveTests
             Check.Until(() => first.Connected && second.Connected, "connected");
             Accepted(first.TakeControls());
             Refused(second.TakeControls());
+            Shows(first, s => true, "a state");
+            Shows(second, s => true, "a state");
             Refused(second.Arm(1));
             Accepted(first.Arm(1));
             Shows(second, s => s.RunState == RunState.Rendering, "both see it");

@@ -141,6 +141,8 @@ public static class RealBodyTests
             CommandReply early = Ended(play.Client.SetOwner(new BodyOwnerChange(new BodyId(0, 1), BodyOwner.Loop)));
             Check.True(!early.Accepted && early.Reason != "", "before anything is armed");
             Check.Equal(Refusal.NothingArmed, early.Refusal, early.Reason);
+            CommandReply kept = Ended(play.Client.PrepareShapes(0, BodyShape.Ball(RadiusM)));
+            Check.True(kept.Accepted && kept.Reason.Contains("kept for the next arming"), "it says what becomes of it: " + kept.Reason);
         }
         using (var play = new Play())
         {

@@ -24,4 +24,20 @@ public static class RealTests
             States.Judge(client, "wholehand run at 1 kHz to mono");
         }
     }
+
+    public static void WithoutDatagrams_AProgramThatWasNeverArmedIsArmed()
+    {
+        using (var program = new RealProgram("--port 0 --wait"))
+        using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))
+        {
+            client.Connect();
+            var state = new HandState();
+            Check.Until(() => client.TryGetState(state), "a state of a program that has not ticked");
+            Check.Equal(0UL, state.Tick, "tick");
+            Check.True(state.Endings > 0, "the number that Arm is to name");
+            Answers.Accepted(client.TakeControls());
+            Answers.Accepted(client.Arm(state.Endings));
+            Check.Until(() => client.TryGetState(state) && state.RunState == RunState.Rendering, "it renders");
+        }
+    }
 }

@@ -18,6 +18,10 @@ export interface GraspTargets {
   awayFromUse?(state: WorldStateT, grip: number): Position | undefined;
   /** They are on joints: one is led straight to its use while it is held, not lifted. */
   readonly onJoint?: boolean;
+  /** How one is met where the hand does not just close around it: the point, in the body's frame, and the hand's device coordinates less it. */
+  met?(state: WorldStateT, grip: number): { readonly at_m: Position; readonly base_m: Position; readonly pushes?: Position } | undefined;
+  /** Whether there is more to do once it was let go of. */
+  goesOn?(state: WorldStateT): boolean;
   /** Whether nothing is to be held now. */
   letGo(state: WorldStateT): boolean;
   /** Whether what is held is to be eased, and squeezed again after it; undefined: never. */
@@ -97,8 +101,8 @@ export interface Bells { readonly tones_hz: readonly number[]; readonly apart_s:
 /** One of the game's own, or the exercise's. */
 export type Chime = 'line' | 'step' | 'done' | Bells;
 
-/** What a flow sounds like: a thin stream, warm air, a soft tone. */
-export type FlowSound = 'stream' | 'air' | 'tone';
+/** What a flow sounds like: a thin stream, warm air, a soft tone, wood that slides on wood. */
+export type FlowSound = 'stream' | 'air' | 'tone' | 'slide';
 
 /** What the page remembers of things that the person is to hold: which is proposed (-1: none), and which were held. */
 export interface Marks { readonly proposed: number; readonly held: readonly boolean[] }

@@ -4,6 +4,8 @@ import { barOf } from './cocktail_bar/bar';
 import { textOf } from './cocktail_bar/i18n';
 import { BAR_SIGNS, barInfo, barTitle } from './cocktail_bar/info';
 import { barReport } from './cocktail_bar/report';
+import { kitchenInfo, kitchenReport } from './kitchen/info';
+import { taskOf } from './kitchen/task';
 
 /** A value of the exercise by its name; undefined where there is none. */
 export type Value = (name: string) => number | undefined;
@@ -22,7 +24,8 @@ export interface ExerciseInfo {
 const NOTHING: ExerciseInfo = { progress: () => '', caption: () => '', levelName: () => '', bodyName: () => undefined };
 
 export function infoOf(scene: SceneT | null | undefined): ExerciseInfo {
-  const bar = barOf(scene);
+  const bar = barOf(scene), task = taskOf(scene);
+  if (task) return kitchenInfo(task);
   return bar ? barInfo(bar, String(scene?.exerciseName ?? '')) : NOTHING;
 }
 
@@ -63,4 +66,4 @@ export interface ExerciseReport {
 }
 
 /** Each says nothing of a recording that is not its own. */
-export const REPORTS: readonly ExerciseReport[] = [barReport];
+export const REPORTS: readonly ExerciseReport[] = [barReport, kitchenReport];

@@ -22,6 +22,7 @@ const FLOWS: Readonly<Record<FlowSound, { readonly low_hz: number; readonly high
   stream: { low_hz: 500, high_hz: 1400, narrow: 1.2, loud: 0.8 },
   air: { low_hz: 140, high_hz: 420, narrow: 0.6, loud: 1 },
   tone: { low_hz: 220, high_hz: 330, narrow: 40, loud: 6 },
+  slide: { low_hz: 190, high_hz: 520, narrow: 0.9, loud: 0.9 },
 };
 
 /** A stream that gets thinner than this, 0 .. 1, ends in drops: when each falls, and how loud it is. */

@@ -181,9 +181,9 @@ export class AimModel {
     const aim = this.triple((i) => this.q[i] ?? 0);
     const back_m = this.back_m();
     const sight = { ...seen, hand, aim, back_m, closed: this.squeezePart > 0.02, reachable: (grip: Triple) => this.reachable(grip) };
-    const { wish, goal, leaving, outOfReach = false, carries = false, holds } = this.pilot.steer(asked, sight, this.config.help, dt_s);
+    const { wish, goal, leaving, outOfReach = false, carries = false, holds, pushes = false } = this.pilot.steer(asked, sight, this.config.help, dt_s);
     this.tooFar = outOfReach;
-    const help: Near = carries ? { pace: 1, stretch: 0, mayClose: true, at: goal, wanted: true } : this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
+    const help: Near = pushes ? { pace: 1, stretch: 1, mayClose: true, at: goal, wanted: true } : carries ? { pace: 1, stretch: 0, mayClose: true, at: goal, wanted: true } : this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
     const wanted = asksToSqueeze(wish.squeeze);
     this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
     const away = help.at === undefined || seen.onJoint ? undefined : seen.awayFromUse?.[help.at];
@@ -191,7 +191,7 @@ export class AimModel {
     const force = !away ? seen : { ...seen, ...(carried ? holdZone(seen.squeezeLow_n) : useZone(seen.squeezeLow_n, seen.squeezeHigh_n)) };
     this.thumbShare = approach(this.thumbShare, away ? CARRYING_THUMB : 1, dt_s);
     this.squeezePart = nextSqueeze(this.squeezePart, this.waits ? false : wish.squeeze, force, this.config, this.config.help !== 'none', away ? FIRMEST : 1, dt_s);
-    this.stretch = (seen.onJoint ? HOOKED : 1) * help.stretch;
+    this.stretch = (seen.onJoint && !seen.pushes ? HOOKED : 1) * help.stretch;
     // On its way to the target an open hand is not meant to touch even that.
     this.yielding.look(seen.touches, (wanted && !this.waits) || help.wanted ? help.at : undefined, dt_s);
     this.axes.forEach((axis, i) => {
@@ -259,6 +259,8 @@ export class AimModel {
 
   /** The help near the row; without help the fingers' stretch alone. */
   private guideFor(wish: Wish, seen: Perception, { hand, aim, back_m, goal, leaving }: Way): Near {
+    // Straight fingers push from where the person brings them.
+    if (seen.pushes && !leaving) return { pace: 1, stretch: 1, mayClose: true, at: seen.target, wanted: true };
     const own = ownGrip(seen.grips, hand.y, seen.beside);
     const front = nearestGrip(seen.grips, aim.y);
     if (own === undefined || front === undefined) return { pace: 1, stretch: 0, mayClose: true, wanted: false };

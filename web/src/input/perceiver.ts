@@ -24,6 +24,10 @@ export interface Perception {
   awayFromUse?: readonly (Triple | undefined)[];
   /** Targets are on joints: one is led to its use while it is held, and never lifted. */
   onJoint?: boolean;
+  /** The target that is asked for is pushed with straight fingers: where to. */
+  pushes?: Triple;
+  /** There is more to do once it was let go of. */
+  goesOn?: boolean;
   /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
   beside: number;
   /** Summed normal force on the grasped target and the zone in which it is held well [N]. */
@@ -79,6 +83,8 @@ export class Perceiver {
       grips: this.gripsNow(state),
       awayFromUse: targets.grips.map((_, grip) => targets.awayFromUse?.(state, grip)),
       onJoint: targets.onJoint,
+      pushes: targets.met?.(state, Math.max(0, targets.wanted(state)))?.pushes,
+      goesOn: targets.goesOn?.(state),
       beside: this.side,
       squeeze_n: values.get(state, 'squeeze_n'),
       squeezeLow_n: zone.low_n,
@@ -113,9 +119,10 @@ export class Perceiver {
   private gripsNow(state: WorldStateT): Triple[] {
     const palm = state.links[this.palmLink]?.positionM;
     if (!palm) return [];
-    return this.targets.grips.flatMap(({ body, at_m }) => {
-      const at = gripOf(state.bodies[body], at_m);
+    return this.targets.grips.flatMap(({ body, at_m }, i) => {
+      const met = this.targets.met?.(state, i), at = gripOf(state.bodies[body], met?.at_m ?? at_m);
       if (!at) return [];
+      if (met) return [{ x: at.x + met.base_m.x, y: at.y + met.base_m.y, z: at.z + met.base_m.z }];
       // The palm's place in the world against the avatar's coordinates: wherever the device stands.
       const device = (key: keyof Triple, fromPalm: number): number =>
         at[key] - fromPalm - (palm[key] - (state.qS[this.axes[key]] ?? 0));

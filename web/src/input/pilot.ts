@@ -1,6 +1,7 @@
 import { Carry, isInPlace } from './carry';
 import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
 import { ROUND } from './posture';
+import { Push } from './push';
 import { Trigger } from './trigger';
 import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
 
@@ -17,6 +18,10 @@ export interface Sight {
   awayFromUse?: readonly (Triple | undefined)[];
   /** Targets are on joints: one is led to its use while it is held, and never lifted. */
   onJoint?: boolean;
+  /** The target that is asked for is pushed with straight fingers: where to. */
+  pushes?: Triple;
+  /** There is more to do once it was let go of. */
+  goesOn?: boolean;
   squeeze_n: number;
   squeezeLow_n: number;
   /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
@@ -45,6 +50,8 @@ export interface Course {
   /** The target is carried: it is where the hand is. It is only held, or squeezed. */
   carries?: boolean;
   holds?: boolean;
+  /** It is pushed: the hand stays open, with straight fingers. */
+  pushes?: boolean;
 }
 
 /** Speed at which the hand is taken along [m/s]. */
@@ -89,6 +96,9 @@ export class Pilot {
   private over = false;
   private showing = false;
   private squeezed = false;
+  /** It lets go in the middle of a task, for the same press. */
+  private resumes = false;
+  private push: Push | undefined;
   private carry: { readonly target: number; readonly carry: Carry } | undefined;
 
   /** A hand that is handed over opens and draws back, whatever it holds. */
@@ -116,7 +126,8 @@ export class Pilot {
   release(): void {
     this.trigger.release();
     this.meant = this.cursor = this.stale = undefined;
-    this.leaving = this.tooFar = this.over = this.squeezed = this.showing = false;
+    this.leaving = this.tooFar = this.over = this.squeezed = this.showing = this.resumes = false;
+    this.push = undefined;
     this.cursor_s = 0;
   }
 
@@ -130,8 +141,15 @@ export class Pilot {
       if (carried) return carried;
       this.finish(asked, true);
     }
-    if (help === 'full' && sight.letGo && !this.over) this.finish(asked, inside);
+    if (help === 'full' && sight.letGo && !this.over) {
+      this.resumes = sight.goesOn === true && this.meant !== undefined;
+      this.finish(asked, inside || this.push !== undefined);
+    }
     this.over = sight.letGo;
+    if (this.resumes && !sight.letGo && !this.leaving) {
+      this.resumes = false;
+      this.trigger.resume();
+    }
     const same = this.meant !== undefined && this.meant === sight.target;
     const pressed = { taps: help === 'full', closed: sight.closed, same, well: same && isWell(sight) };
     const wish = { ...asked, squeeze: this.trigger.step(asked.squeeze, pressed, dt_s) };
@@ -140,6 +158,8 @@ export class Pilot {
     if (this.leaving) return this.leave(wish, sight);
     if (help === 'full' && sight.letGo) wish.squeeze = false;
     if (sight.easesOff && keepsForce(wish.squeeze, help)) wish.squeeze = ROUND;
+    if (help === 'full' && sight.pushes && this.meant === sight.target && this.meant !== undefined) return this.pushOn(wish, sight, sight.pushes, this.meant);
+    this.push = undefined;
     if (help === 'none') return { wish, leaving: false };
     const away = this.meant === undefined ? undefined : sight.awayFromUse?.[this.meant], takes = help === 'full' && away !== undefined && sight.closed && asksToSqueeze(wish.squeeze);
     if (takes && sight.onJoint) return this.lead(wish, away);
@@ -148,6 +168,13 @@ export class Pilot {
     }
     if (this.tooFar) return { wish: { ...wish, squeeze: false }, leaving: false, outOfReach: true };
     return this.meant === undefined ? this.alone(wish, own, inside) : this.reach(wish, sight, own, inside, this.meant);
+  }
+
+  /** What is pushed is met with straight fingers. */
+  private pushOn(wish: Wish, { hand, aim, grips, back_m, awayFromUse }: Sight, toward: Triple, goal: number): Course {
+    this.push ??= new Push();
+    const velocity = this.push.step({ hand, aim, grip: grips[goal]!, back_m, toward, away: awayFromUse?.[goal] });
+    return { wish: { ...wish, place: {}, velocity, squeeze: false }, goal, leaving: false, pushes: true };
   }
 
   /** What is held goes the way of its joint. */
@@ -234,6 +261,7 @@ export class Pilot {
   }
 
   private leave(wish: Wish, { hand, aim, back_m, closed }: Sight): Course {
+    this.push = undefined;
     if (hand.x <= back_m + BACK_AT_M || aim.x <= back_m) this.leaving = false;
     return { wish: { ...wish, velocity: { x: closed ? 0 : -SPEED_M_S, y: 0, z: 0 }, place: {}, squeeze: false }, leaving: true };
   }

@@ -53,6 +53,11 @@ export class Trigger {
     return this.latched || asked;
   }
 
+  /** The press that was on goes on, as if a tap had come. */
+  resume(): void {
+    this.latched = true;
+  }
+
   /** The work is done: the press that is on, or held, means nothing more. */
   finish(): void {
     this.latched = false;

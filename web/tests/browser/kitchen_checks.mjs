@@ -1,6 +1,13 @@
 // Tasks of the kitchen, seen on both pages, against a program whose virtual patient plays them.
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
+import { GOES_ON, openGame } from './checks.mjs';
 import { startProgram } from './program.mjs';
+import { openWatcher } from './watcher.mjs';
+
+/** Issue 41: a newcomer with a mouse, of the program's own time [s]. */
+const NEWCOMER_S = 60;
+/** Who sees nothing happen presses again [ms]. */
+const PATIENCE_MS = 8000;
 
 /** The drawer is drawn, opened, held and shut; the page says the words of its file, in another language than English. */
 export async function drawerIsOpenedAndShut(t) {
@@ -23,4 +30,28 @@ export async function drawerIsOpenedAndShut(t) {
   expect(done === 3, `${done} of the 3 rows of the card are done`);
   for (const page of [game, console]) await expectAccessible(page);
   return `opened ${most_cm} cm, and shut`;
+}
+
+/** A newcomer with a mouse does the first task by what the screen says: it asks for a press, once. No picture is needed. */
+export async function newcomerDoesTheFirstTask(t) {
+  const { url } = await startProgram({ ...t, args: ['--wait', '--exercise', 'drawer'] });
+  const watcher = await openWatcher(t.plain, url, { role: 'watcher' });
+  const game = await openGame(t.plain, url, {}, { init: GOES_ON, hasTouch: false });
+  await watcher.rendering();
+  const { tick: began } = await watcher.now();
+  let presses = 0, pressed_ms = -Infinity;
+  await watcher.until('the task done', async ({ tick, values }) => {
+    if (values.done === 1) return true;
+    expect(tick - began < 4000 * NEWCOMER_S, `not done: ${JSON.stringify(values)}`);
+    if ((await game.getAttribute('body', 'data-state')) === 'reach' && Date.now() - pressed_ms > PATIENCE_MS) {
+      pressed_ms = Date.now();
+      presses += 1;
+      const { x, y, width, height } = await game.locator('#play').boundingBox();
+      await game.mouse.click(x + width / 2, y + height / 3, { delay: 100 });
+    }
+    return false;
+  }, { every_ms: 200 });
+  const { tick, values } = await watcher.now(), took_s = (tick - began) / 1000;
+  expect(took_s <= NEWCOMER_S, `it took ${took_s.toFixed(1)} s`);
+  return `${took_s.toFixed(1)} s, ${presses} presses, score ${values.score.toFixed(0)}`;
 }

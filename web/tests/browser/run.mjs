@@ -19,7 +19,7 @@ import { drinksByEveryWay } from './drink_checks.mjs';
 import { FULL, Harness } from './harness.mjs';
 import { hourOfPlayIsFlat } from './hour_checks.mjs';
 import { newcomerFinds } from './newcomer_checks.mjs';
-import { drawerIsOpenedAndShut } from './kitchen_checks.mjs';
+import { drawerIsOpenedAndShut, newcomerDoesTheFirstTask } from './kitchen_checks.mjs';
 import * as panels from './panel_checks.mjs';
 import { lostPictureIsSaid } from './picture_checks.mjs';
 import { takePictures } from './pictures.mjs';
@@ -77,6 +77,7 @@ const TESTS = [
   ['names of any kind', trouble.namesOfAnyKind],
   ['any exercise shows its panel', panels.anyExerciseShowsItsPanel],
   ['kitchen: a drawer is opened and shut', drawerIsOpenedAndShut],
+  ['kitchen: a newcomer does the first task', newcomerDoesTheFirstTask, PACED],
   ['profiles are kept', panels.profilesAreKept],
   ['a device is commissioned through its page', commissionedThroughThePage, PACED],
   ['a therapist keeps a patient', clinic.therapistKeepsAPatient, PACED],

@@ -8,7 +8,7 @@ signal connection_changed(connected, why)
 signal scene_changed(scene)
 signal state_changed(state)
 signal controls_changed(held_by_this_game)
-# The program's answer to the command of this number; `reason` is empty where it was accepted.
+# The program's answer to the command of this number; `reason` of one that was accepted: what it waits for, or empty.
 signal replied(command, accepted, reason)
 # `type` is an index into scene.event_names; `index` which dispenser, liquid ..., -1 where it has none.
 signal event_happened(type, tick, index, value)

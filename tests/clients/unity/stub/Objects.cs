@@ -278,7 +278,9 @@ namespace UnityEngine
     public static class Debug
     {
         internal static readonly List<string> Errors = new List<string>();
+        public static void Log(object message) { }
         public static void Log(object message, Object context) { }
+        public static void LogWarning(object message) { }
         public static void LogWarning(object message, Object context) { }
         public static void LogError(object message, Object context) { Errors.Add((string)message); }
         public static void LogException(Exception e) { Errors.Add(e.ToString()); }

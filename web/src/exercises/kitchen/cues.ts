@@ -1,17 +1,17 @@
-// What shows a first-timer the next step: a ring at the handle, an arrow along or about its joint, the body as it is to be,
-// a hand that closes or opens.
-import { DoubleSide, Group, Mesh, PlaneGeometry, Quaternion, Vector3, type BufferGeometry } from 'three';
+// What shows a first-timer the next step: a ring at the handle, an arrow along or about its joint or onto what is pressed, the
+// body as it is to be or where it is to be put, a gauge that fills with the force, a hand that closes or opens.
+import { BoxGeometry, DoubleSide, Group, Mesh, PlaneGeometry, Quaternion, Vector3, type BufferGeometry } from 'three';
 import { ShapeType, type BodyT, type ShapeT } from '../../protocol';
 import { toThree } from '../../scene/frames';
 import { flat } from '../../scene/materials';
 import { picture } from '../../scene/textures';
 import type { Position } from '../exercise';
-import { moved, pointOf, type Placed } from './joint';
+import { armOf, moved, pointOf, type Placed } from './joint';
 import { HANDS, PASSES } from './pictures';
 import { Ribbon, type HalfWidth } from './ribbon';
-import type { Handle, Joint, KitchenStep } from './task';
+import { hasBar, type Handle, type Joint, type KitchenStep } from './task';
 
-const ARROW = { points: 25, half_m: 0.006, head_m: 0.03, head_half_m: 0.017, over_m: 0.028, least_m: 0.1 } as const;
+const ARROW = { points: 49, half_m: 0.006, head_m: 0.03, head_half_m: 0.017, over_m: 0.028, least_m: 0.1 } as const;
 const RING = { points: 73, half_m: 0.0035, round_m: 0.02 } as const;
 /** A goal nearer than this needs no arrow [m or rad]. */
 const NEAR = 0.006;
@@ -19,17 +19,35 @@ const NEAR = 0.006;
 const FRAME_M = 0.005;
 const EDGE_M = 0.003;
 const INK = '#1c1410';
+/** Of the gauge that fills with the force that is asked for. */
+const FORCE = { wide_m: 0.1, half_m: 0.007, over_m: 0.06 } as const;
 const SIGN = { wide_m: 0.055, over_m: 0.045 } as const;
 
 const even: HalfWidth = (_, edge_m) => RING.half_m + edge_m;
+const thick: HalfWidth = (_, edge_m) => FORCE.half_m + edge_m;
 /** A shaft, and a head at its end. */
 const pointed: HalfWidth = (left_m, edge_m) =>
   left_m <= ARROW.head_m ? ARROW.head_half_m * left_m / ARROW.head_m + edge_m * (left_m > 0 ? 1.6 : 0) : ARROW.half_m + edge_m;
 
-/** To the goal, along the way of a point of the body, three.js's frame. A short way begins behind the point, so that its direction is seen. */
+/** To the goal, along the way of a point of the body, three.js's frame. A short way begins straight behind the point, so that its direction is seen. */
 export function wayOf(now: Placed, joint: Joint, dq: number, point: Position): Vector3[] {
-  const far_m = pointOf(moved(now, joint, dq), point).distanceTo(pointOf(now, point)), long = Math.max(1, ARROW.least_m / Math.max(far_m, 1e-6));
-  return Array.from({ length: ARROW.points }, (_, i) => toThree(pointOf(moved(now, joint, dq * (1 - long * (1 - i / (ARROW.points - 1)))), point)));
+  const far_m = Math.abs(dq) * armOf(now, joint, point), more_m = Math.max(0, ARROW.least_m - far_m), from = pointOf(now, point);
+  const back = from.clone().sub(pointOf(moved(now, joint, Math.sign(dq) * 1e-3), point)).normalize();
+  return Array.from({ length: ARROW.points }, (_, i) => {
+    const along_m = (far_m + more_m) * i / (ARROW.points - 1) - more_m;
+    return toThree(along_m < 0 ? from.clone().addScaledVector(back, -along_m) : pointOf(moved(now, joint, far_m > 0 ? dq * along_m / far_m : 0), point));
+  });
+}
+
+/** Onto a point, three.js's frame. @param way where it is pressed to, the program's frame */
+function ontoOf(point: Vector3, way: Vector3): Vector3[] {
+  return Array.from({ length: ARROW.points }, (_, i) => toThree(point.clone().addScaledVector(way, ARROW.least_m * (i / (ARROW.points - 1) - 1) - RING.round_m)));
+}
+
+/** A straight band over a point, across the view. */
+function barOver(middle: Vector3, eye: Vector3): Vector3[] {
+  const up = new Vector3(0, 1, 0), aside = middle.clone().sub(eye).cross(up).normalize();
+  return Array.from({ length: RING.points }, (_, i) => middle.clone().addScaledVector(up, FORCE.over_m).addScaledVector(aside, FORCE.wide_m * (i / (RING.points - 1) - 0.5)));
 }
 
 /** A long round around a bar. */
@@ -63,11 +81,11 @@ function handSign(kind: keyof typeof HANDS): Mesh {
   return new Mesh(new PlaneGeometry(SIGN.wide_m, SIGN.wide_m), flat('#ffffff', { map, transparent: true }));
 }
 
-/** The body as it is to be: what is taken of it pale, and a frame around its front. @param piece one child for each shape */
-export function makeGhost(piece: Group, { shapes }: BodyT, front: ShapeT | undefined): Group {
-  const ghost = new Group(), pale = flat('#fff6df', { transparent: true, opacity: 0.22, depthWrite: false });
+/** The body as it is to be: what is taken or pushed of it pale, and a frame around its front. @param piece one child for each shape */
+export function makeGhost(piece: Group, body: BodyT, front: ShapeT | undefined): Group {
+  const { shapes } = body, barred = hasBar(body), ghost = new Group(), pale = flat('#fff6df', { transparent: true, opacity: 0.22, depthWrite: false });
   piece.children.forEach((child, i) => {
-    if (!(child instanceof Mesh) || (shapes[i]!.type === ShapeType.Box && shapes[i] !== front)) return;
+    if (!(child instanceof Mesh) || (barred && shapes[i]!.type === ShapeType.Box && shapes[i] !== front)) return;
     const mesh = new Mesh(child.geometry as BufferGeometry, pale);
     mesh.position.copy(child.position);
     mesh.quaternion.copy(child.quaternion);
@@ -90,50 +108,96 @@ export function makeGhost(piece: Group, { shapes }: BodyT, front: ShapeT | undef
   return ghost;
 }
 
-export interface Shown { readonly step: KitchenStep; readonly now: Placed; readonly handle: Handle; readonly joint: Joint | undefined; readonly q: number; readonly held_s: number }
+export interface Shown {
+  readonly step: KitchenStep;
+  readonly now: Placed;
+  readonly handle: Handle;
+  /** Where the hand is to be, the body's frame. */
+  readonly point: Position;
+  /** It has a bar there. */
+  readonly barred: boolean;
+  readonly joint: Joint | undefined;
+  readonly q: number;
+  readonly held_s: number;
+  /** Share of the force that is asked for. */
+  readonly force: number;
+}
 
 export class Cues {
   readonly root = new Group();
   private readonly ring = new Ribbon(RING.points);
   private readonly track = new Ribbon(RING.points, { color: '#fff4dc' });
   private readonly arrow = new Ribbon(ARROW.points, { above: true });
+  private readonly mark = new Ribbon(RING.points, { above: true });
+  private readonly force = [new Ribbon(RING.points, { color: '#fff4dc', above: true }), new Ribbon(RING.points, { above: true })] as const;
+  private readonly region = new Mesh(new BoxGeometry(), flat('#fff6df', { transparent: true, opacity: 0.28, depthWrite: false }));
   private readonly signs = { open: handSign('open'), closed: handSign('closed') } as const;
 
   /** @param ghosts of the bodies by their index; they stand in the program's frame */
   constructor(private readonly ghosts: ReadonlyMap<number, Group>) {
-    this.root.add(this.track.root, this.ring.root, this.arrow.root, this.signs.open, this.signs.closed);
+    this.root.add(this.track.root, this.ring.root, this.mark.root, this.arrow.root, ...this.force.map(({ root }) => root), this.region, this.signs.open, this.signs.closed);
   }
 
   /** @param shown undefined: nothing is asked for */
   update(shown: Shown | undefined, eye: Vector3): void {
-    const verb = shown?.step.verb;
+    const verb = shown?.step.verb, rings = verb === 'reach' || verb === 'take' || verb === 'hold' || verb === 'press';
+    const dq = shown?.step.verb === 'move' && shown.step.to !== undefined ? shown.step.to - shown.q : 0;
+    const goes = shown?.joint !== undefined && Math.abs(dq) > NEAR, puts = verb === 'put' && shown?.step.center_m !== undefined;
     this.signs.open.visible = verb === 'let_go';
     this.signs.closed.visible = verb === 'take';
-    this.ring.root.visible = verb !== undefined && verb !== 'move' && verb !== 'let_go';
+    this.ring.root.visible = rings && shown!.barred;
+    this.mark.root.visible = rings && !shown!.barred;
     this.track.root.visible = verb === 'hold';
-    const dq = shown?.step.verb === 'move' && shown.step.to !== undefined ? shown.step.to - shown.q : 0;
-    const goes = shown?.joint !== undefined && Math.abs(dq) > NEAR;
-    this.arrow.root.visible = goes;
-    this.ghosts.forEach((ghost, body) => { ghost.visible = goes && body === shown?.step.body; });
+    this.arrow.root.visible = goes || puts || verb === 'press';
+    for (const { root } of this.force) root.visible = verb === 'press';
+    this.region.visible = puts;
+    this.ghosts.forEach((ghost, body) => { ghost.visible = (goes || puts) && body === shown?.step.body; });
     if (!shown) return;
-    const { now, handle, joint, step } = shown, half_m = handle.length_m / 2;
+    const { now, handle, joint, step, barred } = shown, half_m = barred ? handle.length_m / 2 : 0;
     const up = new Vector3(0, 0, 1).applyQuaternion(new Quaternion(...[handle.turn?.x ?? 0, handle.turn?.y ?? 0, handle.turn?.z ?? 0, handle.turn?.w ?? 1]));
-    const middle = toThree(pointOf(now, handle.at_m)), along = toThree(up.clone().applyQuaternion(now.turn));
-    if (this.ring.root.visible) {
+    const at = barred ? handle.at_m : shown.point, middle = toThree(pointOf(now, at)), along = toThree(up.clone().applyQuaternion(now.turn));
+    if (rings) {
       const path = around(middle, along, half_m, eye);
-      this.ring.lay(path, eye, even, step.verb === 'hold' ? shown.held_s / (step.for_s ?? 1) : 1);
+      (barred ? this.ring : this.mark).lay(path, eye, even, step.verb === 'hold' ? shown.held_s / (step.for_s ?? 1) : 1);
       if (this.track.root.visible) this.track.lay(path.map((p) => p.clone().addScaledVector(p.clone().sub(eye).normalize(), 0.002)), eye, even);
     }
-    if (goes) {
-      const top = up.multiplyScalar(half_m + ARROW.over_m).add(handle.at_m);
-      this.arrow.lay(wayOf(now, joint!, dq, top), eye, pointed);
-      const ghost = this.ghosts.get(step.body), goal = moved(now, joint!, dq);
-      ghost?.position.copy(goal.at);
-      ghost?.quaternion.copy(goal.turn);
+    if (goes) this.go(shown, moved(now, joint!, dq), wayOf(now, joint!, dq, barred ? up.multiplyScalar(half_m + ARROW.over_m).add(at) : at), eye);
+    if (puts) this.put(shown, eye);
+    if (verb === 'press') {
+      this.arrow.lay(ontoOf(pointOf(now, at), pressedTo(shown)), eye, pointed);
+      const path = barOver(middle.clone().addScaledVector(along, half_m), eye);
+      this.force[0].lay(path, eye, thick);
+      this.force[1].lay(path.map((p) => p.clone().addScaledVector(p.clone().sub(eye).normalize(), -0.002)), eye, thick, Math.min(1, shown.force));
     }
     for (const sign of Object.values(this.signs)) {
       sign.position.copy(middle).addScaledVector(along, half_m + SIGN.over_m);
       sign.lookAt(eye);
     }
   }
+
+  private go({ step }: Shown, goal: Placed, way: readonly Vector3[], eye: Vector3): void {
+    this.arrow.lay(way, eye, pointed);
+    const ghost = this.ghosts.get(step.body);
+    ghost?.position.copy(goal.at);
+    ghost?.quaternion.copy(goal.turn);
+  }
+
+  /** Over to where the body's centre is to be, in a low arc. */
+  private put(shown: Shown, eye: Vector3): void {
+    const { now, step } = shown, goal = new Vector3(...step.center_m!), [x, y, z] = step.half_size_m ?? [0.02, 0.02, 0.02], way = goal.clone().sub(now.at);
+    const path = Array.from({ length: ARROW.points }, (_, i) => {
+      const t = i / (ARROW.points - 1);
+      return toThree(now.at.clone().addScaledVector(way, t).add(new Vector3(0, 0, way.length() * t * (1 - t))));
+    });
+    this.go(shown, { at: goal, turn: now.turn }, path, eye);
+    this.region.position.copy(toThree(goal));
+    this.region.scale.set(2 * y, 2 * z, 2 * x);   // three.js: x right, y up, z near
+  }
+}
+
+/** Where to what is pressed is to go, the program's frame: along its joint where it has one, to its farther end. */
+function pressedTo({ step, now, joint, q, point }: Shown): Vector3 {
+  if (!joint) return new Vector3(...(step.met?.toward ?? [1, 0, 0]));
+  const least = joint.least ?? -Infinity, most = joint.most ?? Infinity, dq = most - q >= q - least ? 1e-3 : -1e-3;
+  return pointOf(moved(now, joint, dq), point).sub(pointOf(now, point)).normalize();
 }

@@ -50,6 +50,11 @@ export class Workshop {
     return made;
   }
 
+  /** Smooth: what is pushed and lifted. */
+  paint(color: string): Material {
+    return surface(this.quality, { color: new Color(color), roughness: 0.4, clearcoat: 0.35, clearcoatRoughness: 0.3 });
+  }
+
   board([x, y, z]: Size, at: Size, material: Material, edge_m = EDGE_M): Mesh {
     return put(new Mesh(new RoundedBoxGeometry(x, y, z, this.quality === 'high' ? 4 : 2, Math.min(edge_m, 0.45 * Math.min(x, y, z))), material), at);
   }
@@ -73,8 +78,8 @@ function put<M extends Mesh>(mesh: M, [x, y, z]: Size): M {
 export const colorOf = (body: BodyT): string => String(body.color ?? '') || '#c99a66';
 const sizeOf = ({ halfExtentsM: h }: ShapeT): Size => [2 * (h?.x ?? 0), 2 * (h?.y ?? 0), 2 * (h?.z ?? 0)];
 
-function partOf(shape: ShapeT, body: BodyT, shop: Workshop): Mesh | undefined {
-  const wood = shop.wood(colorOf(body));
+function partOf(shape: ShapeT, body: BodyT, shop: Workshop, painted: boolean): Mesh | undefined {
+  const wood = painted ? shop.paint(colorOf(body)) : shop.wood(colorOf(body));
   if (shape.type === ShapeType.Box) return shop.board(sizeOf(shape), [0, 0, 0], Math.max(...sizeOf(shape)) <= SMALL_M ? shop.metal : wood);
   if (shape.type === ShapeType.Cylinder || shape.type === ShapeType.Capsule) {
     const long = shape.lengthM + (shape.type === ShapeType.Capsule ? 2 * shape.radiusM : 0);
@@ -83,11 +88,11 @@ function partOf(shape: ShapeT, body: BodyT, shop: Workshop): Mesh | undefined {
   return undefined;
 }
 
-/** A body by its shapes, in its own frame. */
-export function makePiece(body: BodyT, shop: Workshop): Group {
+/** A body by its shapes, in its own frame. @param painted it has no grain */
+export function makePiece(body: BodyT, shop: Workshop, painted = false): Group {
   const root = new Group();
   for (const shape of body.shapes) {
-    const mesh = partOf(shape, body, shop) ?? makeBody(new BodyT('', body.fixed, body.color, [shape]), shop.quality).children[0] as Mesh;
+    const mesh = partOf(shape, body, shop, painted) ?? makeBody(new BodyT('', body.fixed, body.color, [shape]), shop.quality).children[0] as Mesh;
     const p = shape.inBody?.positionM, q = shape.inBody?.orientationXyzw;
     if (p) mesh.position.set(p.x, p.y, p.z);
     if (q) mesh.quaternion.set(q.x, q.y, q.z, q.w);

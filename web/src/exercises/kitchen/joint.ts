@@ -15,6 +15,12 @@ export function placedOf(pose: PoseT | undefined): Placed | undefined {
 /** A point of the body in the world. */
 export const pointOf = ({ at, turn }: Placed, { x, y, z }: Position): Vector3 => new Vector3(x, y, z).applyQuaternion(turn).add(at);
 
+/** How far a point of the body is from the hinge's axis [m]; 1 where it slides, so that it is the way of the point for a unit of q. */
+export function armOf(now: Placed, { type, axis, point_m }: Joint, point: Position): number {
+  if (type === 'slide') return 1;
+  return pointOf(now, point).sub(new Vector3(...point_m)).cross(new Vector3(...axis).normalize()).length();
+}
+
 /** The body after its joint went on by `dq` [m or rad]. */
 export function moved({ at, turn }: Placed, { type, axis, point_m }: Joint, dq: number): Placed {
   const along = new Vector3(...axis).normalize();

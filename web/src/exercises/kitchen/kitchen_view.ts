@@ -11,8 +11,8 @@ import { ExerciseValues } from '../values';
 import { Cues, makeGhost } from './cues';
 import { colorOf, frontOf, makeContents, makePiece, Workshop, type Size } from './furniture';
 import { moved, placedOf, pointOf, type Placed } from './joint';
-import { kitchen, makeInside, makeRow, makeThings, makeWorktop, type Extent } from './room';
-import { handleOf, jointOf, usedBodies, type KitchenTask } from './task';
+import { kitchen, makeBase, makeInside, makeRow, makeThings, makeWall, makeWorktop, wallBehind, type Extent } from './room';
+import { askedOf, handleOf, hasBar, jointOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
 
 /** A fixed body is a worktop if it is this flat; the widest is. */
 const FLAT = 0.25;
@@ -20,6 +20,11 @@ const FLAT = 0.25;
 const BEFORE_M = 0.25;
 const SLAB_M = 0.03;
 const BEECH = '#d9b98c';
+/** A fixed upright board at least so wide and tall is the wall [m]; what stands before it leaves so much room to each side. */
+const WALL_M = 0.35;
+const FREE_M = 0.22;
+/** Of fronts that no task uses. */
+const SAGE = '#8fb0a0';
 /** The picture looks at what is so far under the worktop of something built in [m]. */
 const LOOK_UNDER_M = 0.24;
 /** Beyond a handle's ends there is room for its cue [m]. */
@@ -45,15 +50,15 @@ export class KitchenView implements ExerciseView {
     this.names = new Set(scene.bodies.map(({ name }) => String(name)));
     this.program.matrixAutoUpdate = false;
     this.program.matrix.copy(programFrame());
-    const ghosts = new Map<number, Group>();
+    const ghosts = new Map<number, Group>(), used = usedBodies(task);
     scene.bodies.forEach((body, i) => {
-      const piece = makePiece(body, this.shop);
+      const piece = makePiece(body, this.shop, used.includes(i) && !hasBar(body));
       this.pieces.set(i, piece);
       this.program.add(piece);
     });
-    for (const body of usedBodies(task)) {
+    for (const body of used) {
       const piece = this.pieces.get(body)!, ghost = makeGhost(piece, scene.bodies[body]!, frontOf(scene.bodies[body]!));
-      piece.add(makeContents(scene.bodies[body]!, this.shop));
+      if (hasBar(scene.bodies[body]!)) piece.add(makeContents(scene.bodies[body]!, this.shop));
       ghosts.set(body, ghost);
       this.program.add(ghost);
     }
@@ -81,7 +86,11 @@ export class KitchenView implements ExerciseView {
     const { task, values } = this, step = task.steps[values.get(state, 'instruction')], now = step && placedOf(state.bodies[step.body]);
     const handle = step && handleOf(this.scene.bodies[step.body]!);
     this.target = now && handle && toThree(pointOf(now, handle.at_m));
-    this.cues.update(step && now && handle && { step, now, handle, joint: jointOf(task, step.body), q: values.get(state, 'joint_q'), held_s: values.get(state, 'held_s') }, eye);
+    const body = step && this.scene.bodies[step.body];
+    this.cues.update(step && body && now && handle && {
+      step, now, handle, barred: hasBar(body), point: pointMet(task, body, step.body, metAt(task, values.get(state, 'instruction'))),
+      joint: jointOf(task, step.body), q: values.get(state, 'joint_q'), held_s: values.get(state, 'held_s'), force: values.get(state, 'handle_n') / askedOf(step, this.scene, state),
+    }, eye);
   }
 
   yieldTo(): void { /* Nothing here is soft. */ }
@@ -114,15 +123,22 @@ export class KitchenView implements ExerciseView {
     const fixed = [...this.pieces].flatMap(([i, piece]) => (scene.bodies[i]!.fixed ? [{ i, piece, ...extentOf(placedOf(state.bodies[i]), scene.bodies[i]!.shapes) }] : []));
     const wide = ({ low, high }: Extent): number => (high[0] - low[0]) * (high[1] - low[1]);
     const slab = fixed.filter(({ low, high }) => high[2] - low[2] < FLAT * Math.min(high[0] - low[0], high[1] - low[1])).sort((a, b) => wide(b) - wide(a))[0];
-    const around = fixed.filter((one) => one !== slab), front = this.shutFront(state);
+    const wall = fixed.find(({ low, high }) => high[0] - low[0] < FLAT * WALL_M && high[1] - low[1] >= WALL_M && high[2] - low[2] >= WALL_M);
+    const around = fixed.filter((one) => one !== slab && one !== wall), front = this.shutFront(state), wall_x = wall ? wall.low[0] : wallBehind(row_x);
     const top_z = slab ? slab.high[2] : Math.max(DEFAULT_PLACE.counter_y, Math.min(0, ...around.map(({ low }) => low[2])));
     const place = { right: scene.rightHand, counter_y: top_z, row_z: -row_x };
     // The slab goes on along the wall.
     slab?.piece.clear();
-    program.add(makeWorktop(slab ? slab.low[0] : row_x - BEFORE_M, top_z, slab ? slab.high[2] - slab.low[2] : SLAB_M, row_x, slab ? colorOf(scene.bodies[slab.i]!) : BEECH, shop));
-    program.add(makeThings(row_x, top_z, scene.rightHand ? 1 : -1, shop));
+    wall?.piece.clear();
+    if (wall) program.add(makeWall(wall_x, shop));
+    const near_x = slab ? slab.low[0] : row_x - BEFORE_M, thick_m = slab ? slab.high[2] - slab.low[2] : SLAB_M;
+    program.add(makeWorktop(near_x, top_z, thick_m, wall_x, slab ? colorOf(scene.bodies[slab.i]!) : BEECH, shop));
+    program.add(makeThings(wall_x, top_z, scene.rightHand ? 1 : -1, wall ? FREE_M : 0, shop));
     if (front?.turns) program.add(makeInside(front, unionOf([front, ...around]), shop));
-    if (!slab || !front || front.high[2] > slab.high[2]) return place;
+    if (!slab || !front || front.high[2] > slab.high[2]) {
+      program.add(makeBase({ low: [near_x, 0, top_z - thick_m], high: [wall_x, 0, top_z] }, front?.color ?? SAGE, shop));
+      return place;
+    }
     program.add(makeRow(front, unionOf([front, ...around]), slab, front.color, shop));
     return { ...place, counter_y: top_z - LOOK_UNDER_M };
   }
@@ -131,8 +147,8 @@ export class KitchenView implements ExerciseView {
   private shutFront(state: WorldStateT): Extent & { readonly color: string; readonly turns: boolean } | undefined {
     const { scene, task } = this, now = task.steps[Math.min(this.values.get(state, 'instruction'), task.steps.length - 1)]!;
     for (const { body, joint } of task.things) {
-      const front = joint && frontOf(scene.bodies[body]!), placed = placedOf(state.bodies[body]);
-      if (!front || !placed) continue;
+      const front = joint && hasBar(scene.bodies[body]!) ? frontOf(scene.bodies[body]!) : undefined, placed = placedOf(state.bodies[body]);
+      if (!joint || !front || !placed) continue;
       // Of other bodies than the present step's no coordinate is told: they are where they begin.
       const shut = now.body === body ? moved(placed, joint, -this.values.get(state, 'joint_q')) : placed;
       return { ...extentOf(shut, [front]), color: colorOf(scene.bodies[body]!), turns: joint.type === 'hinge' };

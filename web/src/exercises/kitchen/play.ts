@@ -1,12 +1,13 @@
 // A task of the kitchen in the game: its steps as a card, what to do now, praise. The words of the task are its panel's.
 import type { SceneT, WorldStateT } from '../../protocol';
-import type { Bells, Chime, ExerciseWords, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep } from '../exercise';
+import type { Bells, Chime, ExerciseWords, FlowSound, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep } from '../exercise';
 import { labelOf, type ExercisePanel } from '../panel';
 import { PanelPlay } from '../panel_play';
 import { ExerciseValues } from '../values';
 import { text } from './i18n';
 import { stepPicture, verbDisc } from './pictures';
-import { jointOf, type KitchenStep, type KitchenTask, type Verb } from './task';
+import { armOf, placedOf } from './joint';
+import { askedOf, jointOf, metAt, pointMet, type KitchenStep, type KitchenTask, type Verb } from './task';
 
 /** Scores from which on a done task has two stars, and three. */
 const TWO_STARS = 70;
@@ -15,6 +16,13 @@ const THREE_STARS = 90;
 const MOST_ROWS = 3;
 const STEP: Bells = { tones_hz: [523, 784], apart_s: 0.14 };
 const ALL: Bells = { tones_hz: [392, 523, 659, 784, 1047], apart_s: 0.17 };
+
+/** Slower than this nothing is heard, so fast it is loud; it knocks at its end, this near, when it came so fast [m/s, m]. */
+const STILL_M_S = 0.006;
+const FAST_M_S = 0.15;
+const KNOCKS_M_S = 0.02;
+const END_M = 0.004;
+const KNOCK: Bells = { tones_hz: [196, 147], apart_s: 0.03 };
 
 const PHASES: Readonly<Record<Verb, Phase>> = { reach: 'reach', take: 'squeeze', move: 'hold', hold: 'hold', press: 'hold', put: 'hold', let_go: 'letgo' };
 
@@ -34,6 +42,9 @@ export class KitchenPlay implements Play {
   private wasDone = true;
   private step = -1;
   private from = 0;   // of the present step's joint, when it began
+  private last: { readonly q: number; readonly time_s: number } | undefined;
+  private speed_m_s = 0;   // of what is moved, where it is met
+  private knocks = false;
 
   constructor(private readonly task: KitchenTask, private readonly shown: ExercisePanel, private readonly scene: SceneT) {
     this.values = new ExerciseValues(scene.valueNames);
@@ -50,6 +61,7 @@ export class KitchenPlay implements Play {
     const done = this.shown.done(state), begins = this.wasDone && !done, step = this.values.get(state, 'instruction');
     if (step !== this.step) this.from = this.values.get(state, 'joint_q');
     this.step = step;
+    this.listen(state);
     this.wasDone = done;
     return begins;
   }
@@ -63,7 +75,7 @@ export class KitchenPlay implements Play {
 
   prompt(state: WorldStateT): Prompt {
     const step = this.now(state);
-    return { title: this.plain.prompt(state).title, more: step ? text(`more.${step.verb}`) : '', urgent: step?.to !== undefined };
+    return { title: this.plain.prompt(state).title, more: step ? text(this.leaves(step) ? 'more.leave' : `more.${step.verb}`) : '', urgent: step?.to !== undefined };
   }
 
   donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: text('done.effort') }; }
@@ -81,6 +93,10 @@ export class KitchenPlay implements Play {
   meter(state: WorldStateT): Meter | null {
     const { values } = this, low = values.get(state, 'goal_low'), high = values.get(state, 'goal_high'), step = this.now(state);
     const joint = step && jointOf(this.task, step.body);
+    if (step?.verb === 'press') {
+      const share = values.get(state, 'handle_n') / Math.max(askedOf(step, this.scene, state), 1e-6);
+      return { shown: true, value: Math.min(1, share / 2), low: 0.5, high: 1, zone: share >= 1 ? 'right' : 'low', label: labelOf(this.scene, 'handle_n') || text('verb.press') };
+    }
     if (!joint || step.to === undefined || high <= low) return null;
     const least = joint.least ?? Math.min(0, low), most = joint.most ?? 1.25 * Math.max(high, ...this.task.steps.map(({ to }) => to ?? 0));
     const share = (q: number): number => Math.max(0, Math.min(1, (q - least) / (most - least)));
@@ -107,8 +123,35 @@ export class KitchenPlay implements Play {
     return { ...this.plain.praise(state), effort: text('done.effort'), stars: score >= THREE_STARS ? 3 : score >= TWO_STARS ? 2 : 1 };
   }
 
-  /** What moves is heard: wood on wood. */
-  flow(): { rate: number; level: number } { return { rate: 0, level: 0 }; }
+  /** What moves is heard: wood on wood, higher the faster. */
+  flow(): { rate: number; level: number; sound: FlowSound } {
+    const rate = this.speed_m_s < STILL_M_S ? 0 : Math.min(1, this.speed_m_s / FAST_M_S);
+    return { rate, level: rate, sound: 'slide' };
+  }
+
+  /** A knock where it meets its end. */
+  heard(): Chime | undefined {
+    const knocks = this.knocks;
+    this.knocks = false;
+    return knocks ? KNOCK : undefined;
+  }
+
+  private listen(state: WorldStateT): void {
+    const { task, values, last } = this, step = this.now(state), joint = step && jointOf(task, step.body), now = step && placedOf(state.bodies[step.body]);
+    const q = values.get(state, 'joint_q'), dt_s = state.timeS - (last?.time_s ?? Infinity), was_m_s = this.speed_m_s;
+    this.last = { q, time_s: state.timeS };
+    if (!joint || !now || !last || !(dt_s > 0)) {
+      if (dt_s !== 0) this.speed_m_s = 0;
+      return;
+    }
+    const arm = armOf(now, joint, pointMet(task, this.scene.bodies[step.body]!, step.body, metAt(task, this.step)));
+    this.speed_m_s = Math.abs(q - last.q) * arm / dt_s;
+    const left = Math.min(q - (joint.least ?? -Infinity), (joint.most ?? Infinity) - q) * arm;
+    this.knocks ||= left < END_M && was_m_s > KNOCKS_M_S && this.speed_m_s < was_m_s / 2;
+  }
+
+  /** Nothing is held that is let go of. */
+  private leaves({ verb }: KitchenStep): boolean { return verb === 'let_go' && metAt(this.task, this.step)?.means === 'push'; }
 
   private now(state: WorldStateT): KitchenStep | undefined { return this.task.steps[this.values.get(state, 'instruction')]; }
 

@@ -1,5 +1,5 @@
 // The kitchen around: a tiled wall, a worktop of beech, the row of fronts in which a task's cabinet stands, things on the worktop.
-import { Color, Group, LatheGeometry, Mesh, PlaneGeometry, RepeatWrapping, SphereGeometry, Vector2, type BufferGeometry, type Material, type Texture } from 'three';
+import { Color, Group, LatheGeometry, Matrix4, Mesh, PlaneGeometry, RepeatWrapping, SphereGeometry, Vector2, Vector3, type BufferGeometry, type Material, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import { turnOf } from '../../scene/camera';
 import type { Quality } from '../../scene/quality';
@@ -13,6 +13,10 @@ const TILE = { wide_m: 0.15, tall_m: 0.075, across: 6, down: 8 } as const;
 const GAP_M = 0.005;
 const NEIGHBOUR_M = 0.42;
 const PLINTH_M = 0.05;
+/** Of fronts under a worktop on which everything stands: how far it hangs over, how tall they are [m], how many there are to each side. */
+const OVERHANG_M = 0.02;
+const BASE_M = 0.3;
+const BASE_FRONTS = 4;
 /** A shelf begins so far behind a door [m]. */
 const INSIDE_M = 0.02;
 
@@ -89,9 +93,20 @@ export const kitchen = (right: boolean): Setting => ({
   counter: undefined,
 });
 
-/** A slab along the whole wall, the program's frame. @param row_x where the stage stands */
-export function makeWorktop(near_x: number, top_z: number, thick_m: number, row_x: number, color: string, shop: Workshop): Mesh {
-  const far_x = row_x - WALL_Z, map = beech(), deep = far_x - near_x, mesh = shop.board([deep, WALL.width_m, thick_m], [(near_x + far_x) / 2, 0, top_z - thick_m / 2], surface(shop.quality, { map, color: new Color(color), roughness: 0.42, clearcoat: 0.35, clearcoatRoughness: 0.35 }), 0.006);
+/** Where the stage's wall is along x, in the program's frame. @param row_x where the stage stands */
+export const wallBehind = (row_x: number): number => row_x - WALL_Z;
+
+/** A wall of tiles in the program's frame, nearer than the stage's. */
+export function makeWall(x: number, shop: Workshop): Mesh {
+  const mesh = tiles(shop.quality);
+  mesh.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(new Vector3(0, -1, 0), new Vector3(0, 0, 1), new Vector3(-1, 0, 0)));
+  mesh.position.set(x, 0, 0);
+  return mesh;
+}
+
+/** A slab along the whole wall, the program's frame. */
+export function makeWorktop(near_x: number, top_z: number, thick_m: number, far_x: number, color: string, shop: Workshop): Mesh {
+  const map = beech(), deep = far_x - near_x, mesh = shop.board([deep, WALL.width_m, thick_m], [(near_x + far_x) / 2, 0, top_z - thick_m / 2], surface(shop.quality, { map, color: new Color(color), roughness: 0.42, clearcoat: 0.35, clearcoatRoughness: 0.35 }), 0.006);
   // Laid by its metres, staves along y.
   const { position, uv } = mesh.geometry.attributes;
   for (let i = 0; i < uv!.count; i++) uv!.setXY(i, position!.getY(i) / 1.1, (position!.getX(i) + position!.getZ(i)) / 0.5);
@@ -105,11 +120,11 @@ function vase(shop: Workshop, outline: readonly (readonly [number, number])[], c
   return mesh;
 }
 
-/** Things that stand at the back of the worktop: jars, a board, a bowl of fruit, herbs. */
-export function makeThings(row_x: number, z: number, side: number, shop: Workshop): Group {
-  const root = new Group(), x = row_x - WALL_Z - 0.1;
+/** Things that stand at the back of the worktop: jars, a board, a bowl of fruit, herbs. @param free_m of the worktop's middle stays free */
+export function makeThings(wall_x: number, z: number, side: number, free_m: number, shop: Workshop): Group {
+  const root = new Group(), x = wall_x - 0.1;
   const stand = (mesh: Mesh, y: number, dx = 0, up = 0): void => {
-    mesh.position.set(x + dx, side * y, z + up);
+    mesh.position.set(x + dx, side * (y + Math.sign(y) * free_m), z + up);
     root.add(mesh);
   };
   for (const [y, tall, color] of [[0.36, 0.15, '#4f8f95'], [0.25, 0.115, '#e8dcc4'], [0.155, 0.085, '#d08a4a']] as const) {
@@ -173,5 +188,22 @@ export function makeRow(front: Extent, around: Extent, worktop: Extent, color: s
   }
   fill([front.high[0] + 0.3, around.low[1], around.low[2] - 0.5], [front.high[0] + 0.31, around.high[1], under_z], shade, 0.001);
   fill([near_x + PLINTH_M, -WALL.width_m / 2, around.low[2] - 0.6], [near_x + PLINTH_M + 0.02, WALL.width_m / 2, around.low[2] - GAP_M], shade, 0.001);
+  return root;
+}
+
+/** Fronts under a worktop on which everything stands: the shade behind them, a bar on each, a plinth. */
+export function makeBase({ low, high }: Extent, color: string, shop: Workshop): Group {
+  const root = new Group(), wood = shop.wood(color), near_x = low[0] + OVERHANG_M, top_z = low[2] - GAP_M, low_z = top_z - BASE_M;
+  const board = (from: Size, to: Size, material: Material, edge_m: number): void => { root.add(boardIn({ low: from, high: to }, material, edge_m, shop)); };
+  for (let i = -BASE_FRONTS; i < BASE_FRONTS; i++) {
+    const y0 = i * NEIGHBOUR_M + GAP_M / 2, bar = shop.bar(0.006, 0.14, shop.metal);
+    board([near_x, y0, low_z], [near_x + 0.018, y0 + NEIGHBOUR_M - GAP_M, top_z], wood, 0.005);
+    bar.rotation.x = Math.PI / 2;
+    bar.position.set(near_x - 0.024, y0 + NEIGHBOUR_M / 2, top_z - 0.05);
+    root.add(bar);
+  }
+  const half_m = BASE_FRONTS * NEIGHBOUR_M;
+  board([near_x + 0.022, -half_m, low_z], [Math.min(high[0], near_x + 0.04), half_m, low[2]], shadeOf(shop), 0.001);
+  board([near_x + PLINTH_M, -half_m, low_z - 0.3], [near_x + PLINTH_M + 0.02, half_m, low_z - GAP_M], shadeOf(shop), 0.001);
   return root;
 }

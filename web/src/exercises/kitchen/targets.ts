@@ -1,18 +1,22 @@
 import type { SceneT } from '../../protocol';
 import type { GraspTargets, Position } from '../exercise';
 import { ExerciseValues } from '../values';
-import { moved, placedOf, pointOf } from './joint';
-import { handleOf, jointOf, usedBodies, type KitchenTask } from './task';
+import { armOf, moved, placedOf, pointOf } from './joint';
+import { askedOf, jointOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
 
+/** What is pressed is pressed with so much of the force that is asked for. */
+const FIRMLY = { low: 1.1, high: 2.2 } as const;
 /** Between these a handle is held well [N]. */
 const HELD = { low_n: 2, high_n: 6 } as const;
-/** On a hinge the hand is led along the arc, so far ahead at most [rad]. */
-const AHEAD_RAD = 0.15;
+/** On a hinge the hand is led along the arc, so far ahead at most [rad, m]. */
+const AHEAD_RAD = 0.5;
+const AHEAD_M = 0.02;
 
 /** The handles of the bodies that the steps use. */
 export function kitchenTargets(task: KitchenTask, scene: SceneT): GraspTargets {
   const values = new ExerciseValues(scene.valueNames), bodies = usedBodies(task);
-  const grips = bodies.map((body) => ({ body, at_m: handleOf(scene.bodies[body]!).at_m }));
+  const grips = bodies.map((body) => ({ body, at_m: pointMet(task, scene.bodies[body]!, body, undefined) }));
+  const stepAt = (state: Parameters<GraspTargets['wanted']>[0]) => task.steps[Math.min(values.get(state, 'instruction'), task.steps.length - 1)];
   const stepOf = (state: Parameters<GraspTargets['wanted']>[0]) => task.steps[values.get(state, 'instruction')];
   return {
     grips, counter_z_m: undefined, onJoint: true,
@@ -21,14 +25,24 @@ export function kitchenTargets(task: KitchenTask, scene: SceneT): GraspTargets {
       const step = stepOf(state);
       return step === undefined || step.verb === 'let_go';
     },
-    zone: () => HELD,
+    zone(state) {
+      const step = stepOf(state), asked_n = step?.verb === 'press' ? askedOf(step, scene, state) : 0;
+      return asked_n > 0 ? { low_n: FIRMLY.low * asked_n, high_n: FIRMLY.high * asked_n } : HELD;
+    },
+    met(state, grip) {
+      const met = metAt(task, values.get(state, 'instruction')), body = bodies[grip];
+      if (!met || body === undefined || met.means === 'grasp' || stepAt(state)?.body !== body) return undefined;
+      const triple = ([x, y, z]: readonly [number, number, number]): Position => ({ x, y, z });
+      return { at_m: pointMet(task, scene.bodies[body]!, body, met), base_m: triple(met.base_m), pushes: met.means === 'push' ? triple(met.toward) : undefined };
+    },
+    goesOn: (state) => values.get(state, 'instruction') < task.steps.length - 1,
     /** The way of the handle to where its joint is to be. */
     awayFromUse(state, grip): Position | undefined {
       const step = stepOf(state), body = bodies[grip], joint = body === undefined ? undefined : jointOf(task, body);
       const now = body === undefined ? undefined : placedOf(state.bodies[body]);
       if (!step || !joint || !now || step.body !== body || step.to === undefined) return undefined;
-      const left = step.to - values.get(state, 'joint_q'), ahead = joint.type === 'hinge' ? Math.max(-AHEAD_RAD, Math.min(AHEAD_RAD, left)) : left;
-      const { at_m } = grips[grip]!;
+      const { at_m } = this.met?.(state, grip) ?? grips[grip]!, far = joint.type === 'hinge' ? Math.min(AHEAD_RAD, AHEAD_M / Math.max(armOf(now, joint, at_m), 1e-3)) : Infinity;
+      const left = step.to - values.get(state, 'joint_q'), ahead = Math.max(-far, Math.min(far, left));
       return pointOf(moved(now, joint, ahead), at_m).sub(pointOf(now, at_m));
     },
   };

@@ -1,5 +1,5 @@
 // A task of the kitchen as data: what its TOML file says, as the scene message tells it. Pure.
-import type { BodyT, PoseT, SceneT } from '../../protocol';
+import type { BodyT, PoseT, SceneT, ShapeT, WorldStateT } from '../../protocol';
 import { ShapeType } from '../../protocol';
 import type { Position } from '../exercise';
 
@@ -13,9 +13,26 @@ export interface KitchenStep {
   /** Where its joint is to be [m or rad]. */
   readonly to?: number;
   readonly for_s?: number;
+  /** That is asked for [N], before the live parameter force_ratio. */
+  readonly force_n?: number;
+  /** Where its centre is to be: an upright box of the world. */
+  readonly center_m?: Triple;
+  readonly half_size_m?: Triple;
+  readonly met?: Met;
 }
 
 type Triple = readonly [number, number, number];
+
+/** What the hand does to the body of a step: closes around it, pushes it with straight fingers, or closes so that it comes towards the palm. */
+export interface Met {
+  readonly means: 'grasp' | 'push' | 'squeeze';
+  /** Of a push, in the world. */
+  readonly toward: Triple;
+  /** From the grip to the point that is met, body's frame. */
+  readonly side_m: Triple;
+  /** Device coordinates of the hand, less the point that is met. */
+  readonly base_m: Triple;
+}
 
 /** A body slides along an axis, or turns about it. Axis and point: world, at the start. */
 export interface Joint {
@@ -26,7 +43,7 @@ export interface Joint {
   readonly most: number | null;
 }
 
-export interface Thing { readonly body: number; readonly joint?: Joint }
+export interface Thing { readonly body: number; readonly joint?: Joint; readonly grip_m?: Triple }
 
 export interface KitchenTask { readonly steps: readonly KitchenStep[]; readonly things: readonly Thing[] }
 
@@ -49,6 +66,27 @@ function parsed(json: string): ({ kind?: unknown } & Partial<KitchenTask>) | nul
 /** The joint of a body; undefined: it moves freely, or not at all. */
 export const jointOf = (task: KitchenTask, body: number): Joint | undefined => task.things.find((thing) => thing.body === body)?.joint;
 
+/** The force that a step asks for now [N]. */
+export function askedOf({ force_n = 0 }: KitchenStep, { parameters }: Pick<SceneT, 'parameters'>, { parameters: now }: Pick<WorldStateT, 'parameters'>): number {
+  const ratio = now?.[parameters?.findIndex(({ name }) => String(name) === 'force_ratio') ?? -1] ?? 1;
+  return force_n * ratio;
+}
+
+/** How the body of a step is met; where it is let go of, as it was met before. */
+export function metAt({ steps }: KitchenTask, now: number): Met | undefined {
+  let i = Math.min(now, steps.length - 1);
+  while (i > 0 && steps[i]!.verb === 'let_go') i -= 1;
+  return steps[i]?.met;
+}
+
+/** Where a body is taken or pushed, its own frame. */
+export function pointMet(task: KitchenTask, body: BodyT, index: number, met: Met | undefined): Position {
+  const grip_m = task.things.find((thing) => thing.body === index)?.grip_m, [dx, dy, dz] = met?.side_m ?? [0, 0, 0];
+  if (!grip_m) return handleOf(body).at_m;
+  const [x, y, z] = grip_m;
+  return { x: x + dx, y: y + dy, z: z + dz };
+}
+
 /** The bodies that are used, in the order in which the task asks for them. */
 export const usedBodies = (task: KitchenTask): readonly number[] => [...new Set(task.steps.map(({ body }) => body))];
 
@@ -59,9 +97,14 @@ export interface Handle {
   readonly length_m: number;
 }
 
+const barsOf = ({ shapes }: Pick<BodyT, 'shapes'>): ShapeT[] => shapes.filter(({ type }) => type === ShapeType.Cylinder || type === ShapeType.Capsule);
+
+/** Whether it has something to close a hand around. */
+export const hasBar = (body: Pick<BodyT, 'shapes'>): boolean => barsOf(body).length > 0;
+
 /** What of a body is taken: its longest bar; of one without a bar its middle. */
-export function handleOf({ shapes }: Pick<BodyT, 'shapes'>): Handle {
-  const bars = shapes.filter(({ type }) => type === ShapeType.Cylinder || type === ShapeType.Capsule);
+export function handleOf(body: Pick<BodyT, 'shapes'>): Handle {
+  const bars = barsOf(body);
   const bar = bars.reduce<(typeof bars)[number] | undefined>((best, one) => (best && best.lengthM >= one.lengthM ? best : one), undefined);
   const at = bar?.inBody?.positionM ?? { x: 0, y: 0, z: 0 };
   return { at_m: { x: at.x, y: at.y, z: at.z }, turn: bar?.inBody?.orientationXyzw ?? null, radius_m: bar?.radiusM ?? 0.02, length_m: bar?.lengthM ?? 0.04 };

@@ -1,0 +1,61 @@
+import type { Triple } from './wish';
+
+/** How fast the hand goes to what it pushes, and pushes [m/s]; how soon it slows down [1/s]. */
+const GOES_M_S = 0.16;
+const PUSHES_M_S = 0.05;
+const SLOWS_PER_S = 3;
+/** So far before the point straight fingers are clear of the thing [m]. */
+const CLEAR_M = 0.05;
+/** There, to within this [m]. */
+const THERE_M = 0.008;
+
+export interface Pushed {
+  /** Where the hand is and is aimed, and where its fingertips would be at the point [m, device coordinates]. */
+  readonly hand: Triple;
+  readonly aim: Triple;
+  readonly grip: Triple;
+  /** x of the hand drawn back. */
+  readonly back_m: number;
+  /** Unit vector along which the fingers meet it. */
+  readonly toward: Triple;
+  /** From the point to where it is to be [m]; undefined: it is pushed on. */
+  readonly away: Triple | undefined;
+}
+
+type Phase = 'align' | 'enter' | 'push';
+
+const minus = (a: Triple, b: Triple): Triple => ({ x: a.x - b.x, y: a.y - b.y, z: a.z - b.z });
+const times = (a: Triple, by: number): Triple => ({ x: by * a.x, y: by * a.y, z: by * a.z });
+const plus = (a: Triple, b: Triple): Triple => minus(a, times(b, -1));
+const dot = (a: Triple, b: Triple): number => a.x * b.x + a.y * b.y + a.z * b.z;
+const length = (a: Triple): number => Math.sqrt(dot(a, a));
+
+/** Pushes a thing with straight fingers: aside of it drawn back, clear before it, and on until it is where it is to be. */
+export class Push {
+  private phase: Phase = 'align';
+
+  /** Velocity of the arm [m/s]. */
+  step(seen: Pushed): Triple {
+    const { hand, aim, grip, back_m, toward, away } = seen;
+    const clear = minus(grip, times(toward, CLEAR_M));
+    if (this.phase === 'align') {
+      const goal = { ...clear, x: Math.min(clear.x, back_m) };
+      if (length(minus(goal, hand)) > THERE_M) return to(goal, aim);
+      this.phase = 'enter';
+    }
+    if (this.phase === 'enter') {
+      if (length(minus(clear, hand)) > THERE_M) return to(clear, aim);
+      this.phase = 'push';
+    }
+    const off = minus(grip, aim), left_m = dot(off, toward);
+    if (left_m > 0) return plus(times(toward, PUSHES_M_S), times(minus(off, times(toward, left_m)), SLOWS_PER_S));
+    // Friction and the softness of the arm hold the thing back: the aim goes on until it is there.
+    const way = away ?? times(toward, 1), far_m = length(way);
+    return times(way, Math.min(SLOWS_PER_S, PUSHES_M_S / Math.max(far_m, 1e-6)));
+  }
+}
+
+function to(goal: Triple, aim: Triple): Triple {
+  const way = minus(goal, aim);
+  return times(way, Math.min(2 * SLOWS_PER_S, GOES_M_S / Math.max(length(way), 1e-6)));
+}
