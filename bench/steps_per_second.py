@@ -55,6 +55,11 @@ def rigs_hz(rigs, first, rounds):
     return len(rigs) * TICKS / best_s
 
 
+def rounded(hz):
+    """To three digits."""
+    return f"{float(f'{hz:.3g}'):,.0f}"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=SOURCE / "build/release")
@@ -70,7 +75,7 @@ def main():
         print(f"figure: {what}: ticks with contact = {100 * share:.0f} %")
         for threads in (1, 2):
             hz = rigs_hz(VectorRig(RIGS, threads=threads), first, options.rounds)
-            print(f"figure: {what}: rigs in Python, {threads} thread{'s' * (threads > 1)} = {hz:.3g} ticks/s")
+            print(f"figure: {what}: rigs in Python, {threads} thread{'s' * (threads > 1)} = {rounded(hz)} ticks/s")
         program = options.build / "mujoco_steps"
         if not program.exists():
             print(f"{what}: MuJoCo alone is not measured: {program} is a part of the lab (./start --lab)")
@@ -80,7 +85,7 @@ def main():
             for threads in (1, 2):
                 said = subprocess.run([program, SOURCE / "config", file.name, str(threads), str(options.rounds)], check=True,
                                       capture_output=True, text=True).stdout.split()
-                print(f"figure: {what}: MuJoCo alone, {threads} thread{'s' * (threads > 1)} = {float(said[0]):.3g} ticks/s")
+                print(f"figure: {what}: MuJoCo alone, {threads} thread{'s' * (threads > 1)} = {rounded(float(said[0]))} ticks/s")
             print(f"figure: {what}: MuJoCo's ticks with contact = {100 * float(said[1]):.0f} %")
 
 
