@@ -20,8 +20,7 @@ struct PoolEnergy {
 
 /// Energy of the bodies of a world, computed from their states, whatever the engine:
 ///   held      K = Σ ½ m v² + ½ ω·I ω of the bodies that move, and what springs and latches of
-///   their
-///             joints store: a person who stretched a spring may have it back
+///             their joints store: a person who stretched a spring may have it back
 ///   received  W = Σ m g·½(v⁻ + v) T, what placements add to K, and f·v T of fixed bodies that an
 ///             exercise moves against the hand
 ///   gained    ΔK − W − work of the hand, −Σ f·½(u⁻ + u) T at its contacts. Contacts and friction
