@@ -284,20 +284,20 @@ struct BodyRows::Laid {
 void BodyRows::lay(Group& group) {
   FourVectors linear_a, angular_a, linear_b, angular_b, arm_a, arm_b;
   std::array<FourVectors, 3> mobility_a, mobility_b;
-  const auto gatherStates = [](FourVectors& to, const std::array<const State*, kWide>& from,
-                               auto part) {
+  const auto gather_states = [](FourVectors& to, const std::array<const State*, kWide>& from,
+                                auto part) {
     gather(to, part(*from[0]), part(*from[1]), part(*from[2]), part(*from[3]));
   };
   const auto linear_of = [](const State& state) { return state.linear.data(); };
   const auto angular_of = [](const State& state) { return state.angular.data(); };
-  gatherStates(linear_a, group.before_a, linear_of),
-      gatherStates(linear_b, group.before_b, linear_of);
-  gatherStates(angular_a, group.before_a, angular_of);
-  gatherStates(angular_b, group.before_b, angular_of);
+  gather_states(linear_a, group.before_a, linear_of),
+      gather_states(linear_b, group.before_b, linear_of);
+  gather_states(angular_a, group.before_a, angular_of);
+  gather_states(angular_b, group.before_b, angular_of);
   for (int r = 0; r < 3; ++r) {
     const auto row_of = [r](const State& state) { return state.mobility[r].data(); };
-    gatherStates(mobility_a[r], group.before_a, row_of);
-    gatherStates(mobility_b[r], group.before_b, row_of);
+    gather_states(mobility_a[r], group.before_a, row_of);
+    gather_states(mobility_b[r], group.before_b, row_of);
   }
   loadVectors(arm_a, group.arm_a), loadVectors(arm_b, group.arm_b);
   FourNumbers inverse_mass_a, inverse_mass_b, goal;
