@@ -283,7 +283,9 @@ describe('titles of recordings', () => {
   it('of an exercise are put in words, all others as they are', () => {
     expect(titleWords('cocktail-bar, level 1 of 4', 'f.h5')).toBe('Cocktail bar, Level 1');
     expect(titleWords('squeeze-to-level, level 2', 'f.h5')).toBe('Squeeze to a level, Level 2');
-    for (const own of ['my-exercise, level 1', 'محمد علي', '<b>x</b>', 'x'.repeat(10_000)]) expect(titleWords(own, 'f.h5')).toBe(own);
+    expect(titleWords('my-exercise, level 1', 'f.h5')).toBe('My exercise, Level 1');
+    expect(titleWords('my-exercise, level 2 of 3', 'f.h5', 'Ma tâche')).toBe('Ma tâche, Level 2');
+    for (const own of ['محمد علي', '<b>x</b>', 'x'.repeat(10_000)]) expect(titleWords(own, 'f.h5')).toBe(own);
     expect(titleWords('', 'f.h5')).toBe('f.h5');
   });
 });

@@ -1,4 +1,5 @@
 import { infoOf, type ExerciseInfo } from '../exercises/info';
+import { ExercisePanel } from '../exercises/panel';
 import { Act, RunState, Steering } from '../protocol';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
 import { FreshButtons } from '../shared/fresh_buttons';
@@ -100,7 +101,7 @@ export class Header implements Panel {
       ...(model.recorded === undefined ? [] : [model.recorded ? t.recordings.on : t.recordings.off])].join(', '));
     setAttribute(this.who.element, 'title', `${String(scene.deviceName ?? '')}, ${String(scene.handName ?? '')}`);
     const exercise = String(scene.exerciseName ?? '');
-    say(this.what.first, exercise === '' ? t.noExercise : exerciseWords(exercise));
+    say(this.what.first, exercise === '' ? t.noExercise : exerciseWords(exercise, 0, ExercisePanel.of(scene)?.title));
     const level = scene.levels > 0 ? fill(t.level, { n: scene.level }) : '';
     const progress = this.info.progress((name) => model.value(name));
     say(this.what.second, progress === '' ? level : `${level}, ${progress}`);

@@ -8,16 +8,15 @@ const OF_EXERCISE = /^([\w-]{1,80}), level (\d{1,4})(?: of (\d{1,4}))?$/;
 
 const knownTitle = (file: string): string | undefined => ownTitle(file) ?? texts().exercises[file];
 
-/** An exercise by the name of its file, with its level where it has one. */
-export function exerciseWords(file: string, level = 0): string {
-  return [knownTitle(file) ?? asWords(file), level > 0 ? fill(texts().level, { n: level }) : ''].filter(Boolean).join(', ');
+/** An exercise by the name of its file, with its level where it has one. @param own its panel's title, where that is at hand */
+export function exerciseWords(file: string, level = 0, own = ''): string {
+  return [knownTitle(file) ?? (own || asWords(file)), level > 0 ? fill(texts().level, { n: level }) : ''].filter(Boolean).join(', ');
 }
 
 /** The title of a recording in the language of now; one of its own as it is, and its file's name where it has none. */
-export function titleWords(title: string, file_name: string): string {
+export function titleWords(title: string, file_name: string, own = ''): string {
   const [, exercise, level] = OF_EXERCISE.exec(title) ?? [];
-  const known = exercise === undefined ? undefined : knownTitle(exercise);
-  return known ? `${known}, ${fill(texts().level, { n: level })}` : title || file_name;
+  return exercise === undefined ? title || file_name : exerciseWords(exercise, Number(level), own);
 }
 
 /** Who plays, by the code of the open profile; without one, of a simulated device the virtual patient. Empty: nothing is known. */
@@ -28,7 +27,7 @@ export function personWords(profile: string, patient: string, simulated: boolean
 }
 
 /** A recording as it is listed: the person's code, where it has one, before its title. */
-export function sessionWords({ profile = '', title = '', name }: { readonly profile?: string; readonly title?: string; readonly name: string }): string {
-  const called = titleWords(title, name);
+export function sessionWords({ profile = '', title = '', name }: { readonly profile?: string; readonly title?: string; readonly name: string }, own = ''): string {
+  const called = titleWords(title, name, own);
   return profile === '' ? called : `${profile}: ${called}`;
 }

@@ -8,6 +8,7 @@ import { icon } from '../console/icons';
 import { startTheme } from '../console/theme';
 import { sessionWords } from '../console/title_words';
 import { pageData } from '../embedded/page_data';
+import { ExercisePanel } from '../exercises/panel';
 import { headerButtons } from '../replay/header';
 import { ReplayPage, type ReplayNow } from '../replay/page';
 import { asProblem, Problem } from '../replay/problem';
@@ -52,7 +53,7 @@ function problemPanel(): HTMLElement {
 /** Builds the sheets anew, in the language of now. */
 function build(): void {
   const t = texts();
-  document.title = data ? fill(t.title, { name: sessionWords(data.about).slice(0, 200) }) : t.report;
+  document.title = data ? fill(t.title, { name: sessionWords(data.about, ExercisePanel.of(data.scene ?? null)?.title).slice(0, 200) }) : t.report;
   if (!data) {
     root.replaceChildren(topBar(), h('main', {}, refused ? problemPanel() : h('p', { class: 'none', role: 'status' }, t.reading)));
     return;

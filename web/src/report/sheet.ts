@@ -77,13 +77,13 @@ export function signWords(marks: readonly Pick<ChartMark, 'label'>[]): string {
 export function header(data: ReportData, page: string): HTMLElement {
   const t = texts();
   const c = consoleTexts();
-  const { about } = data;
+  const { about } = data, own = ExercisePanel.of(data.scene ?? null)?.title;
   const item = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, name), h('dd', {}, isolated(value === '' ? t.facts.unknown : value)));
   return h('header', {},
-    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, isolated(sessionWords(about)))),
+    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, isolated(sessionWords(about, own)))),
     h('dl', {},
       item(t.facts.patient, personWords(about.profile, about.patient, about.simulated_device)), item(t.facts.hand, c.hands[about.hand] ?? about.hand),
-      item(t.facts.device, [about.device, about.simulated_device ? t.facts.simulated : ''].filter(Boolean).join(', ')), item(t.facts.exercise, about.exercise === '' ? t.facts.noExercise : exerciseWords(about.exercise, about.level)),
+      item(t.facts.device, [about.device, about.simulated_device ? t.facts.simulated : ''].filter(Boolean).join(', ')), item(t.facts.exercise, about.exercise === '' ? t.facts.noExercise : exerciseWords(about.exercise, about.level, own)),
       item(t.facts.date, dateWords(about.created_utc, language())), item(t.facts.length, duration(about.to_s - about.from_s))));
 }
 
