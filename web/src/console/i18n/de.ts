@@ -6,7 +6,9 @@ export const de: ConsoleTexts = {
   session: 'Sitzung {n}',
   level: 'Stufe {n}',
   levelOf: 'Stufe {n} von {m}',
-  exercises: { 'game-scene': 'Körper eines Spiels', 'free-grasping': 'Freies Greifen', 'squeeze-to-level': 'Kraft dosieren' },
+  exercises: { 'game-scene': 'Körper eines Spiels', 'free-grasping': 'Freies Greifen', 'squeeze-to-level': 'Kraft dosieren',
+    drawer: 'Schublade', 'cupboard-door': 'Schranktür', 'light-switch': 'Lichtschalter', 'coffee-mill': 'Kaffeemühle', 'flip-top-lid': 'Klappdeckel', 'press-lever': 'Hebelpresse',
+  },
   hands: {
     'adult-median-right': 'Median, rechts', 'adult-median-left': 'Median, links',
     'woman-p05-right': 'Frau P5, rechts', 'woman-p50-right': 'Frau P50, rechts', 'woman-p95-right': 'Frau P95, rechts',

@@ -5,7 +5,9 @@ export const en = {
   session: 'Session {n}',
   level: 'Level {n}',
   levelOf: 'Level {n} of {m}',
-  exercises: { 'game-scene': 'Bodies of a game', 'free-grasping': 'Free grasping', 'squeeze-to-level': 'Squeeze to a level' } as Record<string, string>,
+  exercises: { 'game-scene': 'Bodies of a game', 'free-grasping': 'Free grasping', 'squeeze-to-level': 'Squeeze to a level',
+    drawer: 'Drawer', 'cupboard-door': 'Cupboard door', 'light-switch': 'Light switch', 'coffee-mill': 'Coffee mill', 'flip-top-lid': 'Flip-top lid', 'press-lever': 'Press lever',
+  } as Record<string, string>,
   hands: {
     'adult-median-right': 'Median, right', 'adult-median-left': 'Median, left',
     'woman-p05-right': 'Woman P5, right', 'woman-p50-right': 'Woman P50, right', 'woman-p95-right': 'Woman P95, right',

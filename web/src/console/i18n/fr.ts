@@ -6,7 +6,9 @@ export const fr: ConsoleTexts = {
   session: 'Séance {n}',
   level: 'Niveau {n}',
   levelOf: 'Niveau {n} sur {m}',
-  exercises: { 'game-scene': 'Corps d’un jeu', 'free-grasping': 'Saisie libre', 'squeeze-to-level': 'Doser sa force' },
+  exercises: { 'game-scene': 'Corps d’un jeu', 'free-grasping': 'Saisie libre', 'squeeze-to-level': 'Doser sa force',
+    drawer: 'Tiroir', 'cupboard-door': 'Porte de placard', 'light-switch': 'Interrupteur', 'coffee-mill': 'Moulin à café', 'flip-top-lid': 'Couvercle à charnière', 'press-lever': 'Presse à levier',
+  },
   hands: {
     'adult-median-right': 'Médiane, droite', 'adult-median-left': 'Médiane, gauche',
     'woman-p05-right': 'Femme P5, droite', 'woman-p50-right': 'Femme P50, droite', 'woman-p95-right': 'Femme P95, droite',
