@@ -1,5 +1,5 @@
 // The picture that a browser loses: said, the play waits, and goes on by a press when it is back.
-import { expect, expectAccessible } from './browser.mjs';
+import { expect, expectAccessible, until } from './browser.mjs';
 import { GOES_ON, openGame } from './checks.mjs';
 
 const PLAYS = 'body:is([data-state=reach], [data-state=squeeze], [data-state=hold], [data-state=drawback])';
@@ -26,8 +26,11 @@ export async function lostPictureIsSaid(t) {
   await page.evaluate(() => window.lose.restoreContext());
   await page.waitForSelector('[data-testid=unseen] >> text=/The picture is back/');
   // A page whose heartbeats did not come for 200 ms meanwhile says that instead, and GOES_ON presses there.
-  await page.evaluate(() => document.querySelector('[data-testid=see-again]')?.click());
-  await page.waitForSelector(PLAYS);
+  // A card that has just come is deaf for 0.7 s: a person presses again.
+  await until('the play after a press', async () => {
+    await page.evaluate(() => document.querySelector('[data-testid=see-again]')?.click());
+    return page.locator(PLAYS).count();
+  }, { every_ms: 1000 });
   await pictures(2);
   await t.picture(page, 'picture-back');
   // three.js deletes what the lost context had.
