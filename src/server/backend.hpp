@@ -411,7 +411,9 @@ static_assert(std::all_of(kTable.begin(), kTable.end(),
 
 struct Order {
   orders::Any what = orders::Heartbeat{};
-  std::uint32_t id = 0;  ///< Command.id; a stop that a client repeats until it is answered keeps it
+  /// Command.id. A stop that a client repeats until it is answered keeps it. 0: not numbered; of a
+  /// client, a stop within a second of the last is a repetition.
+  std::uint32_t id = 0;
   /// Claim on the controls that the order belongs to (ControlsArbiter::claim). Two servers send
   /// orders independently, so an order or a loss of an earlier holder may arrive after an order of
   /// a later one. 0: no claim.

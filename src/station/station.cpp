@@ -103,6 +103,13 @@ class Station::Core {
     std::function<void(OrderReply)> done;
   };
 
+  /// A stop without a number that comes so soon after the last one repeats it.
+  static constexpr std::chrono::seconds kRepeats{1};
+  struct NewestStop {
+    std::uint32_t id = 0;  ///< Order::id
+    StationClock::time_point at;
+  };
+
   /// What a person set, and by which order.
   struct Setting {
     double value = 0.0;
@@ -167,6 +174,7 @@ class Station::Core {
   [[nodiscard]] bool superseded(const Order& order);
   [[nodiscard]] OrderReply mayStillDo(const Task& task) const;
   [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
+  bool repeatsStop(const Order& order);
   OrderReply takeStop(const Order& order, std::uint64_t asked);
   [[nodiscard]] bool rested() const;
   [[nodiscard]] bool arming() const;
@@ -243,9 +251,8 @@ class Station::Core {
   std::uint32_t rest_ending_ = 0;  ///< ending of the newest rest; 0: none since the last arming
   bool rest_before_start_ =
       false;  ///< that rest ended nothing: nothing rendered or was being armed
-  /// Order::id of the newest stop since somebody asked to arm, by client and kind: the same
-  /// again is a repetition.
-  std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> stops_;
+  /// The newest stop since somebody asked to arm, by client and kind.
+  std::map<std::pair<std::uint32_t, std::size_t>, NewestStop> stops_;
   bool armed_for_client_ = false;        ///< else armed by the program itself
   bool joined_ = false;                  ///< somebody takes part in the session, or in the next one
   bool left_alone_ = false;              ///< all who took part have left
@@ -618,6 +625,20 @@ void Station::Core::countEnding() {
   if (rest) rest_ending_ = status_.endings;
 }
 
+// Repetitions count once: else nobody could name the last ending while a client repeats its stop. A
+// client that numbers nothing repeats within a second; the program that the station is in never
+// does. What is taken for a repetition lets an order to arm pass that was on its way.
+bool Station::Core::repeatsStop(const Order& order) {
+  const StationClock::time_point at = now();
+  const auto [last, first] =
+      stops_.try_emplace({order.client, order.what.index()}, NewestStop{order.id, at});
+  const bool same = !first && last->second.id == order.id;
+  const bool numbered = order.id != 0;
+  const bool soon = order.client != 0 && at - last->second.at < kRepeats;
+  last->second = {order.id, at};
+  return same && (numbered || soon);
+}
+
 // Takes effect and is published even when nothing renders: an order to arm may be under way.
 OrderReply Station::Core::takeStop(const Order& order, std::uint64_t asked) {
   const RunState state = status_.run_state;
@@ -629,10 +650,7 @@ OrderReply Station::Core::takeStop(const Order& order, std::uint64_t asked) {
       order.is<orders::Rest>() &&
       (rested() || starts || state == RunState::kRendering || state == RunState::kDisarmed);
   rest_before_start_ = !starts && (rested() ? rest_before_start_ : state == RunState::kDisarmed);
-  // Repetitions count once: else nobody could name the last ending while a client repeats its stop.
-  const auto [last, first] = stops_.try_emplace({order.client, order.what.index()}, order.id);
-  if (first || last->second != order.id) ++status_.endings;
-  last->second = order.id;
+  if (!repeatsStop(order)) ++status_.endings;
   rest_ending_ = rests ? status_.endings : 0;
   if (!live_ && state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
   beginStop(order.is<orders::EmergencyStop>());

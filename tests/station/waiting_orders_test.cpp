@@ -674,6 +674,24 @@ TEST_F(WaitingOrders, StopThatIsPressedAgain_CountsAgain) {
   EXPECT_EQ(ask(late).refusal, Refusal::kStopNotSeen);
 }
 
+// As of a game that numbers nothing, a second after its last one, and of the program that the
+// station is in, at any time.
+TEST_F(WaitingOrders, StopWithoutANumber_IsAPressOfItsOwn) {
+  begin();
+  const Person game = person();
+  for (const orders::Any& stop : kStops) {
+    for (const bool inside : {false, true}) {
+      const Order pressed = inside ? of(stop) : game.asks(of(stop));
+      ASSERT_TRUE(ask(pressed).accepted);
+      const Order late = person().asks(of(orders::Arm{}));  // sent now, and long on its way
+      if (!inside) passes(1000);
+      ASSERT_TRUE(ask(pressed).accepted);
+      EXPECT_EQ(ask(late).refusal, Refusal::kStopNotSeen);
+      EXPECT_NE(station_->status().run_state, RunState::kRendering);
+    }
+  }
+}
+
 TEST_F(WaitingOrders, StopThatIsRepeatedWhileAnArmWaits_UndoesItAndCounts) {
   begin();
   const Person game = person();
