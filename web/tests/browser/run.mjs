@@ -1,7 +1,8 @@
 // Tests in a real browser against the real program:
-//   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [part of a test's name ...]
+//   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [--share I/N] [part of a test's name ...]
 // FILE: build/release/wholehand. FOLDER: where pictures and figures go, web/test-output/browser. The pages are those that
 // the program finds, WHOLEHAND_PAGES names others. CHROMIUM names another browser than /usr/bin/chromium.
+// I/N: of every N tests the I-th alone, so that N of these run beside each other.
 // WHOLEHAND_FULL=1 runs those that end in _slow, too, and keeps pictures.
 import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -104,8 +105,10 @@ const TESTS = [
 
 const WEB = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
 const { values: options, positionals: wanted } = parseArgs({
-  options: { program: { type: 'string' }, out: { type: 'string' } }, allowPositionals: true,
+  options: { program: { type: 'string' }, out: { type: 'string' }, share: { type: 'string', default: '1/1' } }, allowPositionals: true,
 });
+const [share, shares] = options.share.split('/').map(Number);
+const chosen = TESTS.filter(([name]) => (FULL || !name.endsWith('_slow')) && (wanted.length === 0 || wanted.some((part) => name.includes(part))));
 const output = resolve(options.out ?? join(WEB, 'test-output', 'browser'));
 mkdirSync(output, { recursive: true });
 // The program keeps recordings in its folder: a fresh one leaves nothing behind.
@@ -116,9 +119,7 @@ const harness = new Harness({ file: resolve(options.program ?? join(WEB, '..', '
 const count = { ok: 0, FAIL: 0, 'not judged': 0 };
 const failed = [];
 try {
-  for (const test of TESTS) {
-    const name = test[0];
-    if ((!FULL && name.endsWith('_slow')) || (wanted.length > 0 && !wanted.some((part) => name.includes(part)))) continue;
+  for (const test of chosen.filter((_, i) => i % shares === share - 1)) {
     const verdict = await harness.run(...test);
     if (verdict === 'FAIL' && !FULL) failed.push(test);
     else count[verdict] += 1;
