@@ -17,7 +17,7 @@
 
 namespace wholehand {
 
-/// Records a commissioning with the recorder and the black box of every run (docs/adr/0030). The
+/// Records a commissioning with the recorder and the black box of every run (docs/adr/0026). The
 /// recording has no hand and no scene; its values are the step, the device's status word, and
 /// whether the guard admits the move. The black box is written if the process crashes.
 class CommissioningRecord {

@@ -22,10 +22,12 @@ struct CushionStep {
 /// Advances a cushion by one tick, backward Euler in closed form. With q = f - k_s y:
 ///   d ẏ = q - p₀ where q > p₀ and the nozzle is open,  d_air ẏ = q where q < 0,  else ẏ = 0.
 /// The travel is the only solution: q falls as y rises. For any motion of the digit, and a nozzle
-/// and resistances that change from tick to tick (docs/certificate.md):
+/// and resistances that change from tick to tick:
 ///   f⁺ Δx >= ΔS,   f Δx >= ΔS - k Δx²/2,   S = f²/2k + k_s y²/2.
-/// So the cushion is passive, and held for a tick it gives no more energy than its bare spring k.
-/// Non-finite input gives an empty step: no travel, no effort. Pure, real-time safe.
+/// The first since f⁺ Δx − ΔS >= q⁺ Δy + (k (Δx − Δy)² + k_s Δy²)/2 and q⁺ Δy >= 0, the second
+/// since f Δx − ΔS = q⁺ Δy + (k + k_s) Δy²/2 − k Δx²/2. So the cushion is passive, and held for a
+/// tick it gives no more energy than its bare spring k. Non-finite input gives an empty step: no
+/// travel, no effort. Pure, real-time safe.
 /// @param travel y a tick before @param depth x of the digit behind its first touch
 /// @param open the nozzle; closed, only air flows
 [[nodiscard]] WHOLEHAND_RT CushionStep advanceCushion(const Cushion& cushion, double travel,
@@ -37,7 +39,10 @@ struct CushionStep {
                                                   const CushionStep& at) noexcept;
 
 /// Damping that a delay of n ticks makes a cushion ask for beyond its bare spring: n² k² T²/4d, d
-/// the least of its resistances (docs/certificate.md) [N·s/m or N·m·s/rad]. 0 without delay.
+/// the least of its resistances [N·s/m or N·m·s/rad]. 0 without delay. The late effort lacks
+/// k (y − y⁽ⁿ⁾) Δx beside what a late spring lacks. The liquid's d Δy²/T, spent on each of n ticks
+/// in equal parts, pays all of it but n² k² T Δx²/4d. At any frequency the same holds for H(z) = k
+/// (1 − T k/(d + T (k + k_s) − d z⁻¹)) in place of k.
 [[nodiscard]] double lateDamping(double stiffness, double least_resistance, int delay_ticks,
                                  double period_s) noexcept;
 

@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kReplayedSession = 1;
 /// Loop status of a tick, as far as it is recorded.
 [[nodiscard]] LoopStatus recordedStatus(const TickRecord& record);
 
-/// Description of a recording, which a page requests first, as JSON: docs/protocol.md.
+/// Description of a recording, which a page requests first, as JSON: replay_question.hpp.
 /// @param facts of its scene; unknown ones are empty
 /// @param no_picture_because reason; empty: there is a picture
 /// @pre the recording holds ticks

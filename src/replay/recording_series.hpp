@@ -66,7 +66,7 @@ class SeriesCollector {
   /// @param before the previous tick; null when unknown
   void add(const TickRecord& record, const TickRecord* before);
   void skipUnreadable(double time_s);
-  /// The message in the layout of docs/protocol.md.
+  /// The message in the layout of replay_question.hpp.
   [[nodiscard]] std::string message(std::uint64_t first_tick) const;
 
  private:
@@ -84,7 +84,7 @@ class SeriesCollector {
 };
 
 /// Extremes of every channel in each column of a time interval, and its events, in the layout of
-/// docs/protocol.md. Unreadable ticks are skipped and reported.
+/// replay_question.hpp. Unreadable ticks are skipped and reported.
 [[nodiscard]] std::string seriesMessage(RecordingReader& recording, const SeriesQuestion& question);
 
 /// Index of the recording's first tick at or after a time.

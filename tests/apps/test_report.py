@@ -22,7 +22,7 @@ def unpacked(text):
 
 
 class Series:
-    """The answer "series" of docs/protocol.md, read by another implementation than the page's."""
+    """The answer "series" of src/replay/replay_question.hpp, read by another implementation than the page's."""
 
     def __init__(self, message):
         length = int.from_bytes(message[:4], "little")

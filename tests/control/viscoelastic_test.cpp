@@ -128,7 +128,7 @@ TEST(Cushion, WithoutStiffness_ComesBackUnfelt) {
   EXPECT_NEAR(at.travel, 0.02 * std::exp(-1.0), 3e-5);
 }
 
-/// Any drive, valve and liquid: what stands in docs/certificate.md, to rounding.
+/// Any drive, valve and liquid: what stands in control/viscoelastic.hpp, to rounding.
 TEST(Cushion, RandomDrives_GiveNothingAndHeldNoMoreThanTheBareSpring) {
   auto random = seededRandom(3901);
   double most_made_j = -1.0, most_beyond_spring_j = -1.0;

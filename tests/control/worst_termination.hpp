@@ -12,7 +12,7 @@
 
 /// The passive person and the passive object that need the most damping of all, built from the
 /// two-port of one axis, and the axis stepped through time with them (derivation:
-/// docs/certificate.md).
+/// control/passivity.hpp).
 namespace wholehand::test {
 
 /// What steps the object. kLossless loses no energy (trapezoidal rule): together with dampers it is

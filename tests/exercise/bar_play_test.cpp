@@ -127,7 +127,7 @@ TEST(CocktailBar, ScoreOfADrink_IsAccuracyLessSpillsPlusTime) {
   bar.runUntil("stage", kDrinkDone);
   const double poured_l = bar.last("step_done").value, time_s = bar.value("drink_time_s");
   ASSERT_LT(time_s, 20.0);  // par: all 5 points for time
-  // docs/exercises.md: accuracy 1 − 0.2 · off / tolerance.
+  // cocktail-bar.toml, [score]: accuracy 1 − 0.2 · off / tolerance.
   const double accuracy = 1.0 - 0.2 * (poured_l - 0.02) / 0.005;
   EXPECT_NEAR(bar.last("drink_done").value, 95.0 * accuracy + 5.0, 1e-9);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # docs/safety.md has a row for every bit of Fault, with the reaction that the table in code has; every hazard names a test, and every test named
-# there exists in the file named before it. A page with one false name is noticed.
+# there exists in the file that it links. A page with one false name is noticed.
 set -euo pipefail
 judge() {
   python3 - "$1" <<'EOF'
@@ -32,17 +32,16 @@ hazards = page.split("## Hazards", 1)[1]
 named = 0
 for row in re.findall(r"^\|(.*)\|$", hazards, re.M)[2:]:
     hazard, _, proof = (cell.strip() for cell in row.rsplit("|", 2))
-    path, files = None, 0
-    for link, name in re.findall(r"\]\(\.\./((?:web/)?tests/[^)]+)\)|`(\w+\.\w+|test_\w+)`", proof):
-        if link:
-            path, files = link, files + 1
-            if not os.path.exists(path):
-                wrong.append(f"{hazard}: {path} is not there")
-                path = None
-        elif path and not exists(path, name):
+    links = re.findall(r"\[(?:`(\w+\.\w+|test_\w+)`|[^`\]]+)\]\(\.\./((?:web/)?tests/[^)]+)\)", proof)
+    for name, path in links:
+        if not os.path.exists(path):
+            wrong.append(f"{hazard}: {path} is not there")
+        elif name and not exists(path, name):
             wrong.append(f"{hazard}: {path} has no {name}")
-        named += not link
-    if files == 0:
+        named += name != ""
+    if re.search(r"`(\w+\.\w+|test_\w+)`(?!\]\()", proof):
+        wrong.append(f"{hazard}: a test is named without its file")
+    if not links:
         wrong.append(f"{hazard}: no test proves it")
 if named < 30:
     wrong.append(f"only {named} tests are named")

@@ -1,4 +1,4 @@
-// What the replay reads from the program, against the contract of docs/protocol.md ("Looking at a recording again").
+// What the replay reads from the program, against the contract of src/replay/replay_question.hpp.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { FakeRecordings, framed } from '../src/net/fake_recordings';
 import { readAbout } from '../src/replay/about';

@@ -66,7 +66,7 @@ struct IdentifiedAxis {
 /// block of time (jackknife), and of fits to parts of the data (each posture, slow and fast motion,
 /// low and high frequencies) and with Stribeck friction, extrapolated by a factor of two. The parts
 /// agree where the equation above holds. Where it does not (Stribeck, cogging, play) the intervals
-/// show by how much they disagree. docs/adr/0026-measured-intervals.md.
+/// show by how much they disagree. docs/adr/0026-commissioning.md.
 ///
 /// Refused, with the name of the axis: too short, no motion, friction that falls with speed, or
 /// intervals too wide for a certificate.

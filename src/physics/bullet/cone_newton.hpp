@@ -6,7 +6,7 @@
 
 namespace wholehand::bullet {
 
-/// Settings of ConeNewton; ADR 55 compares them.
+/// Settings of ConeNewton; ADR 39 compares them.
 struct NewtonSettings {
   double softness = 0.02;      ///< R of a row per its mobility
   double end_softness = 1e-4;  ///< the same of a cone of one row

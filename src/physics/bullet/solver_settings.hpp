@@ -9,7 +9,7 @@ inline constexpr int kLeastFarSweeps = 10, kMostFarSweeps = 200, kFarBudget = 10
 /// Settings of Bullet's contact solver; ADR 3 explains the differences from stock.
 struct SolverSettings {
   int iterations = 50;   ///< per step; 20 let one grasp slide, 100 bring slip to 0.05 mm
-  bool at_once = false;  ///< the hand's contacts by Newton's method where that applies (ADR 55)
+  bool at_once = false;  ///< the hand's contacts by Newton's method where that applies (ADR 39)
   NewtonSettings newton;
   /// Contacts of bodies that the hand does not touch are swept until an impulse changes by less
   /// than this share of the largest, within a budget of groups of four contacts: kFarBudget.
