@@ -64,12 +64,18 @@ def over(pairs):
     return min(python for _, python in pairs) / min(cpp for cpp, _ in pairs) - 1.0
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def options_of(doc):
+    """--build and --rounds; the package of that build can be imported then."""
+    parser = argparse.ArgumentParser(description=doc.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=SOURCE / "build/release")
     parser.add_argument("--rounds", type=int, default=9)
     options = parser.parse_args()
     sys.path.insert(0, str(options.build / "python"))
+    return options
+
+
+def main():
+    options = options_of(__doc__)
     print(f"{'ticks a step':>12} {'C++ [µs/tick]':>14} {'Python [µs/tick]':>17} {'least over least':>17} {'median of pairs':>16}")
     for ticks in (1, 10, 100):
         pairs = measure(options.build, ticks, options.rounds)

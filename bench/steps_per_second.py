@@ -8,14 +8,12 @@ second with most contact. A rig is device, patient, coupling, safety and physics
 lab (docs/engines.md) also `mujoco_steps`: mj_step() alone, whose hand follows what the rig's hand did. Wall time of the
 fastest round; what else runs on the machine is in it.
 """
-import argparse
-import pathlib
 import subprocess
-import sys
 import tempfile
 import time
 
-SOURCE = pathlib.Path(__file__).resolve().parents[1]
+from python_step import SOURCE, options_of
+
 TICKS, TICKS_A_STEP, RIGS, REACH_TICKS = 500, 10, 8, 7500
 
 
@@ -61,11 +59,7 @@ def rounded(hz):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--build", type=pathlib.Path, default=SOURCE / "build/release")
-    parser.add_argument("--rounds", type=int, default=9)
-    options = parser.parse_args()
-    sys.path.insert(0, str(options.build / "python"))
+    options = options_of(__doc__)
     import numpy
     from wholehand.rig import Rig, VectorRig
     rig = Rig()

@@ -10,12 +10,8 @@ namespace wholehand {
 
 /// Planned times of a grasp [s].
 namespace grasp_times {
-inline constexpr double kApproached = 1.0;
-inline constexpr double kOpposed = 1.6;
-inline constexpr double kClosed = 2.8;
-inline constexpr double kLiftBegins = 3.3;
-inline constexpr double kLifted = 4.8;
-inline constexpr double kHoldBegins = 5.3;
+inline constexpr double kApproached = 1.0, kOpposed = 1.6, kClosed = 2.8, kLiftBegins = 3.3,
+                        kLifted = 4.8, kHoldBegins = 5.3;
 }  // namespace grasp_times
 
 inline constexpr double kLift_m = 0.2;

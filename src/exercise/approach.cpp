@@ -51,11 +51,6 @@ double durationTo(const BarLayout& layout, const AxisPosition& from,
   return longest_s;
 }
 
-void palmFirst(const BarLayout& layout, Reach& reach) noexcept {
-  if (layout.y >= 0) reach.during(layout.y, 0.0, 0.7);
-  if (layout.fingers >= 0) reach.during(layout.fingers, 0.2, 1.0);
-}
-
 void limitOpening(const BarLayout& layout, const AxisPosition& from, double opening_rad_s,
                   Reach& reach) noexcept {
   for (const int axis : {layout.fingers, layout.thumb, layout.turn}) {
@@ -76,6 +71,28 @@ void closeBy(const BarLayout& layout, double wanted_rad_s, double pace, double l
   if (layout.thumb < 0) return;
   q[layout.thumb] = std::clamp(q[layout.thumb] + kThumbAlong * rate_rad_s * period_s,
                                layout.lower[layout.thumb], layout.upper[layout.thumb]);
+}
+
+void ReachingPlayer::toStart() noexcept {
+  q_ = start_;
+  qd_ = AxisVelocity(layout_.axes);
+  advanced_ = lost_ = false;
+}
+
+void ReachingPlayer::reachFor(const AxisPosition& goal, double pace, bool palm_first,
+                              double opening_rad_s) noexcept {
+  reach_.begin(q_, qd_, goal, durationTo(layout_, q_, goal) / pace);
+  if (palm_first && layout_.y >= 0) reach_.during(layout_.y, 0.0, 0.7);
+  if (palm_first && layout_.fingers >= 0) reach_.during(layout_.fingers, 0.2, 1.0);
+  limitOpening(layout_, q_, opening_rad_s, reach_);
+}
+
+bool ReachingPlayer::steeredByOthers(const TickRecord& record) noexcept {
+  if (std::exchange(advanced_, false) || record.intention.size() != layout_.axes) return false;
+  lost_ = true;
+  q_ = record.intention;
+  qd_ = AxisVelocity(layout_.axes);
+  return true;
 }
 
 }  // namespace wholehand::approach

@@ -3,9 +3,12 @@
 #include "core/geometry.hpp"
 #include "core/real_time.hpp"
 #include "exercise/cocktail_bar/bar_layout.hpp"
+#include "patient/player.hpp"
 #include "patient/reach.hpp"
 
 #include <Eigen/Core>
+
+#include <utility>
 
 /// Postures, speeds and movements that virtual patients of all exercises have in common: how a hand
 /// goes to a thing, closes around it and draws back.
@@ -47,9 +50,6 @@ class Goal {
 [[nodiscard]] WHOLEHAND_RT double durationTo(const BarLayout& layout, const AxisPosition& from,
                                              const AxisPosition& goal) noexcept;
 
-/// The palm arrives before the fingers bend, so that they close around the thing.
-WHOLEHAND_RT void palmFirst(const BarLayout& layout, Reach& reach) noexcept;
-
 /// Opens the hand no faster than its reflexes allow. After Reach::during().
 WHOLEHAND_RT void limitOpening(const BarLayout& layout, const AxisPosition& from,
                                double opening_rad_s, Reach& reach) noexcept;
@@ -60,5 +60,38 @@ WHOLEHAND_RT void limitOpening(const BarLayout& layout, const AxisPosition& from
 WHOLEHAND_RT void closeBy(const BarLayout& layout, double wanted_rad_s, double pace, double lower,
                           double opening_rad_s, double period_s, double& rate_rad_s,
                           AxisPosition& q) noexcept;
+
+/// A virtual patient whose hand reaches from pose to pose. Where someone else steered the hand, it
+/// continues from there.
+class ReachingPlayer : public Player {
+ public:
+  [[nodiscard]] AxisPosition start() const override { return start_; }
+
+ protected:
+  explicit ReachingPlayer(BarLayout layout) : layout_(std::move(layout)), start_(layout_.axes) {}
+
+  /// At rest in the start pose.
+  void toStart() noexcept;
+  /// Begins a movement at a person's pace; limitOpening() holds.
+  /// @param palm_first the palm arrives before the fingers bend: they close around the thing
+  WHOLEHAND_RT void reachFor(const AxisPosition& goal, double pace, bool palm_first,
+                             double opening_rad_s) noexcept;
+  /// First in advance(). True where the hand is to be taken over from someone else.
+  [[nodiscard]] WHOLEHAND_RT bool takesOver() noexcept {
+    advanced_ = true;
+    return std::exchange(lost_, false);
+  }
+  /// First in see(). True where someone else steered the hand; lost_ lasts until takesOver().
+  WHOLEHAND_RT bool steeredByOthers(const TickRecord& record) noexcept;
+
+  BarLayout layout_;
+  AxisPosition start_, q_;
+  AxisVelocity qd_;
+  Reach reach_;
+  bool lost_ = false;  ///< someone else steered the hand
+
+ private:
+  bool advanced_ = false;  ///< takesOver() was called since the last record
+};
 
 }  // namespace wholehand::approach

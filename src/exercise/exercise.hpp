@@ -47,9 +47,12 @@ struct ExerciseInput {
 /// clocks. Deterministic: the same inputs give the same bits.
 class Exercise {
  public:
+  Exercise() = default;
+  Exercise(const Exercise&) = delete;
+  Exercise& operator=(const Exercise&) = delete;
   virtual ~Exercise() = default;
 
-  [[nodiscard]] virtual const ExerciseDescription& description() const noexcept = 0;
+  [[nodiscard]] const ExerciseDescription& description() const noexcept { return description_; }
 
   /// Resets to the start. Called when the loop is armed. Not real-time safe.
   virtual void reset() = 0;
@@ -64,6 +67,9 @@ class Exercise {
 
   /// Makes a virtual patient who does this exercise; null where there is none. Not real-time safe.
   [[nodiscard]] virtual std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const = 0;
+
+ protected:
+  ExerciseDescription description_;  ///< filled in when it is made
 };
 
 /// Clears what a tick fills in: no effort, no wall, no values, nothing to be placed.
@@ -73,6 +79,36 @@ WHOLEHAND_RT inline void clear(ExerciseRecord& out, BodyPlacements& placements, 
   out.effort = AxisEffort(axes);
   out.wall_active = AxisFlag(axes);
   out.wall = AxisPosition(axes);
+}
+
+/// Adds an event; false where the tick's events are full. Real-time safe.
+WHOLEHAND_RT inline bool tell(ExerciseRecord& out, std::int32_t type, int index,
+                              double value) noexcept {
+  if (out.event_count >= kMaxExerciseEvents) return false;
+  out.events[out.event_count++] = {type, index, value};
+  return true;
+}
+
+/// Obeys the tick's actions: pauses, goes on, begins `steps` again (once they are done, by any
+/// action), which it tells as the event `restarted`. True where they began again. Real-time safe.
+template <class Steps>
+[[nodiscard]] WHOLEHAND_RT bool takeActions(const TickRecord& seen, Steps& steps, bool& paused,
+                                            std::int32_t restarted, ExerciseRecord& out) noexcept {
+  bool again = false;
+  for (int i = 0; i < seen.command_count; ++i) {
+    const Command& c = seen.commands[i];
+    if (c.type != CommandType::kAction) continue;
+    const auto action = static_cast<ExerciseAction>(c.index);
+    if (action == ExerciseAction::kPause || action == ExerciseAction::kResume) {
+      paused = action == ExerciseAction::kPause;
+    } else if (action == ExerciseAction::kRestart || steps.done()) {
+      steps.reset();
+      paused = false;
+      again = true;
+      tell(out, restarted, -1, 0.0);
+    }
+  }
+  return again;
 }
 
 /// Stiffest wall of an exercise on an axis, with its live parameters at their upper ends. Covered

@@ -217,13 +217,13 @@ void PartLog::write(Json& out) const {
   Json parts = Json::array(), sums = Json::object();
   for (const FinishedPart& part : parts_) {
     Json reported = part.moved.json();
-    reported["event"] = part.event;
-    reported["index"] = part.index;
-    reported["value"] = part.value;
-    reported["from_s"] = part.from_s;
-    reported["to_s"] = part.to_s;
-    reported["stars"] = part.stars;
-    reported["steps"] = part.steps;
+    reported.update({{"event", part.event},
+                     {"index", part.index},
+                     {"value", part.value},
+                     {"from_s", part.from_s},
+                     {"to_s", part.to_s},
+                     {"stars", part.stars},
+                     {"steps", part.steps}});
     parts.push_back(std::move(reported));
   }
   for (std::size_t k = 0; k < sums_.size(); ++k) {

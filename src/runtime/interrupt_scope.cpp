@@ -26,24 +26,24 @@ struct Signal {
   int number;
   Then then;
 };
-using Then = Signal::Then;
-constexpr std::array kSignals{
-    Signal{SIGINT, Then::kStop},
-    Signal{SIGTERM, Then::kStop},
-    Signal{SIGHUP, Then::kStop},
-    Signal{SIGTSTP, Then::kStop},
-    Signal{SIGQUIT, Then::kStop},
-    Signal{SIGXCPU, Then::kStopUnlessHandled},
-    Signal{SIGUSR1, Then::kStopUnlessHandled},
-    Signal{SIGUSR2, Then::kStopUnlessHandled},
-    Signal{SIGALRM, Then::kStopUnlessHandled},
-    Signal{SIGVTALRM, Then::kStopUnlessHandled},
-    Signal{SIGPROF, Then::kStopUnlessHandled},
-    Signal{SIGPWR, Then::kStopUnlessHandled},
-    Signal{SIGPIPE, Then::kIgnoreUnlessHandled},  // the reader of the output is gone
-    Signal{SIGXFSZ, Then::kIgnoreUnlessHandled},  // file size limit: the write fails instead
-    Signal{SIGTTOU, Then::kIgnoreUnlessHandled},  // output from the background
-    Signal{SIGTTIN, Then::kIgnoreUnlessHandled}};
+using enum Signal::Then;
+constexpr auto kSignals = std::to_array<Signal>(
+    {{SIGINT, kStop},
+     {SIGTERM, kStop},
+     {SIGHUP, kStop},
+     {SIGTSTP, kStop},
+     {SIGQUIT, kStop},
+     {SIGXCPU, kStopUnlessHandled},
+     {SIGUSR1, kStopUnlessHandled},
+     {SIGUSR2, kStopUnlessHandled},
+     {SIGALRM, kStopUnlessHandled},
+     {SIGVTALRM, kStopUnlessHandled},
+     {SIGPROF, kStopUnlessHandled},
+     {SIGPWR, kStopUnlessHandled},
+     {SIGPIPE, kIgnoreUnlessHandled},  // the reader of the output is gone
+     {SIGXFSZ, kIgnoreUnlessHandled},  // file size limit: the write fails instead
+     {SIGTTOU, kIgnoreUnlessHandled},  // output from the background
+     {SIGTTIN, kIgnoreUnlessHandled}});
 constexpr int kExitInterrupted = 130;
 constexpr std::chrono::milliseconds kSaidWithin{100};
 
@@ -61,7 +61,7 @@ std::vector<std::pair<const WaitingFor*, std::string>> g_waiting;
 void onInterrupt(int number) {
   const int saved = errno;
   const bool pressed = std::any_of(kSignals.begin(), kSignals.end(), [&](const Signal& s) {
-    return s.number == number && s.then == Then::kStop;
+    return s.number == number && s.then == kStop;
   });
   if (pressed) {
     g_interrupts.asked.fetch_add(1);
@@ -74,9 +74,9 @@ void onInterrupt(int number) {
 }
 
 bool isToBeTaken(const Signal& signal, const struct sigaction& before) {
-  if ((before.sa_flags & SA_SIGINFO) != 0) return signal.then == Then::kStop;
+  if ((before.sa_flags & SA_SIGINFO) != 0) return signal.then == kStop;
   if (before.sa_handler == SIG_IGN) return false;
-  return signal.then == Then::kStop || before.sa_handler == SIG_DFL;
+  return signal.then == kStop || before.sa_handler == SIG_DFL;
 }
 
 // Writing may block, when nobody reads standard error or its disk hangs. Only this thread, which
@@ -140,13 +140,13 @@ void begin() {
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     const Signal& signal = kSignals[i];
     struct sigaction action {};
-    action.sa_handler = signal.then == Then::kIgnoreUnlessHandled ? SIG_IGN : onInterrupt;
+    action.sa_handler = signal.then == kIgnoreUnlessHandled ? SIG_IGN : onInterrupt;
     action.sa_flags = SA_RESTART;
     sigaction(signal.number, nullptr, &g_before[i]);
     g_taken[i] = isToBeTaken(signal, g_before[i]);
     if (!g_taken[i]) continue;
     sigaction(signal.number, &action, nullptr);
-    if (signal.then != Then::kIgnoreUnlessHandled) sigaddset(&ours, signal.number);
+    if (signal.then != kIgnoreUnlessHandled) sigaddset(&ours, signal.number);
   }
   ::pthread_sigmask(SIG_UNBLOCK, &ours, &g_mask_before);  // unblocked in the thread that takes them
   g_thread = std::thread(serveSignals);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "commissioning/operator.hpp"
 #include "core/axis_array.hpp"
 #include "core/body_order.hpp"
 #include "core/command.hpp"
@@ -509,17 +510,6 @@ struct CommissioningFacts {
     kEmergencyStop,
     kNextStep
   };
-  enum class Motion : std::uint8_t {
-    kHoming,
-    kPush,
-    kCarry,
-    kDrive,
-    kMeasure,
-    kWatchdog,
-    kEmergencyStop
-  };
-  enum class MotionState : std::uint8_t { kAwaitsKey, kMoves, kOver };
-
   struct Finding {
     std::string axis, quantity, unit;
     double lower = 0.0, upper = 0.0;
@@ -541,7 +531,7 @@ struct CommissioningFacts {
   std::string next;  ///< step that follows kNextStep
   std::string note;  ///< why the last answer was refused
 
-  Motion motion = Motion::kHoming;
+  Motion::What motion = Motion::What::kHoming;
   MotionState motion_state = MotionState::kOver;
   double motion_s = 0.0;  ///< 0: unknown
 

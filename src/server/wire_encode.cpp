@@ -423,9 +423,9 @@ using Facts = CommissioningFacts;
 
 static_assert(static_cast<int>(Facts::StepState::kFailed) == static_cast<int>(fb::StepState::MAX));
 static_assert(static_cast<int>(Facts::Asked::kNextStep) == static_cast<int>(fb::Asked::MAX));
-static_assert(static_cast<int>(Facts::Motion::kEmergencyStop) ==
+static_assert(static_cast<int>(Motion::What::kEmergencyStop) ==
               static_cast<int>(fb::MotionKind::MAX));
-static_assert(static_cast<int>(Facts::MotionState::kOver) ==
+static_assert(static_cast<int>(MotionState::kOver) ==
               static_cast<int>(fb::MotionState::MAX));
 
 Offset<fb::Finding> findingToWire(Builder& b, const Facts::Finding& f) {

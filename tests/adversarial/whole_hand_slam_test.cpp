@@ -22,14 +22,12 @@ constexpr Posture kReaching{"reaching", 65.0 * kDeg, 5.0 * kDeg};  // as `experi
 
 Throw throwOf(const std::string& device, const std::string& hand, const Posture& posture,
               const std::string& axis, bool towards_upper) {
-  Throw how;
-  how.device = device;
-  how.hand = hand;
-  how.axis = axis;
-  how.towards_upper = towards_upper;
-  how.fingers_rad = posture.fingers_rad;
-  how.circumduction_rad = posture.circumduction_rad;
-  return how;
+  return {.device = device,
+          .hand = hand,
+          .axis = axis,
+          .towards_upper = towards_upper,
+          .fingers_rad = posture.fingers_rad,
+          .circumduction_rad = posture.circumduction_rad};
 }
 
 void print(const Throw& how, const Posture& posture, const Pair& pair) {

@@ -40,6 +40,14 @@ class Result:
         return f"exit code {self.code}\n--- standard output\n{self.out}--- standard error\n{self.err}"
 
 
+def said(*command, **how):
+    """What a command printed, which has to succeed."""
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, **how)
+    if done.returncode != 0:
+        raise AssertionError(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
 class AppTest(unittest.TestCase):
     """A test with an empty folder `self.folder`, in which the program is run."""
 

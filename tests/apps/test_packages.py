@@ -3,19 +3,11 @@ import json
 import pathlib
 import re
 import shlex
-import subprocess
 import tempfile
 
-from app import BINARY, DONE, SOURCE, AppTest, main, read_recording
+from app import BINARY, DONE, SOURCE, AppTest, main, read_recording, said
 
 BUILD = BINARY.parent
-
-
-def said(*command, **how):
-    done = subprocess.run(command, capture_output=True, text=True, **how)
-    if done.returncode != 0:
-        raise AssertionError(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
-    return done.stdout
 
 
 class Packages(AppTest):

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 
+import app
 from app import BINARY, SOURCE, AppTest, main
 
 PROJECT = BINARY.parent / "python"
@@ -13,10 +14,7 @@ OURS = ("numpy", "flatbuffers", "websockets", "h5py", "pandas", "xarray", "whole
 
 def said(*command, **how):
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "PIP_"))}
-    done = subprocess.run([*map(str, command)], capture_output=True, text=True, env=environment, **how)
-    if done.returncode != 0:
-        raise AssertionError(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
-    return done.stdout
+    return app.said(*command, env=environment, **how)
 
 
 class Wheel(AppTest):

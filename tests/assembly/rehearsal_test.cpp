@@ -32,8 +32,6 @@ class Awkward final : public Exercise {
  public:
   std::int64_t busy_ns = 0;
   double effort = 0.0;
-
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override { return text_; }
   void reset() override {}
   [[nodiscard]] WorldQuery query() const noexcept override { return {}; }
   void tick(const ExerciseInput&, ExerciseRecord& out, BodyPlacements&) noexcept override {
@@ -47,7 +45,6 @@ class Awkward final : public Exercise {
   }
 
  private:
-  ExerciseDescription text_;
 };
 
 TEST(Rehearsal, Bar_PassesWithTheContactsOfAWholePlayInHalfASecond) {

@@ -116,10 +116,9 @@ TEST(BuildRig, ModelsPushedBeyondTheTicksRoom_AreRefused) {
 class Described final : public Exercise {
  public:
   Described(std::size_t parameters, std::size_t values) {
-    text_.parameters.resize(parameters);
-    text_.value_names.resize(values);
+    description_.parameters.resize(parameters);
+    description_.value_names.resize(values);
   }
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override { return text_; }
   void reset() override {}
   [[nodiscard]] WorldQuery query() const noexcept override { return {}; }
   void tick(const ExerciseInput&, ExerciseRecord&, BodyPlacements&) noexcept override {}
@@ -128,7 +127,6 @@ class Described final : public Exercise {
   }
 
  private:
-  ExerciseDescription text_;
 };
 
 // An exercise reads its parameters from a row of 24, of which the rendering has four.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "commissioning/operator.hpp"
+#include "commissioning/simulated/simulated_plant.hpp"
 #include "device/plugin/device_driver.hpp"
 #include "mechanism.hpp"
 #include "model/device_model.hpp"
@@ -48,19 +49,8 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     const std::size_t n = model.axes.size();
     for (std::size_t i = 0; i < n; ++i) order_.push_back(n - 1 - i);
     for (const std::size_t i : order_) {
-      const DeviceAxis& a = model.axes[i];
-      wh_axis axis{};
-      axis.size = sizeof(axis);
-      std::strncpy(axis.name, a.name.c_str(), sizeof(axis.name) - 1);
-      axis.kind = a.kind == AxisKind::kRotation ? WH_ROTATION : WH_TRANSLATION;
-      axis.effort_meaning = WH_EFFORT;
-      axis.lower = a.lower;
-      axis.upper = a.upper;
-      axis.effort_limit = a.effort_limit;
-      axis.resolution = a.encoder_step;
-      axis.delay_s = 1e-3;
-      axis.silence_s = 0.02;
-      axes_.push_back(axis);
+      axes_.push_back(driverAxis(model.axes[i], 1e-3));
+      axes_.back().disabled = 0;
     }
     sent_.assign(n, 0.0);
     mechanism.pushed.assign(n, 0.0);

@@ -34,15 +34,6 @@ CertificateInput inputOf(int axes, double damping, double k_pm, double k_dm, dou
   return in;
 }
 
-CertificateInput typedIn(CertificateInput in, const std::vector<NearestGains>& nearest) {
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    in.rendering.axes[i].k_pm = nearest[i].k_pm;
-    in.rendering.axes[i].k_dm = nearest[i].k_dm;
-    in.rendering.axes[i].armature = nearest[i].armature;
-  }
-  return in;
-}
-
 TEST(NearestGains, TooStiff_LowersTheStiffnessToJustInside) {
   const CertificateInput in = inputOf(1, 6.0, 50000.0, 10.0, 0.3);
   const Certificate judged = certify(in);
@@ -52,10 +43,10 @@ TEST(NearestGains, TooStiff_LowersTheStiffnessToJustInside) {
   ASSERT_TRUE(nearest.has_value());
   EXPECT_EQ((*nearest)[0].k_dm, 10.0);
   EXPECT_FALSE((*nearest)[0].armature.has_value());
-  EXPECT_TRUE(certify(typedIn(in, *nearest)).certified);
+  EXPECT_TRUE(certify(withGains(in, *nearest)).certified);
   auto stiffer = *nearest;
   stiffer[0].k_pm *= 1.03;
-  EXPECT_FALSE(certify(typedIn(in, stiffer)).certified);
+  EXPECT_FALSE(certify(withGains(in, stiffer)).certified);
 }
 
 TEST(NearestGains, ReportedNearest_PassesForManyFailures) {
@@ -73,7 +64,7 @@ TEST(NearestGains, ReportedNearest_PassesForManyFailures) {
           EXPECT_LT(judged.margin(), 1.0);
           const auto nearest = nearestGains(in, judged);
           ASSERT_TRUE(nearest.has_value()) << damping << " " << k_pm << " " << k_dm << " " << gamma;
-          EXPECT_TRUE(certify(typedIn(in, *nearest)).certified)
+          EXPECT_TRUE(certify(withGains(in, *nearest)).certified)
               << damping << " " << k_pm << " " << k_dm << " " << gamma;
           EXPECT_LE((*nearest)[0].k_pm, k_pm);
           EXPECT_LE((*nearest)[0].k_dm, k_dm);
@@ -99,7 +90,7 @@ TEST(NearestGains, AxesThatShakeEachOther_AreCalmedTogether) {
   const auto nearest = nearestGains(in, judged);
   ASSERT_TRUE(nearest.has_value());
   EXPECT_GT((*nearest)[0].armature.value_or(0.0), 0.0);
-  EXPECT_TRUE(certify(typedIn(in, *nearest)).certified);
+  EXPECT_TRUE(certify(withGains(in, *nearest)).certified);
 }
 
 TEST(NearestGains, AvatarThatRingsAtASlowLoop_IsSlowedDown) {
@@ -111,7 +102,7 @@ TEST(NearestGains, AvatarThatRingsAtASlowLoop_IsSlowedDown) {
   ASSERT_TRUE(nearest.has_value());
   // K_pm / (M + A) at most 1/T²: M = 100 / 4.5e4.
   EXPECT_GE((*nearest)[0].armature.value_or(0.0), (*nearest)[0].k_pm / 4e4 - 100.0 / 4.5e4);
-  EXPECT_TRUE(certify(typedIn(in, *nearest)).certified);
+  EXPECT_TRUE(certify(withGains(in, *nearest)).certified);
 }
 
 TEST(NearestGains, DeviceWithoutAnyDamping_HasNone) {

@@ -92,16 +92,21 @@ TEST(Cushion, WithAClosedNozzle_IsItsShell) {
               tolerance(1e-12));
 }
 
-/// y decays with d_air/k_s = 0.3 s, whatever the liquid.
+/// 0.3 s of a bottle that is let go of at 20 mm: nothing is felt, and y decays with d_air/k_s = 0.3
+/// s.
+void expectDecay(const Cushion& bottle, double depth_m, bool flows) {
+  CushionStep at{0.02, 0.0};
+  for (int i = 0; i < 300; ++i) {
+    at = advanceCushion(bottle, at.travel, depth_m, flows, kPeriod_s);
+    EXPECT_EQ(at.effort, 0.0);
+  }
+  EXPECT_NEAR(at.travel, 0.02 * std::exp(-1.0), 3e-5);
+}
+
+/// Whatever the liquid.
 TEST(Cushion, LetGo_SucksItsAirBack) {
   for (const double d : {80.0, 328.0}) {
-    const Cushion bottle{280.0, 25.0, d, 7.5, 0.25};
-    CushionStep at{0.02, 0.0};
-    for (int i = 0; i < 300; ++i) {
-      at = advanceCushion(bottle, at.travel, 0.0, false, kPeriod_s);
-      EXPECT_EQ(at.effort, 0.0);
-    }
-    EXPECT_NEAR(at.travel, 0.02 * std::exp(-1.0), 3e-5);
+    expectDecay({280.0, 25.0, d, 7.5, 0.25}, 0.0, false);
   }
 }
 
@@ -119,13 +124,7 @@ TEST(Cushion, LetGoForLong_IsWholeAndNotADenormalNumber) {
 }
 
 TEST(Cushion, WithoutStiffness_ComesBackUnfelt) {
-  const Cushion bottle{0.0, 25.0, 80.0, 7.5, 0.25};
-  CushionStep at{0.02, 0.0};
-  for (int i = 0; i < 300; ++i) {
-    at = advanceCushion(bottle, at.travel, 0.03, true, kPeriod_s);
-    EXPECT_EQ(at.effort, 0.0);
-  }
-  EXPECT_NEAR(at.travel, 0.02 * std::exp(-1.0), 3e-5);
+  expectDecay({0.0, 25.0, 80.0, 7.5, 0.25}, 0.03, true);
 }
 
 /// Any drive, valve and liquid: what stands in control/viscoelastic.hpp, to rounding.

@@ -28,10 +28,6 @@ class PushingExercise final : public Exercise {
       : limit_(limit), fault_(fault), at_(tick), axis_(axis) {
     description_.name = "pushing";
   }
-
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
-    return description_;
-  }
   void reset() override {
     tick_ = -1;
     share_ = 1.0;
@@ -81,7 +77,6 @@ class PushingExercise final : public Exercise {
     }
   }
 
-  ExerciseDescription description_;
   AxisEffort limit_;
   Push fault_;
   int at_, axis_;

@@ -7,11 +7,7 @@ namespace {
 constexpr int kRuns = 6;
 
 Sabotage pushing(Push push, int at, int axis) {
-  Sabotage out;
-  out.push = push;
-  out.push_tick = at;
-  out.push_axis = axis;
-  return out;
+  return {.push = push, .push_tick = at, .push_axis = axis};
 }
 
 /// Runs to the end, rendering; the bits seen from tick `at` on, OR-ed.

@@ -5,6 +5,7 @@
 #include "model/mesh/solid.hpp"
 #include "model/mesh_samples.hpp"
 #include "model/scene/scene_model.hpp"
+#include "model/scene_text.hpp"
 #include "model/toml/toml_file.hpp"
 #include "model/urdf/urdf.hpp"
 #include "support/figure.hpp"
@@ -467,16 +468,7 @@ izz="4.333e-5"/></inertial><collision><geometry><box size="0.06 0.04 0.02"/></ge
 /// The scene of one body from that URDF.
 Expected<SceneModel> sceneOf(const Folder& folder, const std::string& links) {
   folder.write("r.urdf", "<robot name=\"r\">" + links + "</robot>");
-  return loadSceneFile(folder.write("s.toml", R"(kind = "scene"
-version = 1
-name = "s"
-gravity_m_s2 = [0.0, 0.0, 0.0]
-[[bodies]]
-name = "t"
-shape = "urdf"
-file = "r.urdf"
-position_m = [0.3, 0.0, 0.0]
-)"));
+  return loadSceneFile(folder.write("s.toml", kSceneHead + fileBody("t", "urdf", "r.urdf", 0.3)));
 }
 
 std::string fixedJoint(const char* parent, const char* child) {

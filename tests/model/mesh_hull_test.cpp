@@ -1,5 +1,6 @@
 #include "model/mesh/convex_hull.hpp"
 #include "model/mesh/convex_mesh.hpp"
+#include "model/scene_text.hpp"
 #include "model/solid_samples.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"
@@ -266,23 +267,9 @@ TEST(MeshCollider, NoticeOfAScene_NamesFileLineKeyAndRemedy) {
                "f 1 4 3\nf 2 3 5\nf 3 4 5\nf 4 2 5\n");
   folder.write("dent.urdf", R"(<robot name="r"><link name="a"><collision><geometry>
 <mesh filename="dent.obj" scale="0.1 0.1 0.1"/></geometry></collision></link></robot>)");
-  const std::string path = folder.write("scene.toml", R"(kind = "scene"
-version = 1
-name = "s"
-gravity_m_s2 = [0.0, 0.0, 0.0]
-[[bodies]]
-name = "mesh"
-shape = "mesh"
-file = "dent.obj"
-position_m = [0.0, 0.0, 0.0]
-mass_kg = 0.1
-[[bodies]]
-name = "urdf"
-shape = "urdf"
-file = "dent.urdf"
-position_m = [2.0, 0.0, 0.0]
-mass_kg = 0.1
-)");
+  const std::string path = folder.write(
+      "scene.toml", kSceneHead + fileBody("mesh", "mesh", "dent.obj") + "mass_kg = 0.1\n" +
+                        fileBody("urdf", "urdf", "dent.urdf", 2.0) + "mass_kg = 0.1\n");
   const SceneModel scene = orThrow(loadSceneFile(path));
   ASSERT_EQ(scene.notices.size(), 2U);
   const std::string mesh = format(scene.notices[0]), urdf = format(scene.notices[1]);

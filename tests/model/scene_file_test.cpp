@@ -1,6 +1,7 @@
 #include "core/tick_record.hpp"
 #include "model/scene/scene_model.hpp"
 #include "model/scene/separation.hpp"
+#include "model/scene_text.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
@@ -18,11 +19,7 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-const std::string kHead =
-    "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, -9.81]\n";  // 4 lines
-
-const std::string kUrdfBody =
-    "[[bodies]]\nname = \"u\"\nshape = \"urdf\"\nfile = \"thing.urdf\"\nposition_m = [0, 0, 0]\n";
+const std::string kUrdfBody = fileBody("u", "urdf", "thing.urdf");
 
 std::string ball(const std::string& name, double x_m, double y_m = 0.0) {
   return "[[bodies]]\nname = \"" + name +
@@ -87,7 +84,7 @@ TEST(SceneFile, Table_HoldsWhatStandsOnIt) {
 
 TEST(SceneFile, EveryKey_ReachesTheModel) {
   const Folder folder;
-  const SceneModel scene = orThrow(loadSceneFile(folder.write("s.toml", kHead + R"(
+  const SceneModel scene = orThrow(loadSceneFile(folder.write("s.toml", kSceneHead + R"(
 hand_friction = 0.5
 [[bodies]]
 name = "rod"
@@ -115,11 +112,11 @@ TEST(SceneFile, UrdfWithMass_IsScaledAlike) {
   folder.write("thing.urdf", R"(<robot name="r"><link name="a">
     <inertial><mass value="2"/><inertia ixx="0.0002" iyy="0.0003" izz="0.0004"/></inertial>
     <collision><geometry><sphere radius="0.02"/></geometry></collision></link></robot>)");
-  const SceneModel own = orThrow(loadSceneFile(folder.write("own.toml", kHead + kUrdfBody)));
+  const SceneModel own = orThrow(loadSceneFile(folder.write("own.toml", kSceneHead + kUrdfBody)));
   EXPECT_DOUBLE_EQ(own.bodies[0].mass_kg, 2.0);
   EXPECT_DOUBLE_EQ(own.bodies[0].inertia_kg_m2(2, 2), 0.0004);
   const SceneModel half =
-      orThrow(loadSceneFile(folder.write("half.toml", kHead + kUrdfBody + "mass_kg = 1.0\n")));
+      orThrow(loadSceneFile(folder.write("half.toml", kSceneHead + kUrdfBody + "mass_kg = 1.0\n")));
   EXPECT_DOUBLE_EQ(half.bodies[0].inertia_kg_m2(2, 2), 0.0002);
 }
 
@@ -129,8 +126,9 @@ TEST(SceneFile, FixedUrdf_MayHaveAnyInertial) {
   folder.write("thing.urdf", R"(<robot name="r"><link name="a">
     <inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0"/></inertial>
     <collision><geometry><sphere radius="0.02"/></geometry></collision></link></robot>)");
-  EXPECT_TRUE(loadSceneFile(folder.write("fixed.toml", kHead + kUrdfBody + "fixed = true\n")).ok());
-  const auto moving = loadSceneFile(folder.write("moving.toml", kHead + kUrdfBody));
+  EXPECT_TRUE(
+      loadSceneFile(folder.write("fixed.toml", kSceneHead + kUrdfBody + "fixed = true\n")).ok());
+  const auto moving = loadSceneFile(folder.write("moving.toml", kSceneHead + kUrdfBody));
   ASSERT_FALSE(moving.ok());
   EXPECT_TRUE(says(format(moving.errors()), "link[a].inertial.mass.value = 0: is not positive"));
 }
@@ -144,7 +142,7 @@ TEST(SceneFile, FrictionOfAUrdf_IsAppliedUnlessTheSceneGivesOne) {
       </geometry></collision></link><gazebo reference="a">)" +
                                    gazebo + "</gazebo></robot>");
     return orThrow(
-        loadSceneFile(folder.write("s.toml", kHead + kUrdfBody + "mass_kg = 0.1\n" + more)));
+        loadSceneFile(folder.write("s.toml", kSceneHead + kUrdfBody + "mass_kg = 0.1\n" + more)));
   };
   const std::string lateral = "<lateral_friction value=\"0.1\"/>";
   EXPECT_EQ(load(lateral, "", "").bodies[0].friction, 0.1);
@@ -169,7 +167,7 @@ TEST(SceneFile, FallBeyondTheSpeedOfContacts_IsRefused) {
   const Folder folder;
   const auto from = [&](double z_m) {
     return loadSceneFile(
-        folder.write("s.toml", kHead +
+        folder.write("s.toml", kSceneHead +
                                    "[[bodies]]\nname = \"floor\"\nshape = \"box\"\nfixed = true\n"
                                    "size_m = [2, 2, 1]\nposition_m = [0, 0, -3.5]\n"  // -4 .. -3
                                    "[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\n"
@@ -194,22 +192,22 @@ TEST(SceneFile, UrdfWithAnInertialThatNoSuchBodyHas_IsRefusedOrReplaced) {
   // The placeholder of many public files: 1 kg m² at 0.1 kg. A corner is 0.13 m from the centre.
   write("<mass value=\"0.1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>");
   const Expected<SceneModel> placeholder =
-      loadSceneFile(folder.write("placeholder.toml", kHead + kUrdfBody));
+      loadSceneFile(folder.write("placeholder.toml", kSceneHead + kUrdfBody));
   ASSERT_FALSE(placeholder.ok());
   const std::string message = format(placeholder.errors());
   EXPECT_TRUE(says(message, "1 kg·m²")) << message;
   EXPECT_TRUE(says(message, "0.00169 at most")) << message;
   EXPECT_TRUE(says(message, "uniform_density = true")) << message;
   // m (a² + b²) / 12
-  const SceneModel even = orThrow(
-      loadSceneFile(folder.write("even.toml", kHead + kUrdfBody + "uniform_density = true\n")));
+  const SceneModel even = orThrow(loadSceneFile(
+      folder.write("even.toml", kSceneHead + kUrdfBody + "uniform_density = true\n")));
   EXPECT_NEAR(even.bodies[0].inertia_kg_m2(2, 2), 0.1 * (0.06 * 0.06 + 0.08 * 0.08) / 12.0, 1e-12);
   EXPECT_NEAR(even.bodies[0].inertia_kg_m2(0, 0), 0.1 * (0.08 * 0.08 + 0.24 * 0.24) / 12.0, 1e-12);
   // A centre of mass in millimetres, read as metres.
   write(
       "<origin xyz=\"0 0 60\"/><mass value=\"0.1\"/><inertia ixx=\"1e-4\" iyy=\"1e-4\" "
       "izz=\"1e-4\"/>");
-  const Expected<SceneModel> far = loadSceneFile(folder.write("far.toml", kHead + kUrdfBody));
+  const Expected<SceneModel> far = loadSceneFile(folder.write("far.toml", kSceneHead + kUrdfBody));
   ASSERT_FALSE(far.ok());
   EXPECT_TRUE(says(format(far.errors()), "59.9 m outside of its colliders"))
       << format(far.errors());
@@ -217,18 +215,18 @@ TEST(SceneFile, UrdfWithAnInertialThatNoSuchBodyHas_IsRefusedOrReplaced) {
 
 TEST(SceneFile, Overlaps_NameBothAndTheDepth) {
   const Folder folder;
-  const Expected<SceneModel> deep =
-      loadSceneFile(folder.write("deep.toml", kHead + ball("left", 0.0) + ball("right", 0.03)));
+  const Expected<SceneModel> deep = loadSceneFile(
+      folder.write("deep.toml", kSceneHead + ball("left", 0.0) + ball("right", 0.03)));
   ASSERT_FALSE(deep.ok());
   const std::string message = format(deep.errors());
   EXPECT_TRUE(says(message, "'right' starts 10 mm inside 'left'"));
   EXPECT_TRUE(says(message, ":16: bodies"));  // right's position_m
-  EXPECT_TRUE(
-      loadSceneFile(folder.write("touch.toml", kHead + ball("left", 0.0) + ball("right", 0.03995)))
-          .ok());  // 0.05 mm: rounding of files
-  EXPECT_FALSE(
-      loadSceneFile(folder.write("near.toml", kHead + ball("left", 0.0) + ball("right", 0.0398)))
-          .ok());
+  EXPECT_TRUE(loadSceneFile(folder.write("touch.toml",
+                                         kSceneHead + ball("left", 0.0) + ball("right", 0.03995)))
+                  .ok());  // 0.05 mm: rounding of files
+  EXPECT_FALSE(loadSceneFile(folder.write("near.toml",
+                                          kSceneHead + ball("left", 0.0) + ball("right", 0.0398)))
+                   .ok());
 }
 
 TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
@@ -268,7 +266,7 @@ TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
        "mass_kg", "is missing"},
   };
   for (const auto& c : cases) {
-    const std::string path = folder.write("bad.toml", kHead + c.text);
+    const std::string path = folder.write("bad.toml", kSceneHead + c.text);
     const Expected<SceneModel> scene = loadSceneFile(path);
     ASSERT_FALSE(scene.ok()) << c.text;
     const std::string message = format(scene.errors());
@@ -295,9 +293,9 @@ TEST(SceneFile, UrdfThatCannotBeRead_IsTheOnlyFault) {
   const Folder folder;
   folder.write("empty.urdf", "");
   for (const char* file : {"none.urdf", "empty.urdf"}) {
-    const Expected<SceneModel> scene = loadSceneFile(
-        folder.write("bad.toml", kHead + "[[bodies]]\nname = \"a\"\nshape = \"urdf\"\nfile = \"" +
-                                     file + "\"\nposition_m = [0, 0, 0]\n"));
+    const Expected<SceneModel> scene = loadSceneFile(folder.write(
+        "bad.toml", kSceneHead + "[[bodies]]\nname = \"a\"\nshape = \"urdf\"\nfile = \"" + file +
+                        "\"\nposition_m = [0, 0, 0]\n"));
     ASSERT_FALSE(scene.ok());
     EXPECT_EQ(scene.errors().size(), 1U) << format(scene.errors());
     EXPECT_TRUE(refusedWith(scene, file));
@@ -307,7 +305,7 @@ TEST(SceneFile, UrdfThatCannotBeRead_IsTheOnlyFault) {
 TEST(SceneFile, UnknownShape_IsTheOnlyFault) {
   const Folder folder;
   const Expected<SceneModel> scene = loadSceneFile(folder.write(
-      "bad.toml", kHead +
+      "bad.toml", kSceneHead +
                       "[[bodies]]\nname = \"a\"\nshape = \"pyramid\"\nsize_m = [0.1, 0.1, 0.1]\n"
                       "radius_m = 0.1\nheight_m = 0.1\nfile = \"x\"\nmass_kg = 1\n"
                       "position_m = [0, 0, 0]\n"));
@@ -317,7 +315,7 @@ TEST(SceneFile, UnknownShape_IsTheOnlyFault) {
 
 TEST(SceneFile, TooManyBodies_AreRefused) {
   const Folder folder;
-  std::string text = kHead;
+  std::string text = kSceneHead;
   const auto ballAt = [&](int i, bool moves) {
     const std::string moving = ball("b" + std::to_string(i), 0.05 * (i % 64), 0.05 * (i / 64));
     return moves ? moving : std::regex_replace(moving, std::regex("mass_kg = 0.1"), "fixed = true");
@@ -327,7 +325,7 @@ TEST(SceneFile, TooManyBodies_AreRefused) {
   const Expected<SceneModel> scene =
       loadSceneFile(folder.write("over.toml", text + ball("x", -9.0)));
   EXPECT_TRUE(refusedWith(scene, "1025 bodies"));
-  std::string moving = kHead;
+  std::string moving = kSceneHead;
   for (int i = 0; i <= kMaxBodies; ++i) moving += ballAt(i, true);
   const Expected<SceneModel> unwatched = loadSceneFile(folder.write("moving.toml", moving));
   EXPECT_TRUE(refusedWith(unwatched, "moves and is body 129 of the scene"));
@@ -338,7 +336,7 @@ TEST(SceneFile, HeavyAndLightBodies_AreNamedBeyondARatioOf100) {
   const auto notices = [&](const char* mass_kg) {
     const std::string heavy = std::regex_replace(ball("heavy", 0.1), std::regex("mass_kg = 0.1"),
                                                  std::string("mass_kg = ") + mass_kg);
-    return orThrow(loadSceneFile(folder.write("s.toml", kHead + ball("light", 0.0) + heavy)))
+    return orThrow(loadSceneFile(folder.write("s.toml", kSceneHead + ball("light", 0.0) + heavy)))
         .notices;
   };
   EXPECT_TRUE(notices("9.99").empty());

@@ -13,12 +13,7 @@ namespace wholehand::test {
 namespace {
 
 DeviceAxis axisOf(const char* name, AxisKind kind, double lower, double upper, double speed) {
-  DeviceAxis axis;
-  axis.name = name;
-  axis.kind = kind;
-  axis.lower = lower;
-  axis.upper = upper;
-  axis.speed_limit = speed;
+  DeviceAxis axis{.name = name, .kind = kind, .lower = lower, .upper = upper, .speed_limit = speed};
   if (std::string(name).find('_') != std::string::npos) axis.group = AxisGroup::kHand;
   return axis;
 }

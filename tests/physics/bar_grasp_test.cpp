@@ -1,15 +1,12 @@
 // An upright bottle that stands fixed, taken in the power grasp as at the bar, through the whole
 // renderer: what the squeeze, the thumb, the fingers' backs and the first touch are like.
-#include "physics/engine_bench.hpp"
-#include "physics/still_hand.hpp"
+#include "physics/power_grasp.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
 
 namespace wholehand::test {
 namespace {
-
-constexpr double kLever_m = 0.08;
 
 SceneBody bottle(const Eigen::Vector3d& at_m) {
   SceneBody body = ball(at_m, 0.025, 0.0);
@@ -19,37 +16,13 @@ SceneBody bottle(const Eigen::Vector3d& at_m) {
   return body;
 }
 
-/// A person who moves the hand to the bottle, closes it, and then holds fingers and thumb at an
-/// effort at the tips.
-struct BarGrasp {
-  double tip_n;
-  AxisPosition q_m{6};
-  AxisEffort coupling{6};  ///< of the last tick
-  std::unique_ptr<Rig> rig;
-
-  BarGrasp(double effort_tip_n, double aside_m) : tip_n(effort_tip_n) {
-    Models m = load(shippedFiles());
-    // Where the power grasp wants it, seen from the hand's base.
-    m.scene.bodies = {bottle({0.049, 0.041 + aside_m, 0.004})};
-    q_m[1] = -0.1;
-    q_m[kFingers] = 65.0 * kDeg, q_m[kCircumduction] = 5.0 * kDeg;
-    rig = buildScripted(std::move(m), [this](int read) { return script(read); });
-  }
-  AxisPosition script(int read) {
-    if (read < 1000) {
-      q_m[1] = -0.1 * (1.0 - 1e-3 * read);
-    } else if (read < 1500) {
-      q_m[kCircumduction] += 0.03 * kDeg;
-    } else {
-      for (const int axis : {kFingers, kThumb}) {
-        const double missing_n = tip_n + coupling[axis] / kLever_m;
-        q_m[axis] += std::clamp(1e-3 * missing_n, -2e-3, 2e-3);
-        const DeviceAxis& range = rig->models.device.axes[axis];
-        q_m[axis] = std::clamp(q_m[axis], range.lower, range.upper);
-      }
-    }
-    return q_m;
-  }
+/// The bottle where the power grasp wants it, seen from the hand's base.
+struct BarGrasp : PowerGrasp {
+  BarGrasp(double effort_tip_n, double aside_m)
+      : PowerGrasp(effort_tip_n, bottle({0.049, 0.041 + aside_m, 0.004}), [this](int read) {
+          grasp(read);
+          return q_m;
+        }) {}
 };
 
 /// From this tick on the grasp has settled: until then a finger may slip by a hair, once.

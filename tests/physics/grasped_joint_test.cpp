@@ -1,7 +1,6 @@
 // The hand on handles of bodies that move on a joint, through the whole renderer: what opens them
 // is felt as the virtual work of the joint's force, and the grasp does not slip.
-#include "physics/engine_bench.hpp"
-#include "physics/still_hand.hpp"
+#include "physics/power_grasp.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -11,7 +10,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kLever_m = 0.08, kTip_n = 8.0;
+constexpr double kTip_n = 8.0;
 constexpr int kGrasped = 6000;  // ticks until the grasp has settled
 
 /// A vertical bar where the power grasp wants it, seen from the hand's base.
@@ -30,33 +29,13 @@ SceneBody handleBar(double radius_m, double mass_kg, const SceneJoint& joint) {
 
 /// A person who takes the bar, closes until kTip_n act at the tips, and then moves the hand as
 /// it is.
-struct PulledBar {
-  AxisPosition q_m{6};
-  AxisEffort coupling{6};  ///< of the last tick
-  std::unique_ptr<Rig> rig;
+struct PulledBar : PowerGrasp {
   std::function<Eigen::Vector3d(int)> way;  ///< of the hand, by ticks since kGrasped
 
   PulledBar(const SceneBody& bar, std::function<Eigen::Vector3d(int)> moves)
-      : way(std::move(moves)) {
-    Models m = load(shippedFiles());
-    m.scene.bodies = {bar};
-    q_m[1] = -0.1;
-    q_m[kFingers] = 65.0 * kDeg, q_m[kCircumduction] = 5.0 * kDeg;
-    rig = buildScripted(std::move(m), [this](int read) { return script(read); });
-  }
+      : PowerGrasp(kTip_n, bar, [this](int read) { return script(read); }), way(std::move(moves)) {}
   AxisPosition script(int read) {
-    if (read < 1000) {
-      q_m[1] = -0.1 * (1.0 - 1e-3 * read);
-    } else if (read < 1500) {
-      q_m[kCircumduction] += 0.03 * kDeg;
-    } else if (read < kGrasped) {
-      for (const int axis : {kFingers, kThumb}) {
-        const double missing_n = kTip_n + coupling[axis] / kLever_m;
-        q_m[axis] += std::clamp(1e-3 * missing_n, -2e-3, 2e-3);
-        const DeviceAxis& range = rig->models.device.axes[axis];
-        q_m[axis] = std::clamp(q_m[axis], range.lower, range.upper);
-      }
-    }
+    if (read < kGrasped) grasp(read);
     if (read > kGrasped) {
       const Eigen::Vector3d to = way(read - kGrasped);
       for (int a = 0; a < 3; ++a) q_m[a] = to[a];

@@ -12,13 +12,8 @@ namespace wholehand::test {
 namespace {
 
 DeviceAxis axisOf(const char* name, AxisKind kind, AxisGroup group, double limit, double lever_m) {
-  DeviceAxis axis;
-  axis.name = name;
-  axis.kind = kind;
-  axis.group = group;
-  axis.effort_limit = limit;
-  axis.lever_arm_m = lever_m;
-  return axis;
+  return {
+      .name = name, .kind = kind, .group = group, .effort_limit = limit, .lever_arm_m = lever_m};
 }
 
 /// A device with what LiveSettings makes of it, and what it does at given values.

@@ -79,7 +79,7 @@ inline CommissioningFacts sampleFailedStep() {
                          "balance it"});
   facts.question = 7;
   facts.asked = CommissioningFacts::Asked::kKnownForce;
-  facts.motion_state = CommissioningFacts::MotionState::kAwaitsKey;
+  facts.motion_state = MotionState::kAwaitsKey;
   return facts;
 }
 

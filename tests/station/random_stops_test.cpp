@@ -157,19 +157,12 @@ constexpr std::array<Script, 6> kScripts = {
     pressStart,       pressLoad, pressArm, pressPauseAgainAndAgain, pressStartAndReconnect,
     pressStartAndHide};
 
-class RandomStops : public Bar {
+class RandomStops : public ServedBar {
  protected:
   void open() {
     Bar::load(barConfig());
     station_->addSink([this](const TickRecord& record) { keep(record); });
-    ServerOptions options;
-    options.port = 0;
-    server_ = orThrow(Server::open(*station_, options, controls_));
-    run(false);
-  }
-  void TearDown() override {
-    Bar::TearDown();
-    server_.reset();
+    serve();
   }
   /// The newest session that has pushed. All records of one come before the next one begins.
   void keep(const TickRecord& record) {
@@ -195,8 +188,6 @@ class RandomStops : public Bar {
     }
   }
 
-  ControlsArbiter controls_;
-  std::unique_ptr<Server> server_;
   std::atomic<std::uint32_t> pushed_{0};
 };
 

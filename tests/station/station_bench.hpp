@@ -1,7 +1,9 @@
 #pragma once
 
 // A station on a thread of its own, asked as clients ask it. In real time.
+#include "server/server.hpp"
 #include "support/bar_station.hpp"
+#include "support/figure.hpp"
 #include "support/folder.hpp"
 #include "support/watched_main.hpp"
 
@@ -178,6 +180,24 @@ class Bar : public testing::Test {
   std::unique_ptr<Station> station_;
   std::atomic<std::uint64_t> records_{0}, last_{0};
   std::thread thread_;
+};
+
+/// The same, and pages may connect.
+class ServedBar : public Bar {
+ protected:
+  void serve() {
+    ServerOptions options;
+    options.port = 0;
+    server_ = orThrow(Server::open(*station_, options, controls_));
+    run(false);
+  }
+  void TearDown() override {
+    Bar::TearDown();
+    server_.reset();
+  }
+
+  ControlsArbiter controls_;
+  std::unique_ptr<Server> server_;
 };
 
 }  // namespace wholehand::test

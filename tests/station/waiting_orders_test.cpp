@@ -535,18 +535,11 @@ TEST_F(PressesAroundAnArming, ArmThatFails_LeavesTheRest) {
 
 // ---- over a line, with a rehearsal
 
-class ArmOverALine : public Bar {
+class ArmOverALine : public ServedBar {
  protected:
   void open() {
     load(barConfig());
-    ServerOptions options;
-    options.port = 0;
-    server_ = orThrow(Server::open(*station_, options, controls_));
-    run(false);
-  }
-  void TearDown() override {
-    Bar::TearDown();
-    server_.reset();
+    serve();
   }
   /// A therapist, who needs no controls, and who is shown how far it is.
   std::unique_ptr<WebSocket> armsAndSeesTheRehearsal() {
@@ -599,8 +592,6 @@ class ArmOverALine : public Bar {
   }
 
   std::string refusals_;  ///< that were heard
-  ControlsArbiter controls_;
-  std::unique_ptr<Server> server_;
 };
 
 TEST_F(ArmOverALine, OfAPlayerWhoRestsMeanwhile_GoesOnByTheNextPress) {

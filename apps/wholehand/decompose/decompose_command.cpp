@@ -281,14 +281,6 @@ Expected<ClosedSurface> readSolid(const DecomposeOptions& o) {
   return solid;
 }
 
-Shape shapeOf(const MeshSurface& surface) {
-  Shape shape;
-  shape.type = ShapeType::kConvexMesh;
-  shape.points_m = surface.points;
-  shape.triangles = surface.triangles;
-  return shape;
-}
-
 std::vector<Shape> shapesOf(const std::vector<MeshSurface>& pieces) {
   std::vector<Shape> shapes;
   for (const MeshSurface& piece : pieces) shapes.push_back(shapeOf(piece));

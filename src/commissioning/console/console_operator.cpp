@@ -19,9 +19,6 @@ constexpr std::size_t kLongestAnswer = 64;
 
 static_assert(static_cast<int>(Question::About::kNextStep) + 1 ==
               static_cast<int>(Facts::Asked::kNextStep));
-static_assert(static_cast<int>(Motion::What::kEmergencyStop) ==
-              static_cast<int>(Facts::Motion::kEmergencyStop));
-static_assert(static_cast<int>(MotionState::kOver) == static_cast<int>(Facts::MotionState::kOver));
 
 std::vector<int> placesOf(const std::vector<int>& steps) {
   std::vector<int> places(kCommissioningSteps, -1);
@@ -128,8 +125,8 @@ void ConsoleOperator::tellStep(const StepNews& news) {
 void ConsoleOperator::tellMotion(const Motion& motion, MotionState state) {
   const std::lock_guard lock(mutex_);
   publish([&](Facts& f) {
-    f.motion = static_cast<Facts::Motion>(motion.what);
-    f.motion_state = static_cast<Facts::MotionState>(state);
+    f.motion = motion.what;
+    f.motion_state = state;
     f.motion_s = motion.duration_s;
     f.axis = motion.axis;
     if (state != MotionState::kOver) f.note.clear();

@@ -17,7 +17,13 @@ constexpr double kPushed = 0.12;      // of the range
 constexpr double kRulerReads = 1e-3;  // of what it measures
 constexpr int kPressAfter_looks = 500;
 
-wh_axis describe(const DeviceAxis& axis, double delay_s) {
+double beyond(const DeviceAxis& axis) {
+  return kBeyondRange * (axis.upper - axis.lower);
+}
+
+}  // namespace
+
+wh_axis driverAxis(const DeviceAxis& axis, double delay_s) {
   wh_axis out{};
   out.size = sizeof out;
   std::strncpy(out.name, axis.name.c_str(), sizeof out.name - 1);
@@ -33,17 +39,11 @@ wh_axis describe(const DeviceAxis& axis, double delay_s) {
   return out;
 }
 
-double beyond(const DeviceAxis& axis) {
-  return kBeyondRange * (axis.upper - axis.lower);
-}
-
-}  // namespace
-
 SimulatedPlant::SimulatedPlant(const DeviceModel& model, double period_s)
     : model_(model), period_ns_(std::llround(1e9 * period_s)), pulls_(model.axes.size(), 0.0) {
   identity_ = {"simulated", "simulated", "", "", true};
   for (const DeviceAxis& axis : model_.axes) {
-    axes_.push_back(describe(axis, model.output_delay_ticks * period_s));
+    axes_.push_back(driverAxis(axis, model.output_delay_ticks * period_s));
     AxisPlant plant;
     plant.mass = axis.mass;
     plant.damping = axis.damping;

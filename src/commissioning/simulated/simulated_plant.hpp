@@ -14,6 +14,9 @@
 
 namespace wholehand {
 
+/// An axis as a driver describes it: WH_LOCKS, a watchdog of 20 ms.
+[[nodiscard]] wh_axis driverAxis(const DeviceAxis& axis, double delay_s);
+
 /// A device that is what its file says, with its clock: commissioning is learned on it. Each axis
 /// has the file's mass, friction, weight, delay and encoder, stops 1 % beyond its range, a watchdog
 /// of 20 ms and an emergency stop. While it is disabled a brake holds it. A tick is one period of

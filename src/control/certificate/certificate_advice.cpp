@@ -76,15 +76,6 @@ double verified(const AxisCase& c, double k_pm) {
   return 0.0;
 }
 
-CertificateInput withGains(CertificateInput input, const std::vector<NearestGains>& nearest) {
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    input.rendering.axes[i].k_pm = nearest[i].k_pm;
-    input.rendering.axes[i].k_dm = nearest[i].k_dm;
-    input.rendering.axes[i].armature = nearest[i].armature;
-  }
-  return input;
-}
-
 double roundedUp(double value) {
   const double below = roundedDown(value);
   return below < value ? roundedDown(1.0101 * value) : below;
@@ -144,6 +135,15 @@ bool softenForCoupled(CertificateInput& input) {
 }
 
 }  // namespace
+
+CertificateInput withGains(CertificateInput input, const std::vector<NearestGains>& nearest) {
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    input.rendering.axes[i].k_pm = nearest[i].k_pm;
+    input.rendering.axes[i].k_dm = nearest[i].k_dm;
+    input.rendering.axes[i].armature = nearest[i].armature;
+  }
+  return input;
+}
 
 bool holds(const AxisCase& c) {
   return c.gains.k_pm <= quantisationLeaves(c) && followed(c) && dampedEnough(c, kAllFrequencies) &&

@@ -44,6 +44,9 @@ struct AxisAdvice {
 [[nodiscard]] std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& input,
                                                                     const Certificate& judged);
 
+[[nodiscard]] CertificateInput withGains(CertificateInput input,
+                                         const std::vector<NearestGains>& nearest);
+
 /// True when two axes differ only in their names (and by at most 1e-4 of the avatar's inertia).
 /// They share advice and chart.
 [[nodiscard]] bool sameCase(const AxisCase& a, const AxisCase& b);

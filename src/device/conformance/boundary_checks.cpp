@@ -156,38 +156,35 @@ CheckFinding axisSize(DriverBench& bench) {
 constexpr const char* kBuild = "build it with this version's wholehand/device.h";
 constexpr const char* kBeyond = "touch no field that lies beyond the size that the caller has set";
 using enum DriverStage;
-constexpr Effect kLooks = Effect::kLooks;
-
-constexpr Check kChecks[] = {
-    {"boundary.loads", "the shared object loads, and all its symbols are found",
-     "link it with every library it needs", kLooks, kFile, loads},
-    {"boundary.symbol", "exports wh_plugin_v1", kBuild, kLooks, kLoaded, symbol},
-    {"boundary.same", "wh_plugin_v1 gives one structure, the same at every call",
-     "return the address of a static structure", kLooks, kLoaded, same},
-    {"boundary.size", "wh_plugin holds the six functions", "set size to sizeof(wh_plugin)", kLooks,
-     kLoaded, size},
-    {"boundary.major", "is built for this major version", kBuild, kLooks, kLoaded, major},
-    {"boundary.minor", "minor version and size belong together",
-     "set major, minor and size from the header", kLooks, kLoaded, minor},
-    {"boundary.functions", "none of the six functions is null",
-     "write all six; what a device cannot do returns WH_UNSUPPORTED", kLooks, kLoaded, functions},
-    {"boundary.flags", "only known flags are set", "set WH_NEVER_WAITS or 0", kLooks, kPlugin,
-     flags},
-    {"boundary.name", "has a name for a person: one line, at most 63 bytes", "set wh_plugin.name",
-     kLooks, kPlugin, name},
-    {"boundary.older_sample", "read touches nothing beyond the size of a shorter sample", kBeyond,
-     kLooks, kOpen, olderSample},
-    {"boundary.newer_sample", "read fills a longer sample as far as it knows it", kBeyond, kLooks,
-     kOpen, newerSample},
-    {"boundary.capacity", "describe fills no more axes than there is room for",
-     "stop at capacity; say in *count how many there are", kLooks, kOpen, capacity},
-    {"boundary.axis_size", "describe leaves the sizes of the axes as they are",
-     "leave wh_axis.size to the caller", kLooks, kOpen, axisSize},
-};
 
 }  // namespace
 
 std::span<const Check> boundaryChecks() {
+  static constexpr Check kChecks[] = {
+      {"boundary.loads", "the shared object loads, and all its symbols are found",
+       "link it with every library it needs", loads, kFile},
+      {"boundary.symbol", "exports wh_plugin_v1", kBuild, symbol, kLoaded},
+      {"boundary.same", "wh_plugin_v1 gives one structure, the same at every call",
+       "return the address of a static structure", same, kLoaded},
+      {"boundary.size", "wh_plugin holds the six functions", "set size to sizeof(wh_plugin)", size,
+       kLoaded},
+      {"boundary.major", "is built for this major version", kBuild, major, kLoaded},
+      {"boundary.minor", "minor version and size belong together",
+       "set major, minor and size from the header", minor, kLoaded},
+      {"boundary.functions", "none of the six functions is null",
+       "write all six; what a device cannot do returns WH_UNSUPPORTED", functions, kLoaded},
+      {"boundary.flags", "only known flags are set", "set WH_NEVER_WAITS or 0", flags, kPlugin},
+      {"boundary.name", "has a name for a person: one line, at most 63 bytes", "set wh_plugin.name",
+       name, kPlugin},
+      {"boundary.older_sample", "read touches nothing beyond the size of a shorter sample", kBeyond,
+       olderSample},
+      {"boundary.newer_sample", "read fills a longer sample as far as it knows it", kBeyond,
+       newerSample},
+      {"boundary.capacity", "describe fills no more axes than there is room for",
+       "stop at capacity; say in *count how many there are", capacity},
+      {"boundary.axis_size", "describe leaves the sizes of the axes as they are",
+       "leave wh_axis.size to the caller", axisSize},
+  };
   return kChecks;
 }
 

@@ -45,9 +45,9 @@ struct Check {
   const char* id;      ///< "samples.sequence"
   const char* asks;    ///< the requirement, one line
   const char* remedy;  ///< advice to the driver's author
-  Effect effect;
-  DriverStage before;  ///< stage that the driver is brought to first
   CheckFinding (*look)(DriverBench&);
+  DriverStage before = DriverStage::kOpen;  ///< stage that the driver is brought to first
+  Effect effect = before == DriverStage::kEnabled ? Effect::kMoves : Effect::kLooks;
 };
 
 /// Checks that share one process and, from DriverStage::kOpen on, one device.

@@ -245,46 +245,43 @@ CheckFinding beyondLimit(DriverBench& bench) {
 
 constexpr const char* kFinite = "return WH_FAILED from write for what is not finite";
 constexpr const char* kCount = "return WH_FAILED from write for another number of axes";
-constexpr Effect kMoves = Effect::kMoves;
-constexpr DriverStage kEnabled = DriverStage::kEnabled;
-
-constexpr Check kChecks[] = {
-    {"commands.neutral", "a command of zeros is taken", "is it enabled?", kMoves, kEnabled,
-     neutral},
-    {"commands.often", "50 commands at once are taken", "hand over the newest command only", kMoves,
-     kEnabled, often},
-    {"commands.sequence_skips", "a sequence that skips is taken",
-     "a host writes the newest command: require only that it is another", kMoves, kEnabled,
-     sequenceSkips},
-    {"commands.sequence_restarts", "after WH_ENABLE the sequence may begin at 1 again",
-     "forget the last sequence at WH_ENABLE", kMoves, kEnabled, sequenceRestarts},
-    {"commands.longer", "a longer command of a newer program is taken",
-     "accept every size that is not smaller than yours", kMoves, kEnabled, longerCommand},
-    {"commands.fewer_axes", "a command of too few axes is not carried out", kCount, kMoves,
-     kEnabled, fewerAxes},
-    {"commands.more_axes", "a command of too many axes is not carried out", kCount, kMoves,
-     kEnabled, moreAxes},
-    {"commands.nan", "NaN is not carried out", kFinite, kMoves, kEnabled, notANumber},
-    {"commands.infinity", "infinity is not carried out", kFinite, kMoves, kEnabled, infinite},
-    {"commands.after_bad", "after a bad command it goes on, or says that it is disabled",
-     "refuse the command, not the ones after it", kMoves, kEnabled, stillThereAfterBad},
-    {"commands.pulses", "a tenth of the limit is taken on every axis, both ways",
-     "return WH_FAILED only where the drive is in fault", kMoves, kEnabled, pulses},
-    {"commands.sign", "the effort measured has the sign of the one asked for",
-     "give the motor its sign in read and write alike", kMoves, kEnabled, measuredSign},
-    {"commands.neutral_again", "the effort measured goes back with the command",
-     "hold an effort until the next command, not longer", kMoves, kEnabled, neutralReturns},
-    {"commands.disabled_neutral", "WH_DISABLE takes the effort away",
-     "send neutral before disabling", kMoves, kEnabled, disabledIsNeutral},
-    {"commands.enabled_neutral", "WH_ENABLE begins at neutral", "forget the last command", kMoves,
-     kEnabled, enabledIsNeutral},
-    {"commands.beyond_limit", "1.5 times the limit is refused, or clipped with WH_SATURATED",
-     "clip to effort_limit and say so", Effect::kOverreaches, kEnabled, beyondLimit},
-};
+using enum DriverStage;
 
 }  // namespace
 
 std::span<const Check> commandChecks() {
+  static constexpr Check kChecks[] = {
+      {"commands.neutral", "a command of zeros is taken", "is it enabled?", neutral, kEnabled},
+      {"commands.often", "50 commands at once are taken", "hand over the newest command only",
+       often, kEnabled},
+      {"commands.sequence_skips", "a sequence that skips is taken",
+       "a host writes the newest command: require only that it is another", sequenceSkips,
+       kEnabled},
+      {"commands.sequence_restarts", "after WH_ENABLE the sequence may begin at 1 again",
+       "forget the last sequence at WH_ENABLE", sequenceRestarts, kEnabled},
+      {"commands.longer", "a longer command of a newer program is taken",
+       "accept every size that is not smaller than yours", longerCommand, kEnabled},
+      {"commands.fewer_axes", "a command of too few axes is not carried out", kCount, fewerAxes,
+       kEnabled},
+      {"commands.more_axes", "a command of too many axes is not carried out", kCount, moreAxes,
+       kEnabled},
+      {"commands.nan", "NaN is not carried out", kFinite, notANumber, kEnabled},
+      {"commands.infinity", "infinity is not carried out", kFinite, infinite, kEnabled},
+      {"commands.after_bad", "after a bad command it goes on, or says that it is disabled",
+       "refuse the command, not the ones after it", stillThereAfterBad, kEnabled},
+      {"commands.pulses", "a tenth of the limit is taken on every axis, both ways",
+       "return WH_FAILED only where the drive is in fault", pulses, kEnabled},
+      {"commands.sign", "the effort measured has the sign of the one asked for",
+       "give the motor its sign in read and write alike", measuredSign, kEnabled},
+      {"commands.neutral_again", "the effort measured goes back with the command",
+       "hold an effort until the next command, not longer", neutralReturns, kEnabled},
+      {"commands.disabled_neutral", "WH_DISABLE takes the effort away",
+       "send neutral before disabling", disabledIsNeutral, kEnabled},
+      {"commands.enabled_neutral", "WH_ENABLE begins at neutral", "forget the last command",
+       enabledIsNeutral, kEnabled},
+      {"commands.beyond_limit", "1.5 times the limit is refused, or clipped with WH_SATURATED",
+       "clip to effort_limit and say so", beyondLimit, kEnabled, Effect::kOverreaches},
+  };
   return kChecks;
 }
 

@@ -226,53 +226,45 @@ CheckFinding silencePlausible(DriverBench& bench) {
 
 constexpr const char* kFill = "fill every field of every axis";
 constexpr const char* kUnits = "use m, N, s, rad and N·m";
-constexpr Effect kLooks = Effect::kLooks;
-constexpr DriverStage kOpen = DriverStage::kOpen;
-
-constexpr Check kChecks[] = {
-    {"description.count", "has 1 to 16 axes", "offer fewer", kLooks, kOpen, count},
-    {"description.stable", "describes the same axes every time",
-     "find out once, when the device is opened", kLooks, kOpen, stable},
-    {"description.names_end", "names end with 0 within 32 bytes", "shorten the name", kLooks, kOpen,
-     namesEnd},
-    {"description.names", "names can stand in a device file", "use a to z, 0 to 9 and _", kLooks,
-     kOpen, names},
-    {"description.names_unique", "no name is there twice", "give every axis a name of its own",
-     kLooks, kOpen, namesUnique},
-    {"description.kinds", "each axis is a translation or a rotation",
-     "set WH_TRANSLATION or WH_ROTATION", kLooks, kOpen, kinds},
-    {"description.kinds_of_names", "x, y, z translate; roll, pitch, yaw rotate",
-     "name the axis after what it does", kLooks, kOpen, kindsOfNames},
-    {"description.meanings", "what an effort is to each axis is known", "set effort_meaning",
-     kLooks, kOpen, meanings},
-    {"description.rendered", "at least one axis takes an effort",
-     "a device without effort axes cannot be rendered to", kLooks, kOpen, rendered},
-    {"description.travel_finite", "travel is finite", kFill, kLooks, kOpen, travelFinite},
-    {"description.travel_ordered", "the lower end of travel is below the upper", "exchange them",
-     kLooks, kOpen, travelOrdered},
-    {"description.travel_plausible", "travel is 1 mm to 3 m, or 0.02 to 20 rad", kUnits, kLooks,
-     kOpen, travelPlausible},
-    {"description.effort_finite", "the effort limit is above 0", kFill, kLooks, kOpen,
-     effortFinite},
-    {"description.effort_plausible", "the effort limit is 0.01 to 500 N, or 0.0001 to 200 N·m",
-     kUnits, kLooks, kOpen, effortPlausible},
-    {"description.resolution_finite", "the resolution is above 0", kFill, kLooks, kOpen,
-     resolutionFinite},
-    {"description.resolution_plausible", "the travel has at least 100 steps of resolution", kUnits,
-     kLooks, kOpen, resolutionPlausible},
-    {"description.delay_finite", "the delay is 0 or more", kFill, kLooks, kOpen, delayFinite},
-    {"description.delay_plausible", "the delay is at most 20 ms", kUnits, kLooks, kOpen,
-     delayPlausible},
-    {"description.silence_finite", "the silence is 0 or more", kFill, kLooks, kOpen, silenceFinite},
-    {"description.watchdog", "each axis with effort has a watchdog",
-     "switch the drive's watchdog on and state its time", kLooks, kOpen, watchdogStated},
-    {"description.silence_plausible", "the watchdog acts within 0.2 s",
-     "keep the factory's setting; 20 ms is usual", kLooks, kOpen, silencePlausible},
-};
 
 }  // namespace
 
 std::span<const Check> descriptionChecks() {
+  static constexpr Check kChecks[] = {
+      {"description.count", "has 1 to 16 axes", "offer fewer", count},
+      {"description.stable", "describes the same axes every time",
+       "find out once, when the device is opened", stable},
+      {"description.names_end", "names end with 0 within 32 bytes", "shorten the name", namesEnd},
+      {"description.names", "names can stand in a device file", "use a to z, 0 to 9 and _", names},
+      {"description.names_unique", "no name is there twice", "give every axis a name of its own",
+       namesUnique},
+      {"description.kinds", "each axis is a translation or a rotation",
+       "set WH_TRANSLATION or WH_ROTATION", kinds},
+      {"description.kinds_of_names", "x, y, z translate; roll, pitch, yaw rotate",
+       "name the axis after what it does", kindsOfNames},
+      {"description.meanings", "what an effort is to each axis is known", "set effort_meaning",
+       meanings},
+      {"description.rendered", "at least one axis takes an effort",
+       "a device without effort axes cannot be rendered to", rendered},
+      {"description.travel_finite", "travel is finite", kFill, travelFinite},
+      {"description.travel_ordered", "the lower end of travel is below the upper", "exchange them",
+       travelOrdered},
+      {"description.travel_plausible", "travel is 1 mm to 3 m, or 0.02 to 20 rad", kUnits,
+       travelPlausible},
+      {"description.effort_finite", "the effort limit is above 0", kFill, effortFinite},
+      {"description.effort_plausible", "the effort limit is 0.01 to 500 N, or 0.0001 to 200 N·m",
+       kUnits, effortPlausible},
+      {"description.resolution_finite", "the resolution is above 0", kFill, resolutionFinite},
+      {"description.resolution_plausible", "the travel has at least 100 steps of resolution",
+       kUnits, resolutionPlausible},
+      {"description.delay_finite", "the delay is 0 or more", kFill, delayFinite},
+      {"description.delay_plausible", "the delay is at most 20 ms", kUnits, delayPlausible},
+      {"description.silence_finite", "the silence is 0 or more", kFill, silenceFinite},
+      {"description.watchdog", "each axis with effort has a watchdog",
+       "switch the drive's watchdog on and state its time", watchdogStated},
+      {"description.silence_plausible", "the watchdog acts within 0.2 s",
+       "keep the factory's setting; 20 ms is usual", silencePlausible},
+  };
   return kChecks;
 }
 

@@ -92,34 +92,30 @@ CheckFinding noneAfterUse(DriverBench& bench) {
   return passed();
 }
 
-constexpr Effect kLooks = Effect::kLooks;
 using enum DriverStage;
-
-constexpr Check kChecks[] = {
-    {"faults.drive", "no drive is in fault", "clear it as its maker says", kLooks, kOpen,
-     noDriveFault},
-    {"faults.homed", "the device is homed", "home it first", kLooks, kOpen, homed},
-    {"faults.code", "WH_DRIVE_FAULT comes with the maker's code", "set vendor_code", kLooks, kOpen,
-     faultHasCode},
-    {"faults.silenced", "it is not silenced before it was enabled",
-     "set WH_SILENCED when the watchdog has let go, not before", kLooks, kOpen, notSilenced},
-    {"faults.cool", "it is not hot before it was enabled", "let it cool", kLooks, kOpen,
-     coolAtRest},
-    {"faults.open_nothing", "an open that fails gives no device",
-     "set *device where open succeeds only", kLooks, kOpen, failedOpenGivesNothing},
-    {"faults.open_says", "an open that fails says why", "call host->say before returning", kLooks,
-     kOpen, failedOpenSaysWhy},
-    {"faults.lines", "what it says is one line of at most 200 bytes a call",
-     "one call of say a line, without its end", kLooks, kOpen, linesAreLines},
-    {"faults.read_disabled", "samples come after WH_DISABLE", "only write needs WH_ENABLE", kLooks,
-     kOpen, readsAfterDisable},
-    {"faults.in_use", "neutral commands for 0.1 s bring no fault", "look at the drive's own log",
-     Effect::kMoves, kEnabled, noneAfterUse},
-};
 
 }  // namespace
 
 std::span<const Check> faultChecks() {
+  static constexpr Check kChecks[] = {
+      {"faults.drive", "no drive is in fault", "clear it as its maker says", noDriveFault},
+      {"faults.homed", "the device is homed", "home it first", homed},
+      {"faults.code", "WH_DRIVE_FAULT comes with the maker's code", "set vendor_code",
+       faultHasCode},
+      {"faults.silenced", "it is not silenced before it was enabled",
+       "set WH_SILENCED when the watchdog has let go, not before", notSilenced},
+      {"faults.cool", "it is not hot before it was enabled", "let it cool", coolAtRest},
+      {"faults.open_nothing", "an open that fails gives no device",
+       "set *device where open succeeds only", failedOpenGivesNothing},
+      {"faults.open_says", "an open that fails says why", "call host->say before returning",
+       failedOpenSaysWhy},
+      {"faults.lines", "what it says is one line of at most 200 bytes a call",
+       "one call of say a line, without its end", linesAreLines},
+      {"faults.read_disabled", "samples come after WH_DISABLE", "only write needs WH_ENABLE",
+       readsAfterDisable},
+      {"faults.in_use", "neutral commands for 0.1 s bring no fault", "look at the drive's own log",
+       noneAfterUse, kEnabled},
+  };
   return kChecks;
 }
 

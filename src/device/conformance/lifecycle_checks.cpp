@@ -153,47 +153,44 @@ CheckFinding closeWhileEnabled(DriverBench& bench) {
                                         : passed();
 }
 
-constexpr Effect kLooks = Effect::kLooks, kMoves = Effect::kMoves;
 using enum DriverStage;
-
-constexpr Check kChecks[] = {
-    {"lifecycle.open", "the device opens", "is it connected and switched on? see --device-at",
-     kLooks, kPlugin, open},
-    {"lifecycle.open_disabled", "it is not enabled when it is opened",
-     "enable it at WH_ENABLE only", kLooks, kOpen, openNotEnabled},
-    {"lifecycle.open_twice", "a second open is refused or gives a device of its own",
-     "keep nothing of a device in static variables", kLooks, kOpen, openTwice},
-    {"lifecycle.close_unused", "it closes without having been enabled, and opens again",
-     "undo in close all that open did", kLooks, kOpen, closeWithoutEnable},
-    {"lifecycle.files", "closing leaves no file open", "close what open has opened", kLooks, kOpen,
-     filesClosed},
-    {"lifecycle.disable_first", "WH_DISABLE succeeds where nothing is enabled",
-     "return WH_OK where there is nothing to do", kLooks, kOpen, disableFirst},
-    {"lifecycle.unknown_verb", "a verb that is not known is WH_UNSUPPORTED",
-     "return WH_UNSUPPORTED by default", kLooks, kOpen, unknownVerb},
-    {"lifecycle.identify", "WH_IDENTIFY succeeds or is WH_UNSUPPORTED",
-     "return WH_UNSUPPORTED where it cannot show itself", kLooks, kOpen, identify},
-    {"lifecycle.enable", "WH_ENABLE is followed by samples that say WH_ENABLED",
-     "release the emergency stop; report the drive's own state", kMoves, kOpen, enable},
-    {"lifecycle.enable_twice", "WH_ENABLE succeeds where it is enabled",
-     "return WH_OK where there is nothing to do", kMoves, kEnabled, enableTwice},
-    {"lifecycle.disable", "WH_DISABLE is followed by samples without WH_ENABLED",
-     "report the drive's own state", kMoves, kEnabled, disable},
-    {"lifecycle.disable_twice", "WH_DISABLE succeeds a second time",
-     "return WH_OK where there is nothing to do", kMoves, kEnabled, disableTwice},
-    {"lifecycle.enable_again", "it is enabled and disabled again and again",
-     "undo at WH_DISABLE all that WH_ENABLE did", kMoves, kEnabled, enableAgain},
-    {"lifecycle.close_enabled", "closing while enabled disables it",
-     "take it to neutral and disable it in close", kMoves, kEnabled, closeWhileEnabled},
-    {"lifecycle.write_disabled", "a command is refused or without effect while disabled",
-     "return WH_FAILED from write where it is not enabled", kMoves, kOpen, writeDisabled},
-    {"lifecycle.self_test", "WH_SELF_TEST succeeds or is WH_UNSUPPORTED",
-     "return WH_UNSUPPORTED where there is none", kMoves, kOpen, selfTest},
-};
 
 }  // namespace
 
 std::span<const Check> lifecycleChecks() {
+  static constexpr Check kChecks[] = {
+      {"lifecycle.open", "the device opens", "is it connected and switched on? see --device-at",
+       open, kPlugin},
+      {"lifecycle.open_disabled", "it is not enabled when it is opened",
+       "enable it at WH_ENABLE only", openNotEnabled},
+      {"lifecycle.open_twice", "a second open is refused or gives a device of its own",
+       "keep nothing of a device in static variables", openTwice},
+      {"lifecycle.close_unused", "it closes without having been enabled, and opens again",
+       "undo in close all that open did", closeWithoutEnable},
+      {"lifecycle.files", "closing leaves no file open", "close what open has opened", filesClosed},
+      {"lifecycle.disable_first", "WH_DISABLE succeeds where nothing is enabled",
+       "return WH_OK where there is nothing to do", disableFirst},
+      {"lifecycle.unknown_verb", "a verb that is not known is WH_UNSUPPORTED",
+       "return WH_UNSUPPORTED by default", unknownVerb},
+      {"lifecycle.identify", "WH_IDENTIFY succeeds or is WH_UNSUPPORTED",
+       "return WH_UNSUPPORTED where it cannot show itself", identify},
+      {"lifecycle.enable", "WH_ENABLE is followed by samples that say WH_ENABLED",
+       "release the emergency stop; report the drive's own state", enable, kOpen, Effect::kMoves},
+      {"lifecycle.enable_twice", "WH_ENABLE succeeds where it is enabled",
+       "return WH_OK where there is nothing to do", enableTwice, kEnabled},
+      {"lifecycle.disable", "WH_DISABLE is followed by samples without WH_ENABLED",
+       "report the drive's own state", disable, kEnabled},
+      {"lifecycle.disable_twice", "WH_DISABLE succeeds a second time",
+       "return WH_OK where there is nothing to do", disableTwice, kEnabled},
+      {"lifecycle.enable_again", "it is enabled and disabled again and again",
+       "undo at WH_DISABLE all that WH_ENABLE did", enableAgain, kEnabled},
+      {"lifecycle.close_enabled", "closing while enabled disables it",
+       "take it to neutral and disable it in close", closeWhileEnabled, kEnabled},
+      {"lifecycle.write_disabled", "a command is refused or without effect while disabled",
+       "return WH_FAILED from write where it is not enabled", writeDisabled, kOpen, Effect::kMoves},
+      {"lifecycle.self_test", "WH_SELF_TEST succeeds or is WH_UNSUPPORTED",
+       "return WH_UNSUPPORTED where there is none", selfTest, kOpen, Effect::kMoves},
+  };
   return kChecks;
 }
 

@@ -253,49 +253,39 @@ CheckFinding temperatureKnown(DriverBench& bench) {
 constexpr const char* kSequence = "count samples, and never start anew while the device is open";
 constexpr const char* kClock = "take clock_gettime(CLOCK_MONOTONIC) when the sample arrives";
 constexpr const char* kNan = "NaN where the device does not know";
-constexpr Effect kLooks = Effect::kLooks;
-constexpr DriverStage kOpen = DriverStage::kOpen;
-
-constexpr Check kChecks[] = {
-    {"samples.succeed", "every read of a device at rest succeeds",
-     "hand over the last sample where no new one has come", kLooks, kOpen, succeed},
-    {"samples.results", "read returns WH_OK, WH_NOTHING_NEW or an error",
-     "return one of the header's values", kLooks, kOpen, results},
-    {"samples.status", "only known bits of status are set", "clear the structure first", kLooks,
-     kOpen, status},
-    {"samples.sequence", "sequence never runs backwards", kSequence, kLooks, kOpen, sequence},
-    {"samples.moves_on", "a new sample comes within 20 ms", "look at the bus", kLooks, kOpen,
-     movesOn},
-    {"samples.new", "WH_OK and WH_NOTHING_NEW agree with the sequence", kSequence, kLooks, kOpen,
-     newIsNew},
-    {"samples.nothing_new", "WH_NOTHING_NEW comes with the last sample", "keep a copy of it",
-     kLooks, kOpen, filledWithLast},
-    {"samples.clock", "monotonic_ns never runs backwards", kClock, kLooks, kOpen, clockForwards},
-    {"samples.clock_monotonic", "monotonic_ns is of CLOCK_MONOTONIC", kClock, kLooks, kOpen,
-     clockIsMonotonic},
-    {"samples.age", "samples are no older than the stated delay and 3 ms",
-     "hand over the newest sample, not the next", kLooks, kOpen, age},
-    {"samples.clock_rate", "monotonic_ns goes on as fast as the clock", kClock, kLooks, kOpen,
-     clockRate},
-    {"samples.valid_described", "valid names no axis that is not described",
-     "set one bit per described axis", kLooks, kOpen, validDescribed},
-    {"samples.valid", "every axis is measured in every sample",
-     "the loop stops where one is missing: look at the encoder", kLooks, kOpen, validComplete},
-    {"samples.position_finite", "positions that are valid are finite",
-     "clear the bit of valid where there is no position", kLooks, kOpen, positionFinite},
-    {"samples.travel", "a homed axis stands within its travel and 2 % of it",
-     "home it anew, and state the travel it has", kLooks, kOpen, positionInTravel},
-    {"samples.resolution", "positions move in steps no coarser than stated",
-     "state the steps that it has, and certify again", kLooks, kOpen, quantised},
-    {"samples.effort", "measured efforts are NaN or below twice the limit", kNan, kLooks, kOpen,
-     effortKnown},
-    {"samples.temperature", "temperatures are NaN or from -40 to 200 °C", kNan, kLooks, kOpen,
-     temperatureKnown},
-};
 
 }  // namespace
 
 std::span<const Check> sampleChecks() {
+  static constexpr Check kChecks[] = {
+      {"samples.succeed", "every read of a device at rest succeeds",
+       "hand over the last sample where no new one has come", succeed},
+      {"samples.results", "read returns WH_OK, WH_NOTHING_NEW or an error",
+       "return one of the header's values", results},
+      {"samples.status", "only known bits of status are set", "clear the structure first", status},
+      {"samples.sequence", "sequence never runs backwards", kSequence, sequence},
+      {"samples.moves_on", "a new sample comes within 20 ms", "look at the bus", movesOn},
+      {"samples.new", "WH_OK and WH_NOTHING_NEW agree with the sequence", kSequence, newIsNew},
+      {"samples.nothing_new", "WH_NOTHING_NEW comes with the last sample", "keep a copy of it",
+       filledWithLast},
+      {"samples.clock", "monotonic_ns never runs backwards", kClock, clockForwards},
+      {"samples.clock_monotonic", "monotonic_ns is of CLOCK_MONOTONIC", kClock, clockIsMonotonic},
+      {"samples.age", "samples are no older than the stated delay and 3 ms",
+       "hand over the newest sample, not the next", age},
+      {"samples.clock_rate", "monotonic_ns goes on as fast as the clock", kClock, clockRate},
+      {"samples.valid_described", "valid names no axis that is not described",
+       "set one bit per described axis", validDescribed},
+      {"samples.valid", "every axis is measured in every sample",
+       "the loop stops where one is missing: look at the encoder", validComplete},
+      {"samples.position_finite", "positions that are valid are finite",
+       "clear the bit of valid where there is no position", positionFinite},
+      {"samples.travel", "a homed axis stands within its travel and 2 % of it",
+       "home it anew, and state the travel it has", positionInTravel},
+      {"samples.resolution", "positions move in steps no coarser than stated",
+       "state the steps that it has, and certify again", quantised},
+      {"samples.effort", "measured efforts are NaN or below twice the limit", kNan, effortKnown},
+      {"samples.temperature", "temperatures are NaN or from -40 to 200 °C", kNan, temperatureKnown},
+  };
   return kChecks;
 }
 

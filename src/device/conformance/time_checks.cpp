@@ -147,40 +147,33 @@ constexpr const char* kThread =
     "talk to the bus in a thread of your own, hand over the newest value";
 constexpr const char* kBuffers = "allocate in open what read and write need";
 constexpr const char* kSay = "say is not for read and write: set vendor_code";
-constexpr Effect kLooks = Effect::kLooks, kMoves = Effect::kMoves;
 using enum DriverStage;
-
-constexpr Check kChecks[] = {
-    {"time.read_wall", "read returns within 20 ms", kThread, kLooks, kOpen, of<wallTime, readOnce>},
-    {"time.read_cpu", "read takes at most 100 µs of CPU time", kThread, kLooks, kOpen,
-     of<cpuTime, readOnce>},
-    {"time.read_waits", "with WH_NEVER_WAITS read does not wait", kThread, kLooks, kOpen,
-     of<waits, readOnce>},
-    {"time.read_calls", "with WH_NEVER_WAITS read makes no system call that sleeps or opens",
-     kThread, kLooks, kOpen, of<systemCalls, readOnce>},
-    {"time.read_allocations", "read allocates nothing", kBuffers, kLooks, kOpen,
-     of<allocations, readOnce>},
-    {"time.read_processes", "read starts no process", kThread, kLooks, kOpen,
-     of<processes, readOnce>},
-    {"time.read_says", "read does not call say", kSay, kLooks, kOpen, of<says, readOnce>},
-    {"time.write_wall", "write returns within 20 ms", kThread, kMoves, kEnabled,
-     of<wallTime, writeOnce>},
-    {"time.write_cpu", "write takes at most 100 µs of CPU time", kThread, kMoves, kEnabled,
-     of<cpuTime, writeOnce>},
-    {"time.write_waits", "with WH_NEVER_WAITS write does not wait", kThread, kMoves, kEnabled,
-     of<waits, writeOnce>},
-    {"time.write_calls", "with WH_NEVER_WAITS write makes no system call that sleeps or opens",
-     kThread, kMoves, kEnabled, of<systemCalls, writeOnce>},
-    {"time.write_allocations", "write allocates nothing", kBuffers, kMoves, kEnabled,
-     of<allocations, writeOnce>},
-    {"time.write_processes", "write starts no process", kThread, kMoves, kEnabled,
-     of<processes, writeOnce>},
-    {"time.write_says", "write does not call say", kSay, kMoves, kEnabled, of<says, writeOnce>},
-};
 
 }  // namespace
 
 std::span<const Check> timeChecks() {
+  static constexpr Check kChecks[] = {
+      {"time.read_wall", "read returns within 20 ms", kThread, of<wallTime, readOnce>},
+      {"time.read_cpu", "read takes at most 100 µs of CPU time", kThread, of<cpuTime, readOnce>},
+      {"time.read_waits", "with WH_NEVER_WAITS read does not wait", kThread, of<waits, readOnce>},
+      {"time.read_calls", "with WH_NEVER_WAITS read makes no system call that sleeps or opens",
+       kThread, of<systemCalls, readOnce>},
+      {"time.read_allocations", "read allocates nothing", kBuffers, of<allocations, readOnce>},
+      {"time.read_processes", "read starts no process", kThread, of<processes, readOnce>},
+      {"time.read_says", "read does not call say", kSay, of<says, readOnce>},
+      {"time.write_wall", "write returns within 20 ms", kThread, of<wallTime, writeOnce>, kEnabled},
+      {"time.write_cpu", "write takes at most 100 µs of CPU time", kThread, of<cpuTime, writeOnce>,
+       kEnabled},
+      {"time.write_waits", "with WH_NEVER_WAITS write does not wait", kThread, of<waits, writeOnce>,
+       kEnabled},
+      {"time.write_calls", "with WH_NEVER_WAITS write makes no system call that sleeps or opens",
+       kThread, of<systemCalls, writeOnce>, kEnabled},
+      {"time.write_allocations", "write allocates nothing", kBuffers, of<allocations, writeOnce>,
+       kEnabled},
+      {"time.write_processes", "write starts no process", kThread, of<processes, writeOnce>,
+       kEnabled},
+      {"time.write_says", "write does not call say", kSay, of<says, writeOnce>, kEnabled},
+  };
   return kChecks;
 }
 

@@ -132,28 +132,26 @@ CheckFinding dropped(DriverBench& bench) {
 }
 
 constexpr const char* kLatch = "stay silenced until WH_ENABLE: the person must arm again";
-constexpr Effect kMoves = Effect::kMoves;
-constexpr DriverStage kEnabled = DriverStage::kEnabled;
-
-constexpr Check kChecks[] = {
-    {"watchdog.before_first", "it does not let go for 1 s before the first command",
-     "begin with the first command, or feed the drive until then", kMoves, kEnabled, beforeFirst},
-    {"watchdog.fed", "it does not let go while commands come", "feed the drive with every command",
-     kMoves, kEnabled, fed},
-    {"watchdog.silenced", "without commands it lets go within silence_s, and says WH_SILENCED",
-     "switch the drive's watchdog on, and report it", kMoves, kEnabled, silenced},
-    {"watchdog.neutral", "then it gives no effort", "let the drive go to neutral by itself", kMoves,
-     kEnabled, gone},
-    {"watchdog.latched", "then commands do not bring it back", kLatch, kMoves, kEnabled, latched},
-    {"watchdog.enable", "then WH_DISABLE and WH_ENABLE do", "clear it at WH_ENABLE", kMoves,
-     kEnabled, enabledAnew},
-    {"watchdog.dropped", "after WH_DROP_WATCHDOG it lets go although commands come",
-     "stop feeding the drive, or return WH_UNSUPPORTED", kMoves, kEnabled, dropped},
-};
+using enum DriverStage;
 
 }  // namespace
 
 std::span<const Check> watchdogChecks() {
+  static constexpr Check kChecks[] = {
+      {"watchdog.before_first", "it does not let go for 1 s before the first command",
+       "begin with the first command, or feed the drive until then", beforeFirst, kEnabled},
+      {"watchdog.fed", "it does not let go while commands come",
+       "feed the drive with every command", fed, kEnabled},
+      {"watchdog.silenced", "without commands it lets go within silence_s, and says WH_SILENCED",
+       "switch the drive's watchdog on, and report it", silenced, kEnabled},
+      {"watchdog.neutral", "then it gives no effort", "let the drive go to neutral by itself", gone,
+       kEnabled},
+      {"watchdog.latched", "then commands do not bring it back", kLatch, latched, kEnabled},
+      {"watchdog.enable", "then WH_DISABLE and WH_ENABLE do", "clear it at WH_ENABLE", enabledAnew,
+       kEnabled},
+      {"watchdog.dropped", "after WH_DROP_WATCHDOG it lets go although commands come",
+       "stop feeding the drive, or return WH_UNSUPPORTED", dropped, kEnabled},
+  };
   return kChecks;
 }
 

@@ -105,13 +105,20 @@ void readScoring(TomlTable& table, BarScoring& scoring) {
   }
 }
 
+/// The name of a table, added to `names`; one that an earlier table has is reported.
+std::string newName(TomlTable& t, std::vector<std::string>& names) {
+  std::string name = t.text("name");
+  (void)checkNewName(t, name, names);
+  names.push_back(name);
+  return name;
+}
+
 std::vector<BarLiquid> readLiquids(TomlTable& root, const Bottle& bottle) {
   std::vector<BarLiquid> liquids;
   std::vector<std::string> names;
   for (TomlTable& t : root.tables("liquids", 1)) {
     BarLiquid l;
-    l.name = t.text("name");
-    (void)checkNewName(t, l.name, names);
+    l.name = newName(t, names);
     l.color = t.text("color");
     if (t.isGood("color") && !isColor(l.color)) {
       t.fail("color", "is not a colour", "must be \"#RRGGBB\", e.g. \"#F6C636\"");
@@ -119,7 +126,6 @@ std::vector<BarLiquid> readLiquids(TomlTable& root, const Bottle& bottle) {
     l.pattern = t.choice("pattern", {"stripes", "dots", "waves", "rings"});
     l.symbol = t.choice("symbol", {"triangle", "circle", "square", "diamond"});
     l.viscosity_pa_s = readLiquid(t, bottle).nozzle.viscosity_pa_s;
-    names.push_back(l.name);
     liquids.push_back(l);
   }
   return liquids;
@@ -245,9 +251,7 @@ std::vector<DrinkPart> readDrinks(TomlTable& root, const std::vector<BarLiquid>&
   std::vector<std::string> names;
   for (TomlTable& t : root.tables("drinks", 1)) {
     DrinkPart drink;
-    drink.name = t.text("name");
-    (void)checkNewName(t, drink.name, names);
-    names.push_back(drink.name);
+    drink.name = newName(t, names);
     for (TomlTable& s : t.tables("steps", 1)) {
       drink.steps.push_back({liquidOf(s, liquids), s.number("amount_l", above(0.0, 10.0, "l"))});
       drink.sound = drink.sound && drink.steps.back().liquid >= 0 && s.isGood("amount_l");

@@ -40,7 +40,7 @@ constexpr double kGripEnd_s = 0.2;          // time to come to rest at the end o
 }  // namespace
 
 BarPlayer::BarPlayer(const BarLayout& layout, const PlayerTraits& traits)
-    : layout_(layout), traits_(traits) {
+    : ReachingPlayer(layout), traits_(traits) {
   BarPlayer::reset();
 }
 
@@ -67,7 +67,6 @@ void BarPlayer::reset() {
   character_.tremor_m = draw(0.0, 0.0003);
   character_.tremor_rad_s = 2.0 * std::numbers::pi * draw(7.0, 11.0);
   character_.tremor_phase = draw(0.0, 2.0 * std::numbers::pi);
-  start_ = AxisPosition(layout_.axes);
   const auto put = [this](int axis, double value) {
     if (axis >= 0) start_[axis] = std::clamp(value, layout_.lower[axis], layout_.upper[axis]);
   };
@@ -76,10 +75,8 @@ void BarPlayer::reset() {
   put(layout_.z, draw(-0.03, 0.03));
   put(layout_.fingers, draw(40.0, 80.0) * kDeg);
   put(layout_.turn, draw(2.0, 8.0) * kDeg);
-  q_ = start_;
-  qd_ = AxisVelocity(layout_.axes);
+  toStart();
   measured_ = start_;
-  lost_ = advanced_ = false;
   dispenser_ = drink_ = step_ = -1;
   tries_ = failures_ = 0;
   poured_before_l_ = poured_l_ = stalled_s_ = 0.0;
@@ -92,11 +89,9 @@ void BarPlayer::reset() {
 }
 
 void BarPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
-  advanced_ = true;
   period_s_ = period_s;
   since_s_ += period_s;
-  if (lost_) {
-    lost_ = false;
+  if (takesOver()) {
     go(near_ ? Phase::kOpen : touches_ ? Phase::kFree : Phase::kDrawBack, kSlowerAtFirst);
   }
   reach_.advance(period_s, q_, qd_);
@@ -107,14 +102,10 @@ void BarPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noex
 }
 
 void BarPlayer::see(const TickRecord& record) noexcept {
-  if (!advanced_ && record.intention.size() == layout_.axes) {
-    lost_ = true;
-    q_ = record.intention;
-    qd_ = AxisVelocity(layout_.axes);
+  if (steeredByOthers(record)) {
     near_ = comeNear(record);
     touches_ = record.contact_count > 0;
   }
-  advanced_ = false;
   if (record.q_m.size() == layout_.axes) measured_ = record.q_m;
   look_due_s_ -= period_s_ * record.elapsed_periods;
   if (look_due_s_ < 0.5 * period_s_) {

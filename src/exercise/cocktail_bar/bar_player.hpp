@@ -1,9 +1,7 @@
 #pragma once
 
-#include "exercise/cocktail_bar/bar_layout.hpp"
+#include "exercise/approach.hpp"
 #include "exercise/cocktail_bar/bar_record.hpp"
-#include "patient/player.hpp"
-#include "patient/reach.hpp"
 
 #include <array>
 #include <cstdint>
@@ -18,11 +16,10 @@ namespace wholehand {
 /// is given up. A failed grasp is repeated with another aim, whose error may grow every time. The
 /// seed sets the start pose, the accuracy, the strength and pace of this person, and the tremor;
 /// the hand opens no faster than its reflexes allow. Deterministic.
-class BarPlayer final : public Player {
+class BarPlayer final : public approach::ReachingPlayer {
  public:
   BarPlayer(const BarLayout& layout, const PlayerTraits& traits);
 
-  [[nodiscard]] AxisPosition start() const override { return start_; }
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
   WHOLEHAND_RT void see(const TickRecord& record) noexcept override;
@@ -81,22 +78,15 @@ class BarPlayer final : public Player {
   void tremble(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept;
   [[nodiscard]] bool wantsToGrasp(const BarStatus& seen) const noexcept;
 
-  BarLayout layout_;
   PlayerTraits traits_;
   std::uint64_t random_ = 0;
   Character character_;
-  AxisPosition start_;
 
   Phase phase_ = Phase::kWait;
   double since_s_ = 0.0;  // time in the present phase
   double period_s_ = 1e-3;
-  bool advanced_ = false;  // advance() was called since the last record
-  bool lost_ = false;      // someone else steered the hand ...
-  bool near_ = false;      // ... to a dispenser
+  bool near_ = false;      // someone else steered the hand to a dispenser
   bool touches_ = false;   // ... or against something
-  Reach reach_;
-  AxisPosition q_;
-  AxisVelocity qd_;
   AxisPosition measured_;  // device position of the newest record
 
   int dispenser_ = -1;  // dispenser to grasp; -1: none yet

@@ -3,6 +3,7 @@
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "exercise/cocktail_bar/bar.hpp"
+#include "exercise/exercise.hpp"
 
 #include <array>
 #include <cstddef>
@@ -59,8 +60,7 @@ inline constexpr std::array<const char*, static_cast<std::size_t>(BarEvent::kCou
 /// Adds an event to the record; dropped when it is full. Real-time safe.
 WHOLEHAND_RT inline void addEvent(ExerciseRecord& out, BarEvent type, int index = -1,
                                   double value = 0.0) noexcept {
-  if (out.event_count >= kMaxExerciseEvents) return;
-  out.events[out.event_count++] = ExerciseEvent{static_cast<std::int32_t>(type), index, value};
+  tell(out, static_cast<std::int32_t>(type), index, value);
 }
 
 /// Values of the bar in ExerciseRecord::values. They are followed by left_l/<liquid> of each

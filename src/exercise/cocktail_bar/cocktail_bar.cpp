@@ -54,12 +54,6 @@ class CocktailBar final : public Exercise {
     }
     reset();
   }
-  CocktailBar(const CocktailBar&) = delete;
-  CocktailBar& operator=(const CocktailBar&) = delete;
-
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
-    return description_;
-  }
 
   void reset() override {
     serving_.reset();
@@ -281,7 +275,6 @@ class CocktailBar final : public Exercise {
   const std::vector<std::uint32_t> axes_of_capsule_;
   const BarParameters parameters_;
   HandPosture posture_;
-  ExerciseDescription description_;
   BodySet targets_;
   Serving serving_;
   Pouring pouring_;

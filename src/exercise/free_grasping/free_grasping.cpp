@@ -30,10 +30,6 @@ class FreeGrasping final : public Exercise {
     const std::size_t shown = std::min(scene.bodies.size(), query_.targets.size());
     for (std::size_t i = 0; i < shown; ++i) query_.targets.set(i);
   }
-
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
-    return description_;
-  }
   void reset() override {}
   [[nodiscard]] WorldQuery query() const noexcept override { return query_; }
 
@@ -52,7 +48,6 @@ class FreeGrasping final : public Exercise {
 
  private:
   int axes_;
-  ExerciseDescription description_;
   WorldQuery query_;
 };
 

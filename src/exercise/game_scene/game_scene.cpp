@@ -36,10 +36,6 @@ class GameScene final : public Exercise {
                                 "quarantined", "refused", "touched"};
     description_.json = R"({"kind":"game_scene"})";
   }
-
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
-    return description_;
-  }
   void reset() override {
     reported_ = {};
     touches_ = {};
@@ -67,13 +63,6 @@ class GameScene final : public Exercise {
   }
 
  private:
-  /// False when the tick's events are full: reported in a later tick.
-  static bool tell(ExerciseRecord& out, Event event, int slot, double value) noexcept {
-    if (out.event_count == kMaxExerciseEvents) return false;
-    out.events[out.event_count++] = {event, slot, value};
-    return true;
-  }
-
   /// A body against the hand.
   struct Touch {
     std::int32_t generation = 0;
@@ -150,7 +139,6 @@ class GameScene final : public Exercise {
   }
 
   int axes_;
-  ExerciseDescription description_;
   std::array<SlotReport, kMaxSlots> reported_{};  ///< what events have reported of every slot
   std::array<Touch, kMaxSlots> touches_{};
 };

@@ -99,12 +99,6 @@ class Kitchen final : public Exercise {
     description_.json = taskJson(task_, KitchenPlayer(task_, device_, hand_, {})).dump();
     Kitchen::reset();
   }
-  Kitchen(const Kitchen&) = delete;
-  Kitchen& operator=(const Kitchen&) = delete;
-
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
-    return description_;
-  }
 
   void reset() override {
     steps_.reset();
@@ -129,7 +123,7 @@ class Kitchen final : public Exercise {
     const double elapsed_s = std::max(seen.elapsed_periods, 1U) * input.period_s;
     clear(out, placements, device_.axisCount());
     posture_.update(input.hand);
-    takeActions(seen, out);
+    if (takeActions(seen, steps_, paused_, kRestarted, out)) returns_ = true;
     const double ratio = input.parameters[kForceRatio];
     look(seen, ratio, elapsed_s);
     if (returns_) giveBack(seen, placements);
@@ -145,27 +139,7 @@ class Kitchen final : public Exercise {
   }
 
  private:
-  static void tell(ExerciseRecord& out, Event type, int index, double value) noexcept {
-    if (out.event_count >= kMaxExerciseEvents) return;
-    out.events[out.event_count++] = {type, index, value};
-  }
   [[nodiscard]] const Thing& nowThing() const noexcept { return task_.things[steps_.now().thing]; }
-
-  void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
-    for (int i = 0; i < seen.command_count; ++i) {
-      const Command& c = seen.commands[i];
-      if (c.type != CommandType::kAction) continue;
-      const auto action = static_cast<ExerciseAction>(c.index);
-      if (action == ExerciseAction::kPause || action == ExerciseAction::kResume) {
-        paused_ = action == ExerciseAction::kPause;
-      } else if (action == ExerciseAction::kRestart || steps_.done()) {
-        steps_.reset();
-        paused_ = false;
-        returns_ = true;
-        tell(out, kRestarted, -1, 0.0);
-      }
-    }
-  }
 
   /// Forces are those of the last step, low-passed; a person's strength divides by the ratio.
   void look(const TickRecord& seen, double ratio, double elapsed_s) noexcept {
@@ -253,7 +227,6 @@ class Kitchen final : public Exercise {
   const HandModel hand_;
   HandPosture posture_;
   TaskSteps steps_;
-  ExerciseDescription description_;
   Seen last_;
   std::array<double, kMostThings> q_{};  ///< of every thing's joint
   Vector3d handle_n_ = Vector3d::Zero();

@@ -41,12 +41,12 @@ BarLayout layoutOf(const KitchenTask& task, const DeviceModel& device, const Han
 
 KitchenPlayer::KitchenPlayer(const KitchenTask& task, const DeviceModel& device,
                              const HandModel& hand, const PlayerTraits& traits)
-    : task_(task),
-      layout_(layoutOf(task, device, hand)),
+    : ReachingPlayer(layoutOf(task, device, hand)),
+      task_(task),
       fingertips_(hand, layout_.fingers),
       opening_rad_s_(traits.opening_rad_s),
-      pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
-      start_(approach::start(layout_)) {
+      pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)) {
+  start_ = approach::start(layout_);
   // Aside: the things of a task are before the palm, also of a device that cannot draw back far.
   if (layout_.y >= 0) {
     start_[layout_.y] =
@@ -56,9 +56,8 @@ KitchenPlayer::KitchenPlayer(const KitchenTask& task, const DeviceModel& device,
 }
 
 void KitchenPlayer::reset() {
-  q_ = start_;
-  qd_ = AxisVelocity(layout_.axes);
-  advanced_ = lost_ = done_ = false;
+  toStart();
+  done_ = false;
   squeeze_n_ = handle_n_ = rate_rad_s_ = idle_s_ = joint_q_ = aim_q_ = 0.0;
   flexion_rad_ = kHalfBent;
   step_ = met_ = 0;
@@ -182,18 +181,11 @@ void KitchenPlayer::go(Phase phase) noexcept {
     aim_q_ = task_.things[met_].jointed ? joint_q_ : 0.0;
     aside_m_ = baseNow() - pointMet();
   }
-  const AxisPosition goal = goalOf(phase);
-  reach_.begin(q_, qd_, goal, durationTo(layout_, q_, goal) / pace_);
-  if (phase == Phase::kTouch) palmFirst(layout_, reach_);
-  limitOpening(layout_, q_, opening_rad_s_, reach_);
+  reachFor(goalOf(phase), pace_, phase == Phase::kTouch, opening_rad_s_);
 }
 
 void KitchenPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
-  advanced_ = true;
-  if (lost_) {  // continues from the hand's present pose
-    lost_ = false;
-    go(Phase::kOpen);
-  }
+  if (takesOver()) go(Phase::kOpen);
   if (isHeld()) {
     idle_s_ = handle_n_ < kFelt_n ? idle_s_ + period_s : 0.0;
     const AxisPosition before = q_;
@@ -274,12 +266,7 @@ void KitchenPlayer::moveBaseTo(const Vector3d& base_m, double most_m) noexcept {
 }
 
 void KitchenPlayer::see(const TickRecord& record) noexcept {
-  if (!advanced_ && record.intention.size() == layout_.axes) {  // someone else steered the hand
-    lost_ = true;
-    q_ = record.intention;
-    qd_ = AxisVelocity(layout_.axes);
-  }
-  advanced_ = false;
+  steeredByOthers(record);
   const ExerciseRecord& reported = record.exercise;
   if (reported.value_count != kValues) return;  // no values on the way to neutral
   done_ = reported.values[kDone] > 0.5;

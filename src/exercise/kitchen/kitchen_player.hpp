@@ -1,11 +1,9 @@
 #pragma once
 
-#include "exercise/cocktail_bar/bar_layout.hpp"
+#include "exercise/approach.hpp"
 #include "exercise/kitchen/fingertips.hpp"
 #include "exercise/kitchen/kitchen_task.hpp"
 #include "exercise/kitchen/meeting.hpp"
-#include "patient/player.hpp"
-#include "patient/reach.hpp"
 
 #include <array>
 
@@ -14,7 +12,7 @@ namespace wholehand::kitchen {
 /// A virtual patient who does a task step by step: goes beside the thing, meets it as meetingOf()
 /// says (closes the hand around it, pushes it with straight fingers, or squeezes it), moves it,
 /// lets go, draws back. Nothing here is about one task. The seed sets the pace. Deterministic.
-class KitchenPlayer final : public Player {
+class KitchenPlayer final : public approach::ReachingPlayer {
  public:
   KitchenPlayer(const KitchenTask& task, const DeviceModel& device, const HandModel& hand,
                 const PlayerTraits& traits);
@@ -29,7 +27,6 @@ class KitchenPlayer final : public Player {
   [[nodiscard]] WHOLEHAND_RT Met metAt(int step, double q,
                                        const Eigen::Vector3d& center_m) const noexcept;
 
-  [[nodiscard]] AxisPosition start() const override { return start_; }
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
   WHOLEHAND_RT void see(const TickRecord& record) noexcept override;
@@ -57,13 +54,9 @@ class KitchenPlayer final : public Player {
   void moveBaseTo(const Eigen::Vector3d& base_m, double most_m) noexcept;
 
   KitchenTask task_;
-  BarLayout layout_;
   Fingertips fingertips_;
   double opening_rad_s_;
   double pace_;
-  AxisPosition start_, q_;
-  AxisVelocity qd_;
-  Reach reach_;
   Phase phase_ = Phase::kDrawBack;
   Meeting meeting_;
   int met_ = 0;                                        ///< index of the thing that is met
@@ -77,7 +70,7 @@ class KitchenPlayer final : public Player {
   double flexion_rad_ = 0.0;  ///< of the fingers, as seen
   double rate_rad_s_ = 0.0, idle_s_ = 0.0;
   int step_ = 0;
-  bool done_ = false, advanced_ = false, lost_ = false;
+  bool done_ = false;
 };
 
 }  // namespace wholehand::kitchen

@@ -1,7 +1,5 @@
 #include "exercise/squeeze_to_level/squeeze_player.hpp"
 
-#include "exercise/approach.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -17,18 +15,17 @@ constexpr double kClosing_rad_s = 1.0, kPressing_rad_s = 0.5;
 }  // namespace
 
 SqueezePlayer::SqueezePlayer(const BarLayout& layout, const PlayerTraits& traits)
-    : layout_(layout),
+    : ReachingPlayer(layout),
       opening_rad_s_(traits.opening_rad_s),
       pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
-      share_(0.35 + 0.1 * static_cast<double>(traits.seed / 5 % 4)),
-      start_(approach::start(layout)) {
+      share_(0.35 + 0.1 * static_cast<double>(traits.seed / 5 % 4)) {
+  start_ = approach::start(layout);
   SqueezePlayer::reset();
 }
 
 void SqueezePlayer::reset() {
-  q_ = start_;
-  qd_ = AxisVelocity(layout_.axes);
-  advanced_ = lost_ = near_ = done_ = let_go_ = false;
+  toStart();
+  near_ = done_ = let_go_ = false;
   squeeze_n_ = wanted_n_ = rate_rad_s_ = 0.0;
   go(Phase::kDrawBack);
 }
@@ -67,18 +64,11 @@ AxisPosition SqueezePlayer::goalOf(Phase phase) const noexcept {
 void SqueezePlayer::go(Phase phase) noexcept {
   phase_ = phase;
   rate_rad_s_ = 0.0;
-  const AxisPosition goal = goalOf(phase);
-  reach_.begin(q_, qd_, goal, durationTo(layout_, q_, goal) / pace_);
-  if (phase == Phase::kTouch) palmFirst(layout_, reach_);
-  limitOpening(layout_, q_, opening_rad_s_, reach_);
+  reachFor(goalOf(phase), pace_, phase == Phase::kTouch, opening_rad_s_);
 }
 
 void SqueezePlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
-  advanced_ = true;
-  if (lost_) {  // continues from the hand's present pose
-    lost_ = false;
-    go(near_ ? Phase::kOpen : Phase::kDrawBack);
-  }
+  if (takesOver()) go(near_ ? Phase::kOpen : Phase::kDrawBack);
   if (phase_ == Phase::kSqueeze) {
     press(period_s);
   } else {
@@ -103,13 +93,7 @@ void SqueezePlayer::press(double period_s) noexcept {
 }
 
 void SqueezePlayer::see(const TickRecord& record) noexcept {
-  if (!advanced_ && record.intention.size() == layout_.axes) {  // someone else steered the hand
-    lost_ = true;
-    q_ = record.intention;
-    qd_ = AxisVelocity(layout_.axes);
-    near_ = record.exercise.alpha > 0.0;
-  }
-  advanced_ = false;
+  if (steeredByOthers(record)) near_ = record.exercise.alpha > 0.0;
   const ExerciseRecord& reported = record.exercise;
   if (reported.value_count != kValues) return;  // no values on the way to neutral
   done_ = reported.values[kDone] > 0.5;

@@ -1,9 +1,7 @@
 #pragma once
 
-#include "exercise/cocktail_bar/bar_layout.hpp"
+#include "exercise/approach.hpp"
 #include "exercise/squeeze_to_level/squeeze_task.hpp"
-#include "patient/player.hpp"
-#include "patient/reach.hpp"
 
 #include <cstdint>
 
@@ -12,11 +10,10 @@ namespace wholehand::squeeze_to_level {
 /// A virtual patient who follows what a page shows: approaches the object from beside it, closes
 /// until the force is within the goal band, releases when asked, draws back at the end. The seed
 /// sets the pace and the aimed part of a band. Deterministic.
-class SqueezePlayer final : public Player {
+class SqueezePlayer final : public approach::ReachingPlayer {
  public:
   SqueezePlayer(const BarLayout& layout, const PlayerTraits& traits);
 
-  [[nodiscard]] AxisPosition start() const override { return start_; }
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
   WHOLEHAND_RT void see(const TickRecord& record) noexcept override;
@@ -29,16 +26,11 @@ class SqueezePlayer final : public Player {
   void press(double period_s) noexcept;
   [[nodiscard]] AxisPosition goalOf(Phase phase) const noexcept;
 
-  BarLayout layout_;
   double opening_rad_s_;  ///< fastest opening without a reflex
   double pace_, share_;   ///< pace of movements; aimed share of a band
-  AxisPosition start_, q_;
-  AxisVelocity qd_;
-  Reach reach_;
   Phase phase_ = Phase::kDrawBack;
   Eigen::Vector3d grip_m_ = Eigen::Vector3d::Zero();  ///< target of the hand's base
-  bool advanced_ = false;             ///< advance() was called since the last record
-  bool lost_ = false, near_ = false;  ///< someone else steered the hand; the hand is at the object
+  bool near_ = false;                   ///< someone else steered the hand to the object
   bool done_ = false, let_go_ = false;  ///< as in the last record
   double squeeze_n_ = 0.0, wanted_n_ = 0.0;
   double rate_rad_s_ = 0.0;  ///< speed of the fingers' target while pressing

@@ -42,12 +42,6 @@ class SqueezeToLevel final : public Exercise {
     description_.json = R"({"kind":"squeeze_to_level"})";
     SqueezeToLevel::reset();
   }
-  SqueezeToLevel(const SqueezeToLevel&) = delete;
-  SqueezeToLevel& operator=(const SqueezeToLevel&) = delete;
-
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
-    return description_;
-  }
 
   void reset() override {
     steps_.reset();
@@ -69,7 +63,7 @@ class SqueezeToLevel final : public Exercise {
     out = ExerciseRecord{};
     placements.count = 0;
     posture_.update(input.hand);
-    takeActions(seen, out);
+    (void)takeActions(seen, steps_, paused_, kRestarted, out);
     push(input, elapsed_s, out);
     feel(seen, out, elapsed_s);
     if (!paused_) advanceSteps(input.parameters[kLevelRatio], elapsed_s, out);
@@ -86,26 +80,6 @@ class SqueezeToLevel final : public Exercise {
   }
 
  private:
-  static void tell(ExerciseRecord& out, Event type, int index, double value) noexcept {
-    if (out.event_count >= kMaxExerciseEvents) return;
-    out.events[out.event_count++] = {type, index, value};
-  }
-
-  void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
-    for (int i = 0; i < seen.command_count; ++i) {
-      const Command& c = seen.commands[i];
-      if (c.type != CommandType::kAction) continue;
-      const auto action = static_cast<ExerciseAction>(c.index);
-      if (action == ExerciseAction::kPause || action == ExerciseAction::kResume) {
-        paused_ = action == ExerciseAction::kPause;
-      } else if (action == ExerciseAction::kRestart || steps_.done()) {
-        steps_.reset();
-        paused_ = false;
-        tell(out, kRestarted, -1, 0.0);
-      }
-    }
-  }
-
   /// Computes f_e, Eq. (15) to (17): a wall on every axis of the file, faded in near the object.
   void push(const ExerciseInput& input, double elapsed_s, ExerciseRecord& out) noexcept {
     const TickRecord& seen = *input.observed;
@@ -193,7 +167,6 @@ class SqueezeToLevel final : public Exercise {
   HandPosture posture_;
   const Cushions cushions_;
   BandSteps steps_;
-  ExerciseDescription description_;
   TransitionState transition_;
   FingerWallState walls_;
   AxisPosition travel_;  ///< of the cushions

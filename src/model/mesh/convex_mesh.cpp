@@ -171,14 +171,6 @@ struct StandIn {
   std::optional<double> enclosed_m3{};  ///< by the mesh; empty: unknown
 };
 
-Shape shapeOfHull(const MeshSurface& hull) {
-  Shape shape;
-  shape.type = ShapeType::kConvexMesh;
-  shape.points_m = hull.points;
-  shape.triangles = hull.triangles;
-  return shape;
-}
-
 /// Convex hull of a mesh, its corners further apart than convexMesh() merges.
 Expected<StandIn> standIn(const MeshSurface& mesh) {
   std::vector<bool> used(mesh.points.size());
@@ -190,7 +182,7 @@ Expected<StandIn> standIn(const MeshSurface& mesh) {
   Expected<MeshSurface> hull = convexHull(corners_m);
   if (!hull) return hull.errors();
   StandIn found;
-  found.hull_m3 = moments(shapeOfHull(*hull)).volume_m3;
+  found.hull_m3 = moments(shapeOf(*hull)).volume_m3;
   const std::vector<Vector3d> all_m = hull->points;
   if (hull->triangles.size() > std::size_t{2 * kMaxMeshPoints}) {
     hull = convexHull(farthestCorners(all_m));
@@ -337,6 +329,14 @@ std::vector<int> components(const MeshSurface& mesh, const std::vector<int>& par
 }
 
 }  // namespace
+
+Shape shapeOf(const MeshSurface& surface) {
+  Shape shape;
+  shape.type = ShapeType::kConvexMesh;
+  shape.points_m = surface.points;
+  shape.triangles = surface.triangles;
+  return shape;
+}
 
 Expected<Shape> convexMesh(const std::vector<Vector3d>& points_m,
                            const std::vector<Vector3i>& triangles) {

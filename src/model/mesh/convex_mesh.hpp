@@ -26,6 +26,10 @@ inline constexpr int kMaxMeshTriangles = 200'000;
 
 class MeshLoadTime;  // model/mesh/mesh_file.hpp
 struct MeshFile;     // model/mesh/mesh_file.hpp
+struct MeshSurface;  // model/mesh/mesh_file.hpp
+
+/// The surface as a collider: convex, closed and turned outwards already.
+[[nodiscard]] Shape shapeOf(const MeshSurface& surface);
 
 /// The collider of a mesh.
 struct MeshCollider {

@@ -22,8 +22,7 @@ constexpr double kFarTarget_m = 0.25;
 // between two fixed bodies was seen to be pressed with 33 kN from both sides. After an overlap the
 // bound begins with kFirst_n and grows by the factor e in kGrow_s.
 constexpr double kMostContact_n = 100.0;
-constexpr double kFirst_n = 0.5;
-constexpr double kGrow_s = 0.03;
+constexpr double kFirst_n = 0.5, kGrow_s = 0.03;
 
 // A driven body follows v = (ω/2) (target − x), at most kMostDrive_m_s, through a damper of 2 m ω:
 // near the target that is a critically damped spring of m ω².
@@ -43,16 +42,12 @@ btVector3 turnBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& 
 }
 
 // The arm follows the fading force: at 300 N/m it moves at 0.05 m/s.
-constexpr double kLetGoRate_n_s = 15.0;
-constexpr double kLeastLetGo_s = 0.1;
+constexpr double kLetGoRate_n_s = 15.0, kLeastLetGo_s = 0.1;
 
-constexpr double kTargetLives_s = 0.1;
-constexpr double kSilentFade_s = 0.2;
-constexpr double kLeaves_s = 5.0;
+constexpr double kTargetLives_s = 0.1, kSilentFade_s = 0.2, kLeaves_s = 5.0;
 
 // Faster, a body is held back and taken out.
-constexpr double kMostSpeed_m_s = 4.9;
-constexpr double kMostSpin_rad_s = 200.0;
+constexpr double kMostSpeed_m_s = 4.9, kMostSpin_rad_s = 200.0;
 
 }  // namespace
 

@@ -7,7 +7,7 @@ import {
   type WebGLRenderer, type WebGLRenderTarget,
 } from 'three';
 import { disposeTree, surface } from './materials';
-import { picture, woodTexture } from './textures';
+import { graded, picture, woodTexture } from './textures';
 import type { Quality } from './quality';
 
 /** Colour of the background. */
@@ -127,15 +127,13 @@ function paintedWall(): Mesh {
   const texture = picture(2048, 1024, (pen) => {
     const flute = 2048 / (PAINTED.width_m / FLUTE);
     for (let x = 0; x < 2048; x += flute) {
-      const g = pen.createLinearGradient(x, 0, x + flute, 0);
-      g.addColorStop(0, '#1d3638'); g.addColorStop(0.3, '#345154'); g.addColorStop(0.7, '#2f4a4d'); g.addColorStop(1, '#1d3638');
-      pen.fillStyle = g;
+      pen.fillStyle = graded(pen.createLinearGradient(x, 0, x + flute, 0),
+        [[0, '#1d3638'], [0.3, '#345154'], [0.7, '#2f4a4d'], [1, '#1d3638']]);
       pen.fillRect(x, 0, flute + 1, 1024);
     }
     for (const x of [0.4, 0.6]) {
-      const g = pen.createRadialGradient(x * 2048, 812, 20, x * 2048, 812, 330);
-      g.addColorStop(0, 'rgba(255,230,190,.20)'); g.addColorStop(1, 'rgba(0,10,14,0)');
-      pen.fillStyle = g;
+      pen.fillStyle = graded(pen.createRadialGradient(x * 2048, 812, 20, x * 2048, 812, 330),
+        [[0, 'rgba(255,230,190,.20)'], [1, 'rgba(0,10,14,0)']]);
       pen.fillRect(0, 0, 2048, 1024);
     }
   });

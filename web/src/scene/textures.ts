@@ -15,6 +15,12 @@ export function picture(width: number, height: number, draw: (pen: Pen) => void)
   return texture;
 }
 
+/** A gradient with its colours, each at its share of the way. */
+export function graded(gradient: CanvasGradient, stops: readonly (readonly [at: number, color: string])[]): CanvasGradient {
+  for (const [at, color] of stops) gradient.addColorStop(at, color);
+  return gradient;
+}
+
 /** Numbers that look random and are the same every time. */
 export function numbers(seed: number): () => number {
   let state = seed;
@@ -43,13 +49,8 @@ export function woodTexture(): Texture {
 /** A point of light: white core, amber halo. */
 export function glowTexture(): Texture {
   return picture(128, 128, (pen) => {
-    const g = pen.createRadialGradient(64, 64, 0, 64, 64, 64);
-    g.addColorStop(0, 'rgba(255,255,255,1)');
-    g.addColorStop(0.16, 'rgba(255,246,214,.95)');
-    g.addColorStop(0.34, 'rgba(255,208,92,.55)');
-    g.addColorStop(0.62, 'rgba(255,186,60,.16)');
-    g.addColorStop(1, 'rgba(255,180,40,0)');
-    pen.fillStyle = g;
+    pen.fillStyle = graded(pen.createRadialGradient(64, 64, 0, 64, 64, 64),
+      [[0, 'rgba(255,255,255,1)'], [0.16, 'rgba(255,246,214,.95)'], [0.34, 'rgba(255,208,92,.55)'], [0.62, 'rgba(255,186,60,.16)'], [1, 'rgba(255,180,40,0)']]);
     pen.fillRect(0, 0, 128, 128);
   });
 }

@@ -15,10 +15,6 @@ class HoldStill final : public Exercise {
     description_.event_names = {"held"};
     description_.json = R"({"kind":"hold_still"})";
   }
-
-  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
-    return description_;
-  }
   void reset() override { held_s_ = 0.0; }
   [[nodiscard]] WorldQuery query() const noexcept override { return {}; }
 
@@ -44,7 +40,6 @@ class HoldStill final : public Exercise {
   int axes_;
   double hold_s_, slow_m_s_;
   double held_s_ = 0.0;
-  ExerciseDescription description_;
 };
 
 }  // namespace

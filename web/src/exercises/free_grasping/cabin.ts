@@ -6,7 +6,7 @@ import {
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
 import { WALL, type Setting } from '../../scene/stage';
-import { numbers, picture } from '../../scene/textures';
+import { graded, numbers, picture } from '../../scene/textures';
 import { orbitTexture } from './orbit';
 
 const WALL_Z = -0.62;
@@ -20,11 +20,8 @@ function quiltTexture(): Texture {
   const texture = picture(px, px, (pen) => {
     pen.fillStyle = '#d9d0bf';
     pen.fillRect(0, 0, px, px);
-    const pad = pen.createRadialGradient(px * 0.45, px * 0.4, 20, px / 2, px / 2, px * 0.68);
-    pad.addColorStop(0, 'rgba(255,252,242,.95)');
-    pad.addColorStop(0.6, 'rgba(240,230,212,.4)');
-    pad.addColorStop(1, 'rgba(150,132,108,.5)');
-    pen.fillStyle = pad;
+    pen.fillStyle = graded(pen.createRadialGradient(px * 0.45, px * 0.4, 20, px / 2, px / 2, px * 0.68),
+      [[0, 'rgba(255,252,242,.95)'], [0.6, 'rgba(240,230,212,.4)'], [1, 'rgba(150,132,108,.5)']]);
     pen.fillRect(0, 0, px, px);
     for (let i = 0; i < 5000; i++) {
       pen.fillStyle = random() < 0.5 ? 'rgba(90,76,60,.05)' : 'rgba(255,255,255,.06)';

@@ -1,6 +1,6 @@
 // What is seen through the cabin's window, painted once: stars, and the Earth in the morning.
 import type { Texture } from 'three';
-import { numbers, picture, type Pen } from '../../scene/textures';
+import { graded, numbers, picture, type Pen } from '../../scene/textures';
 
 const WIDTH = 1024;
 const HEIGHT = 704;
@@ -8,11 +8,7 @@ const HEIGHT = 704;
 const EARTH = { x: 0.44 * WIDTH, y: 2.3 * HEIGHT, r: 1.72 * HEIGHT } as const;
 
 function space(pen: Pen): void {
-  const g = pen.createLinearGradient(0, 0, WIDTH, HEIGHT);
-  g.addColorStop(0, '#060b1c');
-  g.addColorStop(0.6, '#0b1a38');
-  g.addColorStop(1, '#163258');
-  pen.fillStyle = g;
+  pen.fillStyle = graded(pen.createLinearGradient(0, 0, WIDTH, HEIGHT), [[0, '#060b1c'], [0.6, '#0b1a38'], [1, '#163258']]);
   pen.fillRect(0, 0, WIDTH, HEIGHT);
   const random = numbers(101);
   for (let i = 0; i < 420; i++) {
@@ -50,31 +46,20 @@ function land(pen: Pen): void {
 
 function earth(pen: Pen): void {
   const { x, y, r } = EARTH;
-  const air = pen.createRadialGradient(x, y, r - 6, x, y, r + 74);
-  air.addColorStop(0, 'rgba(190,232,255,.95)');
-  air.addColorStop(0.12, 'rgba(112,188,255,.6)');
-  air.addColorStop(0.4, 'rgba(64,130,230,.2)');
-  air.addColorStop(1, 'rgba(40,90,200,0)');
-  pen.fillStyle = air;
+  pen.fillStyle = graded(pen.createRadialGradient(x, y, r - 6, x, y, r + 74),
+    [[0, 'rgba(190,232,255,.95)'], [0.12, 'rgba(112,188,255,.6)'], [0.4, 'rgba(64,130,230,.2)'], [1, 'rgba(40,90,200,0)']]);
   pen.fillRect(0, 0, WIDTH, HEIGHT);
   pen.save();
   pen.beginPath();
   pen.arc(x, y, r, 0, 2 * Math.PI);
   pen.clip();
-  const sea = pen.createRadialGradient(x, y, r - 300, x, y, r);
-  sea.addColorStop(0, '#153f78');
-  sea.addColorStop(0.7, '#2a6cab');
-  sea.addColorStop(0.96, '#7dbbe6');
-  sea.addColorStop(1, '#d7f0ff');
-  pen.fillStyle = sea;
+  pen.fillStyle = graded(pen.createRadialGradient(x, y, r - 300, x, y, r),
+    [[0, '#153f78'], [0.7, '#2a6cab'], [0.96, '#7dbbe6'], [1, '#d7f0ff']]);
   pen.fillRect(0, 0, WIDTH, HEIGHT);
   land(pen);
   clouds(pen);
   // Night on the left.
-  const night = pen.createLinearGradient(0, 0, WIDTH, 0);
-  night.addColorStop(0, 'rgba(4,10,30,.72)');
-  night.addColorStop(0.42, 'rgba(4,10,30,0)');
-  pen.fillStyle = night;
+  pen.fillStyle = graded(pen.createLinearGradient(0, 0, WIDTH, 0), [[0, 'rgba(4,10,30,.72)'], [0.42, 'rgba(4,10,30,0)']]);
   pen.fillRect(0, 0, WIDTH, HEIGHT);
   pen.restore();
 }

@@ -1,6 +1,6 @@
 // The stars in the window: one is lit for each thing that was held. When all are, they join, and the sun comes.
 import { AdditiveBlending, BufferGeometry, Color, Group, Line, LineBasicMaterial, Sprite, SpriteMaterial, Vector3, type Texture } from 'three';
-import { glowTexture, picture } from '../../scene/textures';
+import { glowTexture, graded, picture } from '../../scene/textures';
 import { WINDOW } from './cabin';
 
 /** Where they stand in the window, as parts of its half sizes: on the hand's side, over the arm. */
@@ -20,18 +20,12 @@ function rayTexture(): Texture {
       pen.translate(64, 64);
       pen.rotate(turn);
       pen.scale(1, 0.07);
-      const g = pen.createRadialGradient(0, 0, 0, 0, 0, 64);
-      g.addColorStop(0, 'rgba(255,255,255,1)');
-      g.addColorStop(1, 'rgba(255,255,255,0)');
-      pen.fillStyle = g;
+      pen.fillStyle = graded(pen.createRadialGradient(0, 0, 0, 0, 0, 64), [[0, 'rgba(255,255,255,1)'], [1, 'rgba(255,255,255,0)']]);
       pen.fillRect(-64, -64, 128, 128);
       pen.restore();
     }
-    const core = pen.createRadialGradient(64, 64, 0, 64, 64, 34);
-    core.addColorStop(0, 'rgba(255,255,255,1)');
-    core.addColorStop(0.35, 'rgba(255,255,255,.85)');
-    core.addColorStop(1, 'rgba(255,255,255,0)');
-    pen.fillStyle = core;
+    pen.fillStyle = graded(pen.createRadialGradient(64, 64, 0, 64, 64, 34),
+      [[0, 'rgba(255,255,255,1)'], [0.35, 'rgba(255,255,255,.85)'], [1, 'rgba(255,255,255,0)']]);
     pen.fillRect(0, 0, 128, 128);
   });
 }

@@ -4,7 +4,7 @@ import { surface } from '../../scene/materials';
 import { turnOf } from '../../scene/camera';
 import type { Quality } from '../../scene/quality';
 import { WALL, type Setting } from '../../scene/stage';
-import { numbers, picture } from '../../scene/textures';
+import { graded, numbers, picture } from '../../scene/textures';
 import type { Size, Workshop } from './furniture';
 
 const WALL_Z = -0.62;
@@ -38,11 +38,8 @@ function tileTexture(): Texture {
           pen.fill();
         };
         paint(`hsl(${38 + 12 * tone} 38% ${light}%)`);
-        const shine = pen.createLinearGradient(x, y, x + 0.3 * wide, y + tall);
-        shine.addColorStop(0, 'rgba(255,255,255,.6)');
-        shine.addColorStop(0.35, 'rgba(255,255,255,0)');
-        shine.addColorStop(1, 'rgba(120,96,66,.08)');
-        pen.fillStyle = shine;
+        pen.fillStyle = graded(pen.createLinearGradient(x, y, x + 0.3 * wide, y + tall),
+          [[0, 'rgba(255,255,255,.6)'], [0.35, 'rgba(255,255,255,0)'], [1, 'rgba(120,96,66,.08)']]);
         pen.fill();
       }
     }

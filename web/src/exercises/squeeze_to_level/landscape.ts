@@ -1,6 +1,6 @@
 // The valley in the morning, painted once: sky, ranges in haze, a lake.
 import { MirroredRepeatWrapping, type Texture } from 'three';
-import { numbers, picture, type Pen } from '../../scene/textures';
+import { graded, numbers, picture, type Pen } from '../../scene/textures';
 
 const WIDTH = 2048;
 const HEIGHT = 1024;
@@ -31,11 +31,9 @@ function ridge(pen: Pen, line: readonly number[], foot: number, rise: number): v
 
 function mountains(pen: Pen): void {
   for (const { foot, rise, rough, seed, crest: high, base, snow } of RANGES) {
-    const line = crest(seed, rough), tone = pen.createLinearGradient(0, (foot - rise) * HEIGHT, 0, foot * HEIGHT);
-    tone.addColorStop(0, high);
-    tone.addColorStop(1, base);
+    const line = crest(seed, rough);
     ridge(pen, line, foot, rise);
-    pen.fillStyle = tone;
+    pen.fillStyle = graded(pen.createLinearGradient(0, (foot - rise) * HEIGHT, 0, foot * HEIGHT), [[0, high], [1, base]]);
     pen.fill();
     if (!snow) continue;
     // Snow lies on what is high.
@@ -55,15 +53,11 @@ function mountains(pen: Pen): void {
 }
 
 function sky(pen: Pen): void {
-  const g = pen.createLinearGradient(0, 0, 0, 0.7 * HEIGHT);
-  for (const [at, color] of [[0, '#5d93bd'], [0.45, '#a7cbdc'], [0.75, '#f3dfbd'], [1, '#fbd3a0']] as const) g.addColorStop(at, color);
-  pen.fillStyle = g;
+  pen.fillStyle = graded(pen.createLinearGradient(0, 0, 0, 0.7 * HEIGHT),
+    [[0, '#5d93bd'], [0.45, '#a7cbdc'], [0.75, '#f3dfbd'], [1, '#fbd3a0']]);
   pen.fillRect(0, 0, WIDTH, HEIGHT);
-  const sun = pen.createRadialGradient(0.7 * WIDTH, 0.48 * HEIGHT, 0, 0.7 * WIDTH, 0.48 * HEIGHT, 0.5 * HEIGHT);
-  sun.addColorStop(0, 'rgba(255,250,228,.95)');
-  sun.addColorStop(0.12, 'rgba(255,236,190,.6)');
-  sun.addColorStop(1, 'rgba(255,220,160,0)');
-  pen.fillStyle = sun;
+  pen.fillStyle = graded(pen.createRadialGradient(0.7 * WIDTH, 0.48 * HEIGHT, 0, 0.7 * WIDTH, 0.48 * HEIGHT, 0.5 * HEIGHT),
+    [[0, 'rgba(255,250,228,.95)'], [0.12, 'rgba(255,236,190,.6)'], [1, 'rgba(255,220,160,0)']]);
   pen.fillRect(0, 0, WIDTH, HEIGHT);
   const random = numbers(77);
   for (let i = 0; i < 26; i++) {
@@ -77,11 +71,8 @@ function sky(pen: Pen): void {
 
 /** Lake and near shore. */
 function water(pen: Pen): void {
-  const top = 0.8 * HEIGHT, g = pen.createLinearGradient(0, top, 0, HEIGHT);
-  g.addColorStop(0, '#cfd9d2');
-  g.addColorStop(0.35, '#8fb4bd');
-  g.addColorStop(1, '#3f7482');
-  pen.fillStyle = g;
+  const top = 0.8 * HEIGHT;
+  pen.fillStyle = graded(pen.createLinearGradient(0, top, 0, HEIGHT), [[0, '#cfd9d2'], [0.35, '#8fb4bd'], [1, '#3f7482']]);
   pen.fillRect(0, top, WIDTH, HEIGHT - top);
   const random = numbers(3);
   for (let i = 0; i < 260; i++) {
