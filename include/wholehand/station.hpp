@@ -15,7 +15,7 @@
 // IWYU pragma: begin_exports
 #include "assembly/models.hpp"          // makeMotionPlayer(), for StationConfig::make_player
 #include "runtime/interrupt_scope.hpp"  // InterruptScope: Ctrl-C ends the station gently
-#include "server/controls_arbiter.hpp"
+#include "server/control_desk.hpp"
 #include "server/server.hpp"      // Server: docs/protocol.md
 #include "server/udp_bridge.hpp"  // UdpBridge: docs/udp.md
 #include "station/station.hpp"

@@ -2,9 +2,9 @@
 
 #include "lab/mujoco/engine_errors.hpp"
 #include "lab/mujoco/model_text.hpp"
-#include "physics/body_checks.hpp"
 #include "physics/free_rotation.hpp"
 #include "physics/hand_overlaps.hpp"
+#include "physics/physics_world.hpp"
 
 #include <algorithm>
 #include <array>

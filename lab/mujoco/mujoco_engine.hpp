@@ -3,7 +3,7 @@
 #include "lab/mujoco/hand_map.hpp"
 #include "lab/mujoco/reduced_constraints.hpp"
 #include "model/scene/scene_model.hpp"
-#include "physics/self_forces.hpp"
+#include "physics/physics_world.hpp"
 
 #include <memory>
 #include <mujoco/mujoco.h>

@@ -7,7 +7,7 @@
 #include "model/mesh/convex_hull.hpp"
 #include "model/mesh/convex_mesh.hpp"
 #include "model/scene/game_shapes.hpp"
-#include "runtime/tick_timer.hpp"
+#include "runtime/session.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "core/sanitized.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "realtime/thread_setup.hpp"
-#include "runtime/tick_timer.hpp"
+#include "runtime/session.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "assembly/models.hpp"
 #include "assembly/pool_rehearsal.hpp"
 #include "assembly/rig.hpp"
-#include "renderer/rehearsal_passed.hpp"
+#include "renderer/haptic_renderer.hpp"
 #include "telemetry/statistics.hpp"
 
 #include <cstdint>

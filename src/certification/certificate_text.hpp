@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/certificate/certificate_advice.hpp"
+#include "control/certificate/certificate_refusal.hpp"
 
 #include <nlohmann/json.hpp>
 

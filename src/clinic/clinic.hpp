@@ -4,8 +4,9 @@
 #include "clinic/database.hpp"
 #include "clinic/keys.hpp"
 #include "clinic/presets/presets.hpp"
-#include "clinic/refused.hpp"
 #include "clinic/station.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -19,6 +20,23 @@
 
 /// A clinic's patients, visits and results (docs/clinic.md).
 namespace wholehand::clinic {
+
+using Json = nlohmann::json;
+
+/// Why a request changes nothing; thrown inside of the clinic, answered as JSON. `code` is a stable
+/// word that the pages know.
+struct Refused {
+  int status = 400;
+  std::string code, why, field;
+  Json more = Json::object();  ///< further keys of the answer
+};
+
+[[nodiscard]] inline Refused badValue(std::string field, std::string why) {
+  return {400, "bad_value", std::move(why), std::move(field)};
+}
+[[nodiscard]] inline Refused notFound(std::string what) {
+  return {404, "not_found", std::move(what), {}};
+}
 
 struct ClinicOptions {
   std::string folder;      ///< of clinic.db, keys, erased, hands/
@@ -138,7 +156,7 @@ class Clinic {
   void tryToCompact();
   void begin(Call& call) { call.transaction.emplace(*db_); }
 
-  // clinic_patients.cpp
+  // Patients.
   struct PatientData;
   Json presets(Call& call);
   Json patients(Call& call);
@@ -162,7 +180,7 @@ class Clinic {
   void checkPatient(std::int64_t id);
   void checkNoOpenVisit(std::int64_t patient);
 
-  // clinic_visits.cpp
+  // Visits.
   struct VisitRow;
   Json beginVisit(Call& call);
   Json beginGuestVisit(Call& call);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "commissioning/passport.hpp"
-#include "device/plugin/clearance.hpp"
+#include "device/plugin/plugin_device.hpp"
 
 #include <chrono>
 #include <string>

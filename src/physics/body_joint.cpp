@@ -1,6 +1,6 @@
 #include "physics/body_joint.hpp"
 
-#include "model/scene/joint_energy.hpp"
+#include "model/scene/scene_joint.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,15 +1,74 @@
 #pragma once
 
 #include "core/axis_array.hpp"
+#include "core/body_order.hpp"
 #include "core/expected.hpp"
+#include "core/geometry.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "core/world_query.hpp"
-#include "physics/self_forces.hpp"
 
 #include <array>
+#include <cmath>
+#include <string>
 
 namespace wholehand {
+
+/// Real-time safe.
+[[nodiscard]] inline bool allFinite(const BodyState& body) noexcept {
+  return body.position_m.eigen().allFinite() && body.velocity_m_s.eigen().allFinite() &&
+         body.angular_velocity_rad_s.eigen().allFinite() &&
+         body.orientation_xyzw.eigen().coeffs().allFinite();
+}
+
+/// True when a body can be placed there. Real-time safe.
+[[nodiscard]] inline bool isPose(const BodyPlacement& placement) noexcept {
+  return placement.position_m.eigen().allFinite() && placement.velocity_m_s.eigen().allFinite() &&
+         std::abs(placement.orientation_xyzw.eigen().squaredNorm() - 1.0) < 0.1;
+}
+
+/// Error for placing a hand while a body's state is not finite.
+[[nodiscard]] inline Diagnostic nonFiniteBodyError(const std::string& scene_path,
+                                                   const std::string& body) {
+  return {scene_path, 0, "bodies." + body, "", "is nowhere after a fault", "build the scene anew"};
+}
+
+/// Limit of reported self-contacts; further ones act, but are not reported.
+inline constexpr int kMaxSelfForces = 64;
+
+/// Self-contact point of two capsules after a step. World frame.
+struct SelfForce {
+  int capsule_a = -1, capsule_b = -1;  ///< indices into HandModel::capsules
+  Vec3 point_m;
+  Vec3 normal;              ///< unit, from b to a
+  Vec3 force_n;             ///< on a, normal and friction; b gets the opposite
+  double distance_m = 0.0;  ///< before the step; negative when the surfaces overlap
+};
+
+/// Self-contact forces of the last step.
+struct SelfForces {
+  int count = 0;
+  std::array<SelfForce, kMaxSelfForces> touches{};
+  AxisEffort joint_ends;  ///< efforts of joints at the end of their range, per axis [N or N·m]
+};
+
+/// The bodies of a game in a physics world: a pool of slots that exist from the start
+/// (docs/adr/0043-bodies-of-a-game.md). An engine that has one implements it beside PhysicsWorld.
+/// Every function is real-time safe and deterministic: the same commands in the same ticks give the
+/// same bits.
+class BodyPool {
+ public:
+  virtual ~BodyPool() = default;
+
+  /// Obeys one command, before a step; commands that are no body orders are ignored. An order that
+  /// cannot be carried out changes nothing and stands in the next report().
+  WHOLEHAND_RT virtual void obey(const Command& command) noexcept = 0;
+  /// Says whether the game is alive; call before every step. While it is silent, the force of
+  /// driven bodies fades within 0.2 s; after 5 s all bodies of the game leave.
+  WHOLEHAND_RT virtual void setGameAlive(bool alive) noexcept = 0;
+  /// Reports the slots, and the orders refused since the last report.
+  WHOLEHAND_RT virtual void report(PoolReport& report) noexcept = 0;
+};
 
 class ArticulatedBody;
 

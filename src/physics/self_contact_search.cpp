@@ -1,6 +1,6 @@
 #include "physics/self_contact_search.hpp"
 
-#include "physics/closing_chain.hpp"
+#include "physics/axis_closure.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
-#include "model/hand/capsule_gap.hpp"
 #include "model/hand/hand_model.hpp"
+#include "model/hand/self_contacts.hpp"
 
 #include <vector>
 

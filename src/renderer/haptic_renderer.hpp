@@ -3,21 +3,18 @@
 #include "control/adaptive_damping.hpp"
 #include "control/bilateral_coupling.hpp"
 #include "control/coupling_gains.hpp"
+#include "core/axis_array.hpp"
 #include "core/body_order.hpp"
 #include "core/expected.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "device/haptic_device.hpp"
-#include "device/known_person.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "exercise/exercise.hpp"
 #include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
 #include "physics/physics_world.hpp"
 #include "renderer/live_settings.hpp"
-#include "renderer/parameter_ramps.hpp"
-#include "renderer/rehearsal_passed.hpp"
-#include "renderer/stage_listener.hpp"
 #include "safety/safety_chain.hpp"
 
 #include <Eigen/Core>
@@ -26,9 +23,38 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
+
+struct Models;
+struct Rehearsal;
+struct RehearsalOptions;
+struct RigOptions;
+
+/// Proof that a rig's worst contacts were rehearsed on this machine, in this process, and passed.
+/// Arming a device that moves a person requires it. Only rehearse() creates one.
+class RehearsalPassed {
+ public:
+  /// Fingerprint of the rehearsed rig: device, hand, gains, scene, exercise and rate.
+  [[nodiscard]] const std::string& of() const noexcept { return of_; }
+
+ private:
+  friend Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
+                                      const RigOptions& rig, const RehearsalOptions& options);
+  explicit RehearsalPassed(std::string of) : of_(std::move(of)) {}
+
+  std::string of_;
+};
+
+/// Notified when a stage of the tick ends. The renderer knows no clock; the listener brings its
+/// own.
+class StageListener {
+ public:
+  virtual ~StageListener() = default;
+  WHOLEHAND_RT virtual void lap(Stage stage) noexcept = 0;
+};
 
 class BodyPool;
 class HandProbe;

@@ -1,6 +1,6 @@
 #include "replay/recorded_scene.hpp"
 
-#include "resimulation/recorded_files.hpp"
+#include "resimulation/resimulation.hpp"
 #include "station/scene_facts.hpp"
 
 #include <nlohmann/json.hpp>

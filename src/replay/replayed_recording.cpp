@@ -1,18 +1,219 @@
 #include "replay/replayed_recording.hpp"
 
+#include "model/mesh/convex_hull.hpp"
+#include "model/scene/game_shapes.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
-#include "replay/replayed_bodies.hpp"
+#include "server/wire.hpp"
+#include "station/game_body_tracker.hpp"
 #include "telemetry/black_box_reader.hpp"
 #include "telemetry/disk_reserve.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
+#include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
+namespace {
+
+constexpr int kMostChanges = 20'000;
+
+/// Gathers the shapes that the commands of a recording hand over to the loop.
+class ShapeGatherer {
+ public:
+  /// Takes a command; returns the shapes of a set when it was the last one of theirs.
+  std::optional<CheckedOrders> take(const Command& command) {
+    switch (command.type) {
+      case CommandType::kShapeSet:  // of a file: any number may stand there
+        set_ = command.index >= 0 && command.index < kMaxShapeSets ? command.index : kNone;
+        head_ = shapeSetHeadOf(command);
+        pieces_.clear();
+        break;
+      case CommandType::kShapePiece:
+        if (command.index == set_) addPiece(shapePieceOf(command));
+        break;
+      case CommandType::kShapeVertices:
+        if (command.index == set_) addVertices(shapeVerticesOf(command));
+        break;
+      default:
+        return std::nullopt;
+    }
+    return whole() ? std::optional(finished()) : std::nullopt;
+  }
+
+ private:
+  struct Piece {
+    Shape shape;
+    std::size_t vertices = 0;
+  };
+
+  void addPiece(const ShapePiece& in) {
+    Piece& out = pieces_.emplace_back();
+    out.shape.type = in.type;
+    out.shape.half_extents_m = in.half_extents_m;
+    out.shape.radius_m = in.radius_m;
+    out.shape.length_m = in.length_m;
+    // The loop has pieces in the frame of inertia, a picture in that of the body.
+    out.shape.in_body = Pose{head_.from_body.toRotationMatrix(), Eigen::Vector3d::Zero()} *
+                        Pose{in.orientation.toRotationMatrix(), in.position_m};
+    out.vertices = std::clamp(in.vertices, 0, kMaxPieceVertices);
+  }
+  void addVertices(const ShapeVertices& in) {
+    if (pieces_.empty()) return;
+    auto& points = pieces_.back().shape.points_m;
+    for (int i = 0; i < std::min(in.count, kVerticesPerCommand); ++i) {
+      points.push_back(in.points_m[i]);
+    }
+  }
+  [[nodiscard]] bool whole() const {
+    if (set_ == kNone) return false;
+    const bool filled = std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& piece) {
+      return piece.shape.points_m.size() == piece.vertices;
+    });
+    return filled && !pieces_.empty() && static_cast<int>(pieces_.size()) == head_.pieces;
+  }
+  /// Faces of a mesh are not in the commands: those of its hull are the same.
+  CheckedOrders finished() {
+    std::vector<Shape> shapes;
+    for (Piece& piece : pieces_) {
+      const auto finite = [](const Eigen::Vector3d& p) { return p.allFinite(); };
+      const auto& points = piece.shape.points_m;
+      if (!std::all_of(points.begin(), points.end(), finite)) continue;
+      if (piece.shape.type < ShapeType::kBox || piece.shape.type > ShapeType::kConvexMesh) continue;
+      if (piece.vertices > 0) {
+        const auto hull = convexHull(piece.shape.points_m);
+        if (!hull) continue;
+        piece.shape.points_m = hull->points;
+        piece.shape.triangles = hull->triangles;
+      }
+      shapes.push_back(std::move(piece.shape));
+    }
+    pieces_.clear();
+    CheckedOrders out;
+    out.shape_set = set_;
+    out.shapes = std::make_shared<const GameShapes>(
+        GameShapes{++last_id_, Eigen::Vector3d::Zero(), std::move(shapes)});
+    return out;
+  }
+
+  static constexpr int kNone = -1;
+
+  int set_ = kNone;
+  ShapeSetHead head_{0, Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity()};
+  std::vector<Piece> pieces_;
+  std::uint32_t last_id_ = 0;
+};
+
+/// Writes the changes one after another.
+class Changes {
+ public:
+  void add(std::uint64_t row, const GameBodies& bodies) {
+    std::vector<std::shared_ptr<const GameShapes>> fresh;
+    for (const GameBody& body : bodies) {
+      const auto has = [&](const auto& in) {
+        return std::find(in.begin(), in.end(), body.shapes) != in.end();
+      };
+      if (!has(before_) && !has(fresh)) fresh.push_back(body.shapes);
+    }
+    before_.clear();
+    for (const GameBody& body : bodies) before_.push_back(body.shapes);
+    const wire::Bytes message = wire::gameBodiesMessage(kReplayedSession, bodies, fresh);
+    put(static_cast<std::uint32_t>(row));
+    put(static_cast<std::uint32_t>(message.size()));
+    body_.append(reinterpret_cast<const char*>(message.data()), message.size());
+    ++count_;
+  }
+  [[nodiscard]] bool full() const { return count_ >= kMostChanges; }
+  [[nodiscard]] std::string take() { return std::move(body_); }
+
+ private:
+  void put(std::uint32_t number) {
+    body_.append(reinterpret_cast<const char*>(&number), sizeof number);
+  }
+  std::vector<std::shared_ptr<const GameShapes>> before_;
+  std::string body_;
+  int count_ = 0;
+};
+
+}  // namespace
+
+/// Knows the bodies after each tick.
+class SampledBodies::Follower {
+ public:
+  explicit Follower(const RecordingMeta& meta) { tracker_.reset(meta.event_names); }
+
+  void see(const TickRecord& record) {
+    for (int i = 0; i < record.command_count; ++i) {
+      const Command& command = record.commands[static_cast<std::size_t>(i)];
+      if (const auto set = shapes_.take(command)) tracker_.note(*set);
+      const bool spawns =
+          command.type == CommandType::kSpawn && command.index >= 0 && command.index < kMaxSlots;
+      const int set = spawns ? spawnOrderOf(command).shape_set : -1;
+      if (set >= 0 && set < kMaxShapeSets && tracker_.shapesOf(set)) tracker_.noteSpawn(command);
+    }
+    tracker_.see(record);
+  }
+  [[nodiscard]] std::shared_ptr<const GameBodies> bodies() const { return tracker_.bodies(); }
+
+ private:
+  GameBodyTracker tracker_;
+  ShapeGatherer shapes_;
+};
+
+std::string gameBodiesOf(RecordingReader& recording) {
+  if (recording.meta().game_slots == 0) return {};
+  SampledBodies::Follower follower(recording.meta());
+  Changes changes;
+  std::shared_ptr<const GameBodies> shown;
+  TickRecord record;
+  for (std::uint64_t row = 0; row < recording.size() && !changes.full(); ++row) {
+    if (!recording.read(row, record)) continue;
+    follower.see(record);
+    const auto now = follower.bodies();
+    if (now == shown) continue;
+    shown = now;
+    changes.add(row, *now);
+  }
+  return changes.take();
+}
+
+SampledBodies::SampledBodies(const RecordingMeta& meta)
+    : follower_(meta.game_slots == 0 ? nullptr : std::make_unique<Follower>(meta)) {}
+SampledBodies::~SampledBodies() = default;
+
+void SampledBodies::see(const TickRecord& record) {
+  if (follower_) follower_->see(record);
+}
+
+void SampledBodies::keep(std::uint64_t row) {
+  if (!follower_) return;
+  auto now = follower_->bodies();
+  if (now == (changes_.empty() ? nullptr : changes_.back().bodies)) return;
+  changes_.push_back({row, std::move(now)});
+}
+
+std::string SampledBodies::at(const std::vector<std::uint64_t>& rows, std::size_t step) const {
+  Changes out;
+  std::shared_ptr<const GameBodies> shown;
+  auto next = changes_.begin();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (i % step != 0 && i + 1 < rows.size()) continue;
+    for (; next != changes_.end() && next->row <= rows[i]; ++next) {
+    }
+    if (next == changes_.begin() || std::prev(next)->bodies == shown) continue;
+    shown = std::prev(next)->bodies;
+    out.add(rows[i], *shown);
+  }
+  return out.take();
+}
+
 namespace {
 
 constexpr const char* kBytes = "application/octet-stream";

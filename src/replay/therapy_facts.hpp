@@ -1,19 +1,149 @@
 #pragma once
 
 #include "core/tick_record.hpp"
-#include "replay/moved_time.hpp"
-#include "replay/part_log.hpp"
 #include "telemetry/recording.hpp"
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
+
+/// Time by who moved the hand [periods].
+///
+/// Whose a part of a session is (a drink, a level, a band of force, a reach, a grip, a touch): it
+/// is the person's if the person moved the hand in the tick in which it began and in every tick
+/// until the one in which it finished. If somebody else moved in some of them, it is shared: it is
+/// named with the person's share of the time, and no sum counts it. If the person moved in none of
+/// them, it is somebody else's. Ticks that are missing in the recording are nobody's word and do
+/// not matter. A drink begins when a grasp of a dispenser begins or the first of it flows, a band
+/// when the force first enters it, and a level with the first of its drinks or bands.
+struct MovedTime {
+  std::array<std::uint64_t, kMovers> by{};
+  std::array<std::uint64_t, kHelps> helped{};  ///< of the person's time
+
+  void add(Mover mover, Help help, std::uint32_t elapsed_periods);
+  [[nodiscard]] std::uint64_t sum() const;
+  [[nodiscard]] std::uint64_t persons() const {
+    return by[static_cast<std::size_t>(Mover::kPerson)];
+  }
+  [[nodiscard]] bool isPersons() const { return persons() > 0 && persons() == sum(); }
+  [[nodiscard]] bool isShared() const { return persons() > 0 && persons() < sum(); }
+  /// The person's share, 0 .. 1.
+  [[nodiscard]] double share() const;
+  /// Who moved longest.
+  [[nodiscard]] Mover mostly() const;
+  /// The most help that was given in any tick of the person; kUnsaid where none was named.
+  [[nodiscard]] Help mostHelp() const;
+  /// "by", "share", "help" as web/src/report/report_data.ts reads them.
+  [[nodiscard]] nlohmann::json json() const;
+};
+
+/// The time between two moments.
+[[nodiscard]] MovedTime operator-(const MovedTime& end, const MovedTime& begin);
+
+/// A part of an exercise that was finished.
+struct FinishedPart {
+  std::string event;   ///< that finished it: "drink_done", "band_held", "level_done"
+  int index = -1;      ///< of the event
+  double value = 0.0;  ///< of the event
+  double from_s = 0.0, to_s = 0.0;
+  MovedTime moved;
+  /// Steps of a drink: index and litres.
+  std::vector<std::pair<int, double>> steps;
+  double stars = 0.0;  ///< the exercise's value at the end; 0 without one
+};
+
+/// Sums over the finished parts of one kind; all but `shared` and `others` are over the person's.
+struct PartSums {
+  std::uint64_t count = 0, shared = 0, others = 0;
+  std::array<std::uint64_t, kHelps> helps{};  ///< parts by their most help
+  double values = 0.0, stars = 0.0;
+  std::vector<double> gained;  ///< rise of each result of the exercise from begin to end
+};
+
+/// Path of the hand in the room by the device's axes x, y and z; a device without them has none.
+class HandPath {
+ public:
+  explicit HandPath(const std::vector<std::string>& axis_names);
+
+  void add(const TickRecord& record);
+  [[nodiscard]] const Eigen::Vector3d& place_m() const { return place_m_; }
+  /// Length since the first tick, steps under 1 mm (resolution, tremor) left out.
+  [[nodiscard]] double length_m() const { return length_m_; }
+  [[nodiscard]] double speed_m_s() const { return speed_m_s_; }
+
+ private:
+  std::array<int, 3> axes_{};  ///< -1: no such axis
+  bool begun_ = false;
+  Eigen::Vector3d place_m_ = Eigen::Vector3d::Zero(), anchor_m_ = Eigen::Vector3d::Zero();
+  double length_m_ = 0.0, speed_m_s_ = 0.0;
+};
+
+/// Finds the finished parts of an exercise by its events, and whose they are: therapy_facts.hpp.
+/// Levels that begin again, or whose exercise the virtual patient begins again, are parts of their
+/// own.
+class PartLog {
+ public:
+  /// @pre meta outlives it
+  explicit PartLog(const RecordingMeta& meta);
+
+  /// Adds a tick. @param before time moved before it @param now the same with it
+  void add(const TickRecord& record, const MovedTime& before, const MovedTime& now);
+
+  /// "parts", "parts_left_out", "sums", "reaches" and "results".
+  void write(nlohmann::json& out) const;
+
+ private:
+  enum Kind : int { kDrink, kBand, kLevel, kKinds };
+  /// Where a part or a reach began.
+  struct Begin {
+    bool known = false;
+    double time_s = 0.0;
+    MovedTime moved;
+    std::vector<double> results;
+    Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
+    double path_m = 0.0;
+  };
+  /// The sums are over the person's.
+  struct Reaches {
+    std::uint64_t count = 0, shared = 0, others = 0;
+    double sum_s = 0.0, path_m = 0.0, straight_m = 0.0;
+  };
+  /// @param here the tick, as something that begins in it; a restart takes its counts to 0
+  void addEvent(const ExerciseEvent& event, const TickRecord& record, Begin& here,
+                const MovedTime& now);
+  void finish(Kind kind, const ExerciseEvent& event, const TickRecord& record,
+              const MovedTime& now);
+  void reach(double time_s, const MovedTime& now);
+  void keepResults(const TickRecord& record);
+  [[nodiscard]] nlohmann::json resultsJson() const;
+
+  const RecordingMeta& meta_;
+  std::array<int, kKinds> ends_{};  ///< event that finishes a part; -1: the exercise has none
+  std::vector<bool> begins_, frees_, reached_, restarts_;  ///< per event
+  int step_done_ = -1, stars_value_ = -1;
+  std::vector<int> result_values_;     ///< index of each result among the values; -1: none
+  std::vector<double> results_;        ///< at the end of the tick before
+  std::array<Begin, kKinds> began_{};  ///< of the part that is being done
+  std::array<Begin, kKinds> after_{};  ///< end of the part before, for one that never began
+  Begin free_;                         ///< since the hand is free to reach
+  HandPath path_;
+  double peak_m_s_ = 0.0;  ///< while the person moved the hand
+  std::vector<std::pair<int, double>> steps_;
+  std::array<PartSums, kKinds> sums_{};
+  Reaches reaches_;
+  std::vector<FinishedPart> parts_;
+  std::uint64_t left_out_ = 0;
+  MovedTime all_;
+};
 
 /// A smaller grip force counts as a touch only.
 inline constexpr double kLeastGrip_n = 1.0;
@@ -75,7 +205,7 @@ struct BodyStory {
   /// Length of its path while the person moved the hand, steps under 1 mm (solver jitter) left out.
   double travelled_m = 0.0;
 
-  /// The person's touches (moved_time.hpp).
+  /// The person's touches (therapy_facts.hpp).
   [[nodiscard]] std::vector<Touch> persons() const;
 };
 
@@ -109,7 +239,7 @@ struct StrongestContact {
   Mover by = Mover::kNobody;
 };
 
-/// What the person did (moved_time.hpp), what the hand held, how hard and how steadily, and the
+/// What the person did (therapy_facts.hpp), what the hand held, how hard and how steadily, and the
 /// limits in force, from every tick of a recording.
 class TherapyFacts {
  public:

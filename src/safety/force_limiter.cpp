@@ -1,6 +1,7 @@
 #include "safety/force_limiter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace wholehand {
@@ -20,6 +21,58 @@ LimitedEffort limitEffort(const AxisEffort& effort, const AxisEffort& limit) noe
     out.faults |= Fault::kEffortLimit;
     if (out.axis < 0) out.axis = i;
   }
+  return out;
+}
+
+namespace {
+
+using Powers = std::array<double, kMaxAxes>;
+
+// The share p̂: axes below an equal share leave the rest to the others, iterated until no axis is
+// below it.
+double shareOf(const Powers& power_w, int axes, double limit_w) noexcept {
+  double share_w = limit_w / axes;
+  for (int round = 0; round < axes; ++round) {
+    double small_w = 0.0;
+    int large = 0;
+    for (int i = 0; i < axes; ++i) {
+      const double p = power_w[i];
+      if (p > share_w) {
+        ++large;
+      } else {
+        small_w += p;
+      }
+    }
+    if (large == 0) return share_w;
+    const double next_w = (limit_w - small_w) / large;
+    if (next_w <= share_w) return share_w;
+    share_w = next_w;
+  }
+  return share_w;
+}
+
+}  // namespace
+
+LimitedEffort limitPower(const AxisEffort& effort, const AxisEffort& neutral,
+                         const AxisVelocity& qd, double limit_w) noexcept {
+  LimitedEffort out{effort};
+  Powers power_w{};
+  double given_w = 0.0;
+  for (int i = 0; i < effort.size(); ++i) {
+    const double p = (effort[i] - neutral[i]) * qd[i];
+    if (!(p > 0.0)) continue;
+    power_w[i] = p;
+    given_w += p;
+  }
+  if (!(given_w > limit_w)) return out;
+  const double share_w = shareOf(power_w, effort.size(), limit_w);
+  for (int i = 0; i < effort.size(); ++i) {
+    const double p = power_w[i];
+    if (!(p > share_w)) continue;
+    out.effort[i] = neutral[i] + (effort[i] - neutral[i]) * (share_w / p);
+    if (out.axis < 0) out.axis = i;
+  }
+  out.faults = Fault::kPowerLimit;
   return out;
 }
 

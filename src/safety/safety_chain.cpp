@@ -2,8 +2,6 @@
 
 #include "core/axis_array.hpp"
 #include "safety/force_limiter.hpp"
-#include "safety/note_fault.hpp"
-#include "safety/power_limiter.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 
 #include "realtime/monotonic_clock.hpp"
 #include "server/clients.hpp"
-#include "server/event_mailbox.hpp"
 #include "server/http_connection.hpp"
 #include "server/logs.hpp"
 #include "server/network_thread.hpp"

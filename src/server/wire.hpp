@@ -2,8 +2,8 @@
 
 #include "core/expected.hpp"
 #include "dynamics/articulated_body.hpp"
+#include "server/access.hpp"
 #include "server/backend.hpp"
-#include "server/roles.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -15,7 +15,7 @@
 #include "station/reports.hpp"
 #include "station/scene_facts.hpp"
 #include "station/session_files.hpp"
-#include "telemetry/disk_room.hpp"
+#include "telemetry/disk_reserve.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 """Whose the parts of a session are, recounted from the raw columns of its recording.
 
-Another implementation than the program's (src/replay/moved_time.hpp states the rule): it works on whole columns, and
+Another implementation than the program's (src/replay/therapy_facts.hpp states the rule): it works on whole columns, and
 takes nothing from a report but what it compares."""
 import random
 

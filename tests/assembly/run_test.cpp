@@ -4,7 +4,6 @@
 #include "assembly/run_files.hpp"
 #include "assembly/watched_device.hpp"
 #include "commissioning/passport.hpp"
-#include "resimulation/recorded_files.hpp"
 #include "resimulation/resimulation.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "support/folder.hpp"

@@ -2,7 +2,7 @@
 #include "commissioning/console/console_operator.hpp"
 
 #include "commissioning/commissioning.hpp"
-#include "server/roles.hpp"
+#include "server/access.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "commissioning/identification/excitation.hpp"
 #include "commissioning/identification/identify_axis.hpp"
 #include "device/simulated/axis_dynamics.hpp"
 #include "mechanism.hpp"

@@ -1,5 +1,4 @@
-#include "control/certificate/certificate_advice.hpp"
-
+#include "control/certificate/certificate_refusal.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>

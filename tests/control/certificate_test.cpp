@@ -1,7 +1,6 @@
 #include "control/certificate/certificate.hpp"
 
 #include "axis_simulation.hpp"
-#include "control/certificate/certificate_advice.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 #include "control/coupling_gains.hpp"
 #include "control/passivity.hpp"

@@ -1,7 +1,7 @@
 // A simulated device whose person links its axes.
 #include "device/one_axis.hpp"
 #include "device/simulated/simulated_device.hpp"
-#include "patient/virtual_patient.hpp"
+#include "patient/active_patient.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/tolerance.hpp"
 

@@ -1,8 +1,8 @@
 // Tasks of daily life: their rules, the shipped ones played by virtual patients, and bad files.
 #include "assembly/run.hpp"
 #include "exercise/bar_table.hpp"
-#include "exercise/kitchen/meeting.hpp"
-#include "exercise/kitchen/task_steps.hpp"
+#include "exercise/kitchen/kitchen_player.hpp"
+#include "exercise/kitchen/kitchen_task.hpp"
 #include "support/figure.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"

@@ -1,5 +1,5 @@
 #include "assembly/run.hpp"
-#include "exercise/squeeze_to_level/band_steps.hpp"
+#include "exercise/squeeze_to_level/squeeze_task.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 

@@ -3,7 +3,7 @@
 #include "server/client_words.hpp"
 #include "server/http_text.hpp"
 #include "server/site.hpp"
-#include "server/udp_datagram.hpp"
+#include "server/udp_host.hpp"
 #include "server/wire.hpp"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 // packed blocks of somebody else, without a file (3 ms each), up to what is shown of them.
 #include "fuzz/memory_tables.hpp"
 #include "fuzz_targets.hpp"
-#include "replay/engineering_facts.hpp"
 #include "replay/recorded_scene.hpp"
+#include "replay/recording_report.hpp"
 #include "replay/recording_series.hpp"
 #include "replay/therapy_facts.hpp"
 #include "support/folder.hpp"

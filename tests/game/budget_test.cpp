@@ -2,7 +2,7 @@
 #include "assembly/engines.hpp"
 #include "game/game_tools.hpp"
 #include "model/mesh/convex_hull.hpp"
-#include "physics/body_pool.hpp"
+#include "physics/physics_world.hpp"
 #include "support/constants.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"

@@ -6,7 +6,7 @@
 #include "game/game_tools.hpp"
 #include "model/mesh/convex_hull.hpp"
 #include "model/scene/separation.hpp"
-#include "runtime/tick_timer.hpp"
+#include "runtime/session.hpp"
 #include "support/says.hpp"
 
 #include <cmath>

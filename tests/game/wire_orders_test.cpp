@@ -4,7 +4,6 @@
 #include "game/same_again.hpp"
 #include "replay/replayed_recording.hpp"
 #include "server/client_words.hpp"
-#include "station/body_orders.hpp"
 #include "station/game_body_tracker.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"

@@ -1,7 +1,6 @@
 // What a person does of their own accord, against closed forms.
 #include "patient/active_patient.hpp"
 #include "patient/person_tools.hpp"
-#include "patient/virtual_patient.hpp"
 #include "support/constants.hpp"
 #include "support/tolerance.hpp"
 

@@ -1,7 +1,7 @@
 // Patients who link their axes: what a file comes to, and what is said of one that is wrong.
 #include "model/patient/patient_config.hpp"
 #include "model/shipped_models.hpp"
-#include "patient/virtual_patient.hpp"
+#include "patient/active_patient.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"

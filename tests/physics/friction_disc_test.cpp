@@ -1,6 +1,4 @@
 // Coulomb's law at one contact, by the conditions that say it (Moré, Sorensen 1983).
-#include "physics/bullet/friction_disc.hpp"
-
 #include "physics/bullet/row_arithmetic.hpp"
 #include "support/seed.hpp"
 

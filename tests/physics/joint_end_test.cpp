@@ -1,5 +1,5 @@
 // Joint ends: a joint of the hand file goes no further than its range, and that is felt.
-#include "physics/self_forces.hpp"
+#include "physics/physics_world.hpp"
 #include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
 

@@ -1,7 +1,6 @@
 // Distance of the palm from bodies.
-#include "physics/palm_distance.hpp"
-
 #include "physics/engine_bench.hpp"
+#include "physics/hand_probe.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>

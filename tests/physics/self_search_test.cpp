@@ -1,5 +1,5 @@
 // Where the capsules of a hand are near each other: closed form, and the search that skips.
-#include "model/hand/capsule_gap.hpp"
+#include "model/hand/self_contacts.hpp"
 #include "model/scene/separation.hpp"
 #include "physics/engine_bench.hpp"
 #include "physics/self_contact_search.hpp"

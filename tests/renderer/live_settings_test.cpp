@@ -2,7 +2,6 @@
 // Expected values are worked out from the device's files.
 #include "renderer/live_settings.hpp"
 
-#include "renderer/parameter_ramps.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 

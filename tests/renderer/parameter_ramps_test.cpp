@@ -1,6 +1,5 @@
 // How a parameter gets to where somebody wants it: at its slope, and only where that makes sense.
-#include "renderer/parameter_ramps.hpp"
-
+#include "renderer/live_settings.hpp"
 #include "support/constants.hpp"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 #include "assembly/run.hpp"
 #include "game/game_tools.hpp"
 #include "replay/recording_report.hpp"
-#include "replay/replayed_bodies.hpp"
+#include "replay/replayed_recording.hpp"
 #include "support/folder.hpp"
 #include "unpacked.hpp"
 #include "wholehand_generated.h"

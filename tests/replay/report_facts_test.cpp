@@ -1,6 +1,6 @@
 #include "core/sha256.hpp"
-#include "replay/engineering_facts.hpp"
 #include "replay/recording_measures.hpp"
+#include "replay/recording_report.hpp"
 #include "replay/therapy_facts.hpp"
 #include "telemetry/synthetic_recording.hpp"
 

@@ -2,7 +2,7 @@
 // limits themselves: a motion a hair below passes, a hair above does not.
 #include "safety/supervisor.hpp"
 
-#include "safety/stop_requests.hpp"
+#include "safety/safety_chain.hpp"
 #include "support/axes.hpp"
 
 #include <gtest/gtest.h>

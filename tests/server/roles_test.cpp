@@ -1,4 +1,4 @@
-#include "server/roles.hpp"
+#include "server/access.hpp"
 
 #include <gtest/gtest.h>
 

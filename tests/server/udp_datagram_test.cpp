@@ -1,5 +1,3 @@
-#include "server/udp_datagram.hpp"
-
 #include "server/udp_host.hpp"
 #include "support/seed.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "server/client_words.hpp"
-#include "server/udp_datagram.hpp"
+#include "server/udp_host.hpp"
 #include "server/udp_socket.hpp"
 #include "wholehand_generated.h"
 

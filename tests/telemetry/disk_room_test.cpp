@@ -1,7 +1,6 @@
-#include "telemetry/disk_room.hpp"
-
 #include "support/folder.hpp"
 #include "support/says.hpp"
+#include "telemetry/disk_reserve.hpp"
 
 #include <gtest/gtest.h>
 

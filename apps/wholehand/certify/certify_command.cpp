@@ -6,7 +6,7 @@
 #include "assembly/sampled_inertia.hpp"
 #include "certification/certificate_text.hpp"
 #include "commissioning/passport.hpp"
-#include "control/certificate/certificate_advice.hpp"
+#include "control/certificate/certificate_refusal.hpp"
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "files/text_file.hpp"

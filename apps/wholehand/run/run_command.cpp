@@ -19,7 +19,7 @@
 #include "runtime/interrupt_scope.hpp"
 #include "safety/supervisor.hpp"
 #include "server/logs.hpp"
-#include "telemetry/disk_room.hpp"
+#include "telemetry/disk_reserve.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/chrono.h>

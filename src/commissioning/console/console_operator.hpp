@@ -39,7 +39,7 @@ class HoldSwitch {
 
 /// The person who commissions a device at a page of the console. One thread asks and waits through
 /// Operator. The server's thread delivers answers and the held button as orders, already
-/// authorised: only the therapist who holds the controls answers and holds (server/roles.hpp). Any
+/// authorised: only the therapist who holds the controls answers and holds (server/access.hpp). Any
 /// stop, and a lost or changed holder of the controls, ends a motion.
 class ConsoleOperator final : public Operator, public ServerBackend {
  public:

@@ -1,5 +1,5 @@
 // Checks of the shared object, and of writes beyond the ends of structures.
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 
 #include <algorithm>
 #include <array>

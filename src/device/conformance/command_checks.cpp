@@ -1,6 +1,6 @@
 // Checks of commands to an enabled device that nobody holds. Efforts stay below kEffortShare of the
 // limit, except in commands.beyond_limit.
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 
 #include <algorithm>
 #include <cmath>

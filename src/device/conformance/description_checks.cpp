@@ -1,6 +1,6 @@
 // Checks of the driver's description of its axes. The plausibility limits find wrong units, not
 // wrong devices.
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 
 #include <algorithm>
 #include <array>

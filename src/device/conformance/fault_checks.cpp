@@ -1,5 +1,5 @@
 // Checks that faults are reported to a person.
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 
 #include <algorithm>
 

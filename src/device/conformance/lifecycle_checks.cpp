@@ -1,5 +1,5 @@
 // Checks of opening, enabling, disabling and closing, in every order that a program may use.
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 
 #include <cmath>
 #include <dirent.h>

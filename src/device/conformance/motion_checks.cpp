@@ -1,4 +1,4 @@
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 #include "device/conformance/pushes.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Checks of samples without commands, 1,000 a second for 0.25 s. A person may move the device.
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Checks of the cost of read and write, by CPU time and counts, independent of the machine's load.
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "realtime/system_call_counter.hpp"

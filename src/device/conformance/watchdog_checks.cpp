@@ -1,5 +1,5 @@
 // Checks of the drive's watchdog.
-#include "device/conformance/check.hpp"
+#include "device/conformance/conformance.hpp"
 #include "device/conformance/pushes.hpp"
 #include "realtime/monotonic_clock.hpp"
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "device/haptic_device.hpp"
-#include "device/known_person.hpp"
 
 #include <cstdint>
 #include <vector>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "device/haptic_device.hpp"
-#include "device/known_person.hpp"
 #include "device/simulated/axis_dynamics.hpp"
 #include "device/simulated/linked_dynamics.hpp"
 #include "model/device_model.hpp"

@@ -4,7 +4,6 @@
 #include "exercise/grip.hpp"
 #include "exercise/kitchen/kitchen_player.hpp"
 #include "exercise/kitchen/kitchen_task.hpp"
-#include "exercise/kitchen/task_steps.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,11 +1,127 @@
 #include "exercise/kitchen/kitchen_player.hpp"
 
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
 #include "exercise/approach.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace wholehand::kitchen {
+namespace {
+
+using Eigen::Vector3d;
+
+bool movesThing(Verb verb) noexcept {
+  return verb == Verb::kMove || verb == Verb::kHold || verb == Verb::kPress || verb == Verb::kPut;
+}
+
+/// Sign of the change of q that a step wants; a press goes where there is way.
+double signOf(const Step& step, const Thing& thing, double q) noexcept {
+  if (step.verb == Verb::kPress) return thing.joint.most > q ? 1.0 : -1.0;
+  return step.to < q ? -1.0 : 1.0;
+}
+
+/// The coordinate axis nearest to a direction.
+Vector3d nearestAxis(const Vector3d& direction) noexcept {
+  int k = 0;
+  direction.cwiseAbs().maxCoeff(&k);
+  return std::copysign(1.0, direction[k]) * Vector3d::Unit(k);
+}
+
+/// Takes the direction in which the point met is to move.
+void decide(const Vector3d& direction, double beside, Meeting& out) noexcept {
+  out.toward = nearestAxis(direction);
+  if (out.toward.x() < -0.5) {
+    out.means = Means::kGrasp;  // only a closed hand pulls
+  } else if (beside * out.toward.y() < -0.5) {
+    out.means = Means::kSqueeze;
+  } else {
+    out.means = Means::kPush;
+  }
+}
+
+void meetOnJoint(const Thing& thing, double q, double beside, Meeting& out) noexcept {
+  const Pose pose = poseOn(thing.joint, thing.start, q);
+  const Vector3d axis = pose.rotation * thing.joint.axis;
+  if (!thing.joint.isHinge()) return decide(out.sign * axis, beside, out);
+  const Vector3d arm_m = pose * (thing.grip_m + thing.com_m) - pose * thing.joint.point_m;
+  const Vector3d way_m = axis.cross(arm_m);
+  if (way_m.norm() > thing.radius_m) return decide(out.sign * way_m, beside, out);
+  const Vector3d away = Vector3d::UnitX(), lateral = out.sign * away.cross(axis);
+  if (lateral.norm() < 0.5) return;  // a knob that looks at the person is grasped
+  out.means = Means::kPush;
+  out.toward = away;
+  out.side_m = pose.rotation.transpose() * (thing.radius_m * lateral.normalized());
+}
+
+}  // namespace
+
+Meeting meetingOf(const KitchenTask& task, int step, double q, const Vector3d& center_m,
+                  double beside) noexcept {
+  const int count = static_cast<int>(task.steps.size()), now = std::min(step, count - 1);
+  int first = now;
+  while (first > 0 && task.steps[first - 1].verb != Verb::kLetGo) --first;
+  const Step* aim = nullptr;
+  for (int i = first; i < count; ++i) {
+    const Step& s = task.steps[i];
+    if (s.verb == Verb::kTake) return {};
+    if (i >= now && aim == nullptr && movesThing(s.verb)) aim = &s;
+    if (s.verb == Verb::kLetGo) break;
+  }
+  Meeting out;
+  if (aim == nullptr) return out;
+  const Thing& thing = task.things[aim->thing];
+  if (thing.jointed) {
+    out.sign = signOf(*aim, thing, q);
+    meetOnJoint(thing, q, beside, out);
+  } else {
+    const bool put = aim->verb == Verb::kPut;
+    decide(put ? Vector3d(aim->center_m - center_m) : Vector3d::UnitX(), beside, out);
+    if (out.means == Means::kSqueeze) out.means = Means::kGrasp;
+  }
+  return out;
+}
+
+using Eigen::Vector3d;
+
+Fingertips::Fingertips(const HandModel& hand, int fingers) {
+  ArticulatedBody body(hand);
+  const Synergy synergy(hand);
+  const auto carries = [&hand](int link) {
+    return std::any_of(hand.links.begin(), hand.links.end(),
+                       [link](const HandLink& other) { return other.parent == link; });
+  };
+  for (int i = 0; i < kPostures; ++i) {
+    AxisPosition q(hand.axis_count);
+    if (fingers >= 0) q[fingers] = kMost_rad * i / (kPostures - 1);
+    JointPosition theta;
+    synergy.expand(q, theta);
+    body.updateKinematics(theta);
+    for (int k = 0; k < 6; ++k) {
+      const Vector3d along = (k < 3 ? 1.0 : -1.0) * Vector3d::Unit(k % 3);
+      double furthest_m = -std::numeric_limits<double>::infinity();
+      for (const Capsule& c : hand.capsules) {
+        if (c.part == HandPart::kPalm || c.part == HandPart::kThumb || carries(c.link)) continue;
+        const Vector3d tip_m = body.linkPose(c.link) * c.b_m + c.radius_m * along;
+        if (along.dot(tip_m) <= furthest_m) continue;
+        furthest_m = along.dot(tip_m);
+        at_[i][k] = tip_m;
+      }
+    }
+  }
+}
+
+Vector3d Fingertips::foremost(const Vector3d& toward, double flexion_rad) const noexcept {
+  int k = 0;
+  toward.cwiseAbs().maxCoeff(&k);
+  if (toward[k] < 0.0) k += 3;
+  const double place = (kPostures - 1) * std::clamp(flexion_rad / kMost_rad, 0.0, 1.0);
+  const int i = std::min(static_cast<int>(place), kPostures - 2);
+  return at_[i][k] + (place - i) * (at_[i + 1][k] - at_[i][k]);
+}
+
 namespace {
 
 using Eigen::Vector3d;

@@ -1,13 +1,59 @@
 #pragma once
 
+#include "core/axis_array.hpp"
+#include "core/real_time.hpp"
 #include "exercise/approach.hpp"
-#include "exercise/kitchen/fingertips.hpp"
 #include "exercise/kitchen/kitchen_task.hpp"
-#include "exercise/kitchen/meeting.hpp"
+#include "model/hand/hand_model.hpp"
+
+#include <Eigen/Core>
 
 #include <array>
 
 namespace wholehand::kitchen {
+
+/// What the hand does to a thing: closes around it and carries it, pushes it with the tips of
+/// straight fingers, or closes the fingers so that it comes towards the palm.
+enum class Means { kGrasp, kPush, kSqueeze };
+inline constexpr const char* kMeans[] = {"grasp", "push", "squeeze"};
+
+/// How a hand without wrist meets the thing of a step.
+struct Meeting {
+  Means means = Means::kGrasp;
+  Eigen::Vector3d toward = Eigen::Vector3d::UnitX();  ///< push: ±x, ±y or ±z of the world
+  Eigen::Vector3d side_m = Eigen::Vector3d::Zero();   ///< from the grip to the point, body axes
+  double sign = 1.0;                                  ///< of the change of q that is wanted
+};
+
+/// Derives it from the verbs up to the next let_go, the thing and its joint: what is to be taken is
+/// grasped; else the direction in which the grip is to move decides. A hinge within radius_m of the
+/// grip is a rocker, which is pushed away from the person beside the hinge. Real-time safe.
+/// @param step index; the last one where it is beyond
+/// @param q of the thing's joint
+/// @param center_m of its mass, in the world
+/// @param beside +1 where the palm faces +y (a right hand), -1 where it faces -y
+[[nodiscard]] WHOLEHAND_RT Meeting meetingOf(const KitchenTask& task, int step, double q,
+                                             const Eigen::Vector3d& center_m,
+                                             double beside) noexcept;
+
+/// Foremost points of the four fingertips along the axes of the world, from the hand's base, as the
+/// fingers are more or less bent. Nothing allocates after construction.
+class Fingertips {
+ public:
+  /// @param fingers the axis that flexes all four; -1: none
+  Fingertips(const HandModel& hand, int fingers);
+
+  /// @param toward ±x, ±y or ±z @param flexion_rad of the axis; interpolated within 0 .. kMost_rad
+  [[nodiscard]] WHOLEHAND_RT Eigen::Vector3d foremost(const Eigen::Vector3d& toward,
+                                                      double flexion_rad) const noexcept;
+
+ private:
+  static constexpr int kPostures = 9;
+  static constexpr double kMost_rad = 2.0;
+  /// Along x, y, z, -x, -y, -z.
+  using Points = std::array<Eigen::Vector3d, 6>;
+  std::array<Points, kPostures> at_{};
+};
 
 /// A virtual patient who does a task step by step: goes beside the thing, meets it as meetingOf()
 /// says (closes the hand around it, pushes it with straight fingers, or squeezes it), moves it,

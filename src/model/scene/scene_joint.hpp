@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
 #include <limits>
 
 namespace wholehand {
@@ -40,5 +41,13 @@ struct SceneJoint {
 /// without range in (-π, π]. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double positionOn(const SceneJoint& joint, const Pose& start,
                                              const Pose& pose) noexcept;
+
+/// Energy that spring and latch of a joint store at q [J]; 0 at the spring's rest and in a detent.
+/// Real-time safe.
+[[nodiscard]] WHOLEHAND_RT inline double storedEnergy(const SceneJoint& joint, double q) noexcept {
+  const double stretch = q - joint.spring_rest;
+  return 0.5 * joint.spring_stiffness * stretch * stretch +
+         0.5 * joint.latch_energy_j * (1.0 - std::cos(joint.latch_wave * (q - joint.latch_at)));
+}
 
 }  // namespace wholehand

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "physics/bullet/cone_newton.hpp"
-#include "physics/bullet/inertia_root.hpp"
 #include "physics/bullet/row_arithmetic.hpp"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -29,7 +28,7 @@ struct ContactGoals {
 /// Rows of the contacts between two bodies: where they are apart, they may close the gap in this
 /// step and no further. Projected Gauss-Seidel sweeps four contacts at once: contacts that share a
 /// movable body keep their order, and four that share none form a group. The two directions of
-/// friction are one unknown, a vector within Coulomb's disc (friction_disc.hpp). Real-time safe
+/// friction are one unknown, a vector within Coulomb's disc (row_arithmetic.hpp). Real-time safe
 /// except for construction.
 class BodyRows {
  public:

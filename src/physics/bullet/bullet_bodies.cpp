@@ -1,8 +1,8 @@
 #include "physics/bullet/bullet_bodies.hpp"
 
-#include "physics/body_checks.hpp"
 #include "physics/bullet/bullet_shapes.hpp"
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/physics_world.hpp"
 
 #include <BulletCollision/CollisionShapes/btEmptyShape.h>
 #include <Eigen/Geometry>

@@ -4,9 +4,9 @@
 #include "core/tick_record.hpp"
 #include "model/scene/scene_model.hpp"
 #include "physics/body_joint.hpp"
+#include "physics/bullet/box_sweep.hpp"
 #include "physics/bullet/collider_tag.hpp"
-#include "physics/bullet/slot_shape.hpp"
-#include "physics/bullet/world_box.hpp"
+#include "physics/bullet/shape_sets.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 

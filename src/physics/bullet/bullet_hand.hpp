@@ -2,8 +2,8 @@
 
 #include "dynamics/articulated_body.hpp"
 #include "model/hand/hand_model.hpp"
+#include "physics/bullet/box_sweep.hpp"
 #include "physics/bullet/collider_tag.hpp"
-#include "physics/bullet/world_box.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>

@@ -1,11 +1,34 @@
 #include "physics/bullet/bullet_world.hpp"
 
-#include "physics/body_checks.hpp"
 #include "physics/bullet/bullet_engine.hpp"
 #include "physics/bullet/bullet_types.hpp"
-#include "physics/bullet/checked_memory.hpp"
+#include "physics/physics_world.hpp"
+
+#include <LinearMath/btAlignedAllocator.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+namespace wholehand::bullet {
+namespace {
+
+void* allocate(std::size_t bytes) {
+  void* memory = std::malloc(bytes);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void useCheckedMemory() {
+  // Once: Bullet keeps the two functions in plain variables, and another thread may be using them.
+  static const bool kOnce = (btAlignedAllocSetCustom(allocate, std::free), true);
+  (void)kOnce;
+}
+
+}  // namespace wholehand::bullet
 
 namespace wholehand {
 

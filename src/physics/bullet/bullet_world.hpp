@@ -2,11 +2,18 @@
 
 #include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
-#include "physics/body_pool.hpp"
 #include "physics/bullet/solver_settings.hpp"
 #include "physics/physics_world.hpp"
 
 #include <memory>
+
+namespace wholehand::bullet {
+
+/// Makes Bullet's allocations throw std::bad_alloc where no memory is left; its own write to
+/// address 0. For the whole process; before the first object of Bullet.
+void useCheckedMemory();
+
+}  // namespace wholehand::bullet
 
 namespace wholehand {
 

@@ -3,12 +3,12 @@
 #include "core/body_order.hpp"
 #include "core/real_time.hpp"
 #include "model/scene/scene_model.hpp"
-#include "physics/body_pool.hpp"
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/collider_pairs.hpp"
 #include "physics/bullet/reduced_contact_solver.hpp"
 #include "physics/bullet/resting_bodies.hpp"
 #include "physics/bullet/shape_sets.hpp"
+#include "physics/physics_world.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 

@@ -2,7 +2,7 @@
 
 #include "dynamics/articulated_body.hpp"
 #include "physics/bullet/cone_newton.hpp"
-#include "physics/bullet/inertia_root.hpp"
+#include "physics/bullet/row_arithmetic.hpp"
 #include "physics/bullet/solver_settings.hpp"
 #include "physics/self_contact_search.hpp"
 

@@ -5,10 +5,9 @@
 #include "physics/bullet/body_rows.hpp"
 #include "physics/bullet/collider_tag.hpp"
 #include "physics/bullet/cone_newton.hpp"
-#include "physics/bullet/friction_disc.hpp"
 #include "physics/bullet/hand_rows.hpp"
-#include "physics/bullet/inertia_root.hpp"
 #include "physics/bullet/joint_rows.hpp"
+#include "physics/bullet/row_arithmetic.hpp"
 #include "physics/bullet/solver_settings.hpp"
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cmath>
+
 /// Arithmetic of solver rows, four numbers at once: one instruction each in a function with
 /// WHOLEHAND_VECTOR_CLONES on a processor with AVX, two elsewhere. Same bits in both: the order of
 /// every sum is written out. Inlined into the function that calls it, for that function's
@@ -44,5 +47,112 @@ template <int Width>
     store(sum, to + i);
   }
 }
+
+/// L with M⁻¹ = L Lᵀ: in the velocities w of v = L w the inertia is 1. @tparam Most largest size
+template <int Most>
+class InertiaRoot {
+ public:
+  /// @param inverse M⁻¹(row, column), positive semidefinite
+  template <class Inverse>
+  void factorize(const Inverse& inverse, int size) noexcept {
+    size_ = size;
+    for (int c = 0; c < size; ++c) {
+      double pivot = inverse(c, c);
+      for (int k = 0; k < c; ++k) pivot -= at(c, k) * at(c, k);
+      at(c, c) = pivot > 0.0 ? std::sqrt(pivot) : 0.0;
+      const double share = pivot > 0.0 ? 1.0 / at(c, c) : 0.0;
+      for (int r = c + 1; r < size; ++r) {
+        double sum = inverse(r, c);
+        for (int k = 0; k < c; ++k) sum -= at(r, k) * at(c, k);
+        at(r, c) = sum * share;
+      }
+    }
+  }
+  /// Lᵀ j: a row on v, as one on w.
+  void transpose(const double* row, double* out) const noexcept {
+    for (int c = 0; c < size_; ++c) out[c] = 0.0;
+    for (int r = 0; r < size_; ++r) {
+      const double* of_row = &root_[r * Most];
+      const double factor = row[r];
+      for (int c = 0; c <= r; ++c) out[c] += factor * of_row[c];
+    }
+  }
+  /// v = L w
+  void apply(const double* w, double* v) const noexcept {
+    for (int r = 0; r < size_; ++r) {
+      double sum = 0.0;
+      for (int c = 0; c <= r; ++c) sum += root_[r * Most + c] * w[c];
+      v[r] = sum;
+    }
+  }
+
+ private:
+  double& at(int r, int c) noexcept { return root_[r * Most + c]; }
+
+  int size_ = 0;
+  std::array<double, Most * Most> root_{};  ///< rows; the upper triangle is not used
+};
+
+/// Coulomb's law at one contact: the impulse r of friction stops the slip, or opposes it with all
+/// that the normal allows (maximum dissipation). With the yield A, the slip per impulse, and b, the
+/// slip that r must undo, r minimises ½ rᵀ A r − bᵀ r within the disc |r| ≤ limit: (A + s 1) r = b
+/// with s = 0 inside, and |r| = limit outside, where the slip −s r points against r. This is the
+/// subproblem of a trust region (Moré, Sorensen 1983): Newton's method on 1/|r| finds s from below.
+/// @tparam Number double, or a vector of them
+template <class Number>
+struct FrictionDisc {
+  Number yield_11{}, yield_12{}, yield_22{};  ///< A, positive definite [1/kg]
+  Number mass_11{}, mass_12{}, mass_22{};     ///< A⁻¹ [kg]
+  Number limit{};                             ///< [N·s]
+
+  /// @param was_1, was_2 impulse now @param lacking_1, lacking_2 change of slip that would stop it
+  [[gnu::always_inline]] void solve(const Number& was_1, const Number& was_2,
+                                    const Number& lacking_1, const Number& lacking_2, Number& is_1,
+                                    Number& is_2) const {
+    is_1 = was_1 + mass_11 * lacking_1 + mass_12 * lacking_2;
+    is_2 = was_2 + mass_12 * lacking_1 + mass_22 * lacking_2;
+    Number length2 = is_1 * is_1 + is_2 * is_2;
+    const auto slides = length2 > limit * limit;
+    if (!any(slides)) return;
+    const Number b_1 = lacking_1 + yield_11 * was_1 + yield_12 * was_2;
+    const Number b_2 = lacking_2 + yield_12 * was_1 + yield_22 * was_2;
+    const Number least = Number{} + 1e-300;
+    Number a = yield_11, d = yield_22, det = a * d - yield_12 * yield_12;
+    Number r_1 = is_1, r_2 = is_2;
+    for (int i = 0; i < kSteps; ++i) {
+      const Number power = (d * r_1 * r_1 - 2.0 * yield_12 * r_1 * r_2 + a * r_2 * r_2) / det;
+      Number length = length2;
+      takeRoot(length);
+      const Number floor = 1e-9 * length + least;  // where the limit is nothing, nor is r
+      const Number radius = limit > floor ? limit : floor;
+      const Number grow = (length - radius) / radius * (length2 / (power > least ? power : least));
+      a += grow;
+      d += grow;
+      det = a * d - yield_12 * yield_12;
+      r_1 = (d * b_1 - yield_12 * b_2) / det;
+      r_2 = (a * b_2 - yield_12 * b_1) / det;
+      length2 = r_1 * r_1 + r_2 * r_2;
+    }
+    // To the rim, along r.
+    Number length = length2 > least ? length2 : least;
+    takeRoot(length);
+    is_1 = slides ? r_1 * (limit / length) : is_1;
+    is_2 = slides ? r_2 * (limit / length) : is_2;
+  }
+
+ private:
+  static constexpr int kSteps = 3;
+
+  [[gnu::always_inline]] static bool any(bool which) { return which; }
+  template <class Mask>
+  [[gnu::always_inline]] static bool any(const Mask& which) {
+    return ((which[0] | which[1]) | (which[2] | which[3])) != 0;
+  }
+  [[gnu::always_inline]] static void takeRoot(double& x) { x = std::sqrt(x); }
+  template <class Vector>
+  [[gnu::always_inline]] static void takeRoot(Vector& x) {
+    for (int i = 0; i < 4; ++i) x[i] = std::sqrt(x[i]);
+  }
+};
 
 }  // namespace wholehand::bullet

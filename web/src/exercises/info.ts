@@ -41,7 +41,7 @@ export interface EventSign { readonly sign: string; meaning(): string; legend():
 /** The signs of the exercises' own events, by the events' names. */
 export const OWN_SIGNS: Readonly<Record<string, EventSign>> = BAR_SIGNS;
 
-/** A finished part of an exercise as a report shows it: what src/replay/part_log.hpp finds. */
+/** A finished part of an exercise as a report shows it: what src/replay/therapy_facts.hpp finds. */
 export interface ReportPart { readonly event: string; readonly index: number; readonly value: number; readonly to_s: number; readonly persons: boolean; readonly steps: readonly (readonly [index: number, amount_l: number])[] }
 
 /** What a recording holds of its exercise. */

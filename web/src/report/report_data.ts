@@ -14,7 +14,7 @@ export interface Touch { readonly body: string; readonly from_s: number; readonl
 /** Who moves the hand, and how much of it a page does for the person: the numbers of src/core/tick_record.hpp. */
 export enum Mover { Nobody, Person, VirtualPatient, Motion }
 export enum GivenHelp { Unsaid, Full, Some, None }
-/** Whose something is (the rule: src/replay/moved_time.hpp). `by` moved longest; `share` is the person's. */
+/** Whose something is (the rule: src/replay/therapy_facts.hpp). `by` moved longest; `share` is the person's. */
 export interface Whose { readonly by: Mover; readonly share: number; readonly help: GivenHelp; readonly persons: boolean }
 /** A part of an exercise that was finished, as its own, a band of force or a level. */
 export interface Part extends Whose {

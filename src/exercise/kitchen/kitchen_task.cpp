@@ -1,4 +1,4 @@
-#include "exercise/kitchen/task_steps.hpp"
+#include "exercise/kitchen/kitchen_task.hpp"
 
 #include <algorithm>
 

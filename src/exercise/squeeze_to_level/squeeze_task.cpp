@@ -1,4 +1,4 @@
-#include "exercise/squeeze_to_level/band_steps.hpp"
+#include "exercise/squeeze_to_level/squeeze_task.hpp"
 
 #include <cstddef>
 
