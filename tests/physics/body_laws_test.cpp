@@ -257,6 +257,47 @@ TEST(BodyLaws, WhatSlidesOverFlushPlanks_FeelsNoSeams) {
   }
 }
 
+/// Planks of 1 to 5 kg that lie on a ground and are free to move: what slides over them passes as
+/// over one plate, and they stay.
+TEST(BodyLaws, WhatSlidesOverPlanksThatMayMove_FeelsNoSeams) {
+  auto random = seededRandom(3614);
+  constexpr int kPlanks = 24;
+  double worst = 0.0, moved_m = 0.0;
+  for (int i = 0; i < draws() / 10; ++i) {
+    std::string name;
+    // Friction of a pair is the root of the product.
+    const double friction = 0.3, rough = 0.9, slope = std::atan(0.45);
+    const double half_m = uniform(random, 0.015, 0.03), start_m = 0.1, width_m = 0.05;
+    SceneBody body = anyFlat(random, half_m, friction * friction / rough, 0.1, name);
+    body.pose.translation_m = {start_m, 0.0, half_m};
+    std::vector<SceneBody> bodies{ground(rough)};
+    bodies[0].pose.translation_m.z() -= 0.02;
+    for (int k = 0; k < kPlanks; ++k) {
+      bodies.push_back(bodyOf(boxShape({width_m, 0.6, 0.02}), {width_m * k, 0.0, -0.01},
+                              uniform(random, 1.0, 5.0), rough));
+    }
+    bodies.push_back(body);
+    const double rate_hz = anyRate(random);
+    SCOPED_TRACE(name + ", " + std::to_string(rate_hz) + " Hz");
+    Yard yard(kEngine, bodies, leant(slope), rate_hz, anyTurn(random));
+    const int slider = kPlanks + 1;
+    yard.throwBody(slider, Vector3d::Zero());
+    const double seconds = 0.8;
+    yard.run(seconds);
+    const double way_m =
+        0.5 * kGravity * (std::sin(slope) - friction * std::cos(slope)) * seconds * seconds;
+    worst = std::max(worst, std::abs((yard.at(slider).x() - start_m) / way_m - 1.0));
+    EXPECT_NEAR(yard.at(slider).x() - start_m, way_m, 0.02 * way_m);
+    for (int k = 0; k < kPlanks; ++k) {
+      const Vector3d off_m = yard.at(k + 1) - Vector3d(width_m * k, 0.0, -0.01);
+      moved_m = std::max(moved_m, off_m.norm());
+    }
+  }
+  figure("sliding over planks that may move, worst way against the law", worst, "");
+  figure("the same, farthest that a plank moved", 1e3 * moved_m, "mm");
+  EXPECT_LE(moved_m, 1e-4);
+}
+
 TEST(BodyLaws, WhatFliesAtAThinPlate_StopsOnIt) {
   auto random = seededRandom(3608);
   for (int i = 0; i < draws(); ++i) {
@@ -272,7 +313,7 @@ TEST(BodyLaws, WhatFliesAtAThinPlate_StopsOnIt) {
         kEngine,
         {bodyOf(boxShape({0.4, 0.4, 0.001}), Vector3d::Zero(), 0.0, 0.5),
          bodyOf(shapes[which], {0.0, 0.0, uniform(random, 0.1, 0.2)}, 0.01, 0.5, anyTurn(random))},
-        Vector3d::Zero(), 1000.0, anyTurn(random));
+        Vector3d::Zero(), anyRate(random), anyTurn(random));
     yard.throwBody(1, {uniform(random, -0.3, 0.3) * v, 0.0, -v});
     yard.run(0.2);
     EXPECT_GT(yard.at(1).z(), 0.0);
@@ -468,6 +509,115 @@ TEST(HandFriction, SteadySlip_IsOpposedAlongIt) {
   }
   EXPECT_GT(judged, draws() / 2);
   figure("friction of a sliding hand off the slip, worst", worst_rad / kDeg, "deg");
+}
+
+/// The farthest point of the hand's surface along a direction [m].
+Vector3d farthest(const HandModel& hand, const AxisPosition& q_s, const Vector3d& along) {
+  const ArticulatedBody body = handAt(hand, q_s);
+  Vector3d out = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  double most_m = -std::numeric_limits<double>::infinity();
+  for (const Capsule& c : hand.capsules) {
+    for (const Vector3d& end : {c.a_m, c.b_m}) {
+      const Vector3d at = body.linkPose(c.link) * end + c.radius_m * along;
+      if (along.dot(at) <= most_m) continue;
+      most_m = along.dot(at);
+      out = at;
+    }
+  }
+  return out;
+}
+
+/// A cube on a lighter one on a ground, in any turn, and a hand that presses one of them.
+struct PressedStack {
+  enum class At { kTop, kLight, kHeavy };
+  static constexpr double kSide_m = 0.04, kGap_m = 2e-4;
+
+  PressedStack(At at, double light_kg, double heavy_kg, double rate_hz, std::mt19937_64& random)
+      : turn(anyTurn(random)),
+        along(at == At::kTop ? Vector3d(-turn.col(2)) : Vector3d(turn.col(0))),
+        posture(6),
+        rate(6),
+        period_s(1.0 / rate_hz) {
+    posture[3] = uniform(random, 0.0, 1.2), posture[4] = 0.3, posture[5] = 0.3;
+    const HandModel hand = load(shippedFiles()).hand;
+    const double high_m = at == At::kTop     ? 2.0 * kSide_m
+                          : at == At::kLight ? 0.5 * kSide_m
+                                             : 1.5 * kSide_m;
+    const Vector3d foot =
+        at == At::kTop ? Vector3d(0.0, 0.0, high_m) : Vector3d(-0.5 * kSide_m, 0.0, high_m);
+    const Vector3d origin = farthest(hand, posture, along) + kGap_m * along - turn * foot;
+    // All of it is beyond the hand's farthest point.
+    const double wide_m = at == At::kTop ? 0.0 : 0.5 - 0.5 * kSide_m;
+    const Vector3d cube = Vector3d::Constant(kSide_m);
+    SceneModel scene;
+    scene.gravity_m_s2 = -kGravity * turn.col(2);
+    scene.bodies = {bodyOf(boxShape({1.0, 1.0, 0.04}), {wide_m, 0.0, -0.02}, 0.0, 0.8),
+                    bodyOf(boxShape(cube), {0.0, 0.0, 0.5 * kSide_m}, light_kg, 0.8),
+                    bodyOf(boxShape(cube), {0.0, 0.0, 1.5 * kSide_m}, heavy_kg, 0.8)};
+    for (SceneBody& body : scene.bodies) body.pose = Pose{turn, origin} * body.pose;
+    foot_m = origin;
+    bench = std::make_unique<Bench>(kEngine, scene);
+    bench->period_s = period_s;
+  }
+
+  /// Presses with a force that grows within 0.1 s.
+  void press(double force_n, double seconds) {
+    ASSERT_TRUE(bench->world->placeHand(posture));
+    ASSERT_NO_FATAL_FAILURE(bench->step(posture, rate));
+    for (int k = 1; k * period_s < seconds; ++k) {
+      AxisPosition q = posture;
+      for (int a = 0; a < 3; ++a) {
+        const double stiffness_n_m = 4e3 * bench->body.reducedInertia()(a, a);
+        q[a] += std::min(1.0, k * period_s / 0.1) * force_n * along[a] / stiffness_n_m +
+                kGap_m * along[a];
+      }
+      ASSERT_NO_FATAL_FAILURE(bench->step(q, rate));
+      touched += bench->touching.count > 0 ? 1 : 0;
+      ++steps;
+    }
+  }
+  [[nodiscard]] Vector3d at(int body) const {
+    return turn.transpose() * (bench->after.bodies[body].position_m.eigen() - foot_m);
+  }
+  /// How far the heavy one is below where it would lie.
+  [[nodiscard]] double sunk_m() const { return 1.5 * kSide_m - at(2).z(); }
+
+  Eigen::Matrix3d turn;
+  Vector3d along, foot_m;
+  AxisPosition posture;
+  AxisVelocity rate;
+  double period_s;
+  std::unique_ptr<Bench> bench;
+  int touched = 0, steps = 0;
+};
+
+TEST(HandAtAStack, HeavyOnLight_RestsAtItsSurface) {
+  auto random = seededRandom(3613);
+  for (const double most : {100.0, 1000.0}) {
+    std::array<double, 3> deepest_m{};
+    for (int i = 0; i < 3 * draws() / 10; ++i) {
+      const auto where = static_cast<PressedStack::At>(i % 3);
+      const double rate_hz = anyRate(random);
+      const double heavy_kg = anyBetween(random, 0.2, 3.0);
+      const double light_kg = heavy_kg / anyBetween(random, 0.1 * most, most);
+      PressedStack stack(where, light_kg, heavy_kg, rate_hz, random);
+      const double weight_n = kGravity * heavy_kg;
+      const double force_n = where == PressedStack::At::kTop
+                                 ? uniform(random, 1.0, 10.0)
+                                 : uniform(random, 0.05, 0.2) * weight_n;
+      SCOPED_TRACE(std::to_string(light_kg) + " kg below " + std::to_string(heavy_kg) + " kg, at " +
+                   std::to_string(i % 3) + " with " + std::to_string(force_n) + " N, " +
+                   std::to_string(rate_hz) + " Hz");
+      ASSERT_NO_FATAL_FAILURE(stack.press(force_n, 0.5));
+      EXPECT_GT(stack.touched, 0);
+      EXPECT_LE(stack.sunk_m(), most > 100.0 ? 3e-4 : 1e-4);
+      deepest_m[i % 3] = std::max(deepest_m[i % 3], stack.sunk_m());
+    }
+    const std::string to = "to a ratio of " + std::to_string(static_cast<int>(most));
+    figure("heavy on light " + to + ", pressed from above, deepest", 1e3 * deepest_m[0], "mm");
+    figure("the same, the light one pushed, deepest", 1e3 * deepest_m[1], "mm");
+    figure("the same, the heavy one pushed, deepest", 1e3 * deepest_m[2], "mm");
+  }
 }
 
 TEST(HandOnRollers, HeldByAPerson_ComesToRest) {

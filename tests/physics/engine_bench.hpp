@@ -47,7 +47,7 @@ struct Bench {
     drive.armature = armature;
     drive.armature_effort = body.armatureEffort(f_s);
     drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
-    ASSERT_EQ(world->step(drive, kPeriod_s) & kStoppingFaults, Fault::kNone);
+    ASSERT_EQ(world->step(drive, period_s) & kStoppingFaults, Fault::kNone);
     world->contacts(touching);
     after = look(*world);
     ask(query);
@@ -74,6 +74,7 @@ struct Bench {
   PhysicsState state, after;
   ContactList touching;
   AxisEffort asked;  ///< f_s of the last step
+  double period_s = kPeriod_s;
 };
 
 inline SceneModel weightless(std::vector<SceneBody> bodies) {

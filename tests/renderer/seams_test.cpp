@@ -126,6 +126,66 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
   EXPECT_GT(judged, 0);
 }
 
+/// The same over a plate, and planks, that lie on a table and are free to move.
+TEST(Seams, HandThatSlidesOverPlanksThatMayMove_FeelsOnePlate) {
+  auto random = seededRandom(3621);
+  double most_n = 0.0;
+  int judged = 0;
+  const int draws = fullCounts() ? 100 : 4;
+  for (int i = 0; i < draws; ++i) {
+    Slide slide;
+    slide.models = load(shippedFiles());
+    const DeviceModel& device = slide.models.device;
+    const Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
+    slide.from = AxisPosition(device.axisCount());
+    for (int a = 0; a < device.axisCount(); ++a) {
+      if (device.axes[a].group != AxisGroup::kHand) continue;
+      slide.from[a] = uniform(random, 0.0, 0.7) * device.axes[a].upper;
+    }
+    const double thick_m = 0.02, width_m = uniform(random, 0.04, 0.08);
+    const double face_m = reach(slide.models.hand, slide.from, down) + 0.003;
+    SceneBody table = wall(down, face_m + thick_m);
+    table.friction = 1.0;
+    const double friction = uniform(random, 0.0, 0.5);
+    const int across = static_cast<int>(random() % 2U);
+    std::vector<SceneBody> planks{table}, whole{table};
+    Eigen::Vector3d size_m(1.0, 1.0, thick_m);
+    const Eigen::Vector3d middle_m = (face_m + 0.5 * thick_m) * down;
+    constexpr int kPlanks = 9;
+    size_m[across] = kPlanks * width_m;
+    whole.push_back(bodyOf(boxShape(size_m), middle_m, 4.5, friction));
+    size_m[across] = width_m;
+    for (int k = 0; k < kPlanks; ++k) {
+      const Eigen::Vector3d aside_m = (k - kPlanks / 2) * width_m * Eigen::Vector3d::Unit(across);
+      planks.push_back(bodyOf(boxShape(size_m), middle_m + aside_m, 4.5 / kPlanks, friction));
+      planks.back().name = "plank" + std::to_string(k);
+    }
+    slide.pressed = slide.from;
+    slide.pressed[2] -= 0.008;
+    slide.slid = slide.pressed;
+    slide.slid[across] += random() % 2U == 0 ? 0.05 : -0.05;
+    slide.slide_s = uniform(random, 0.2, 1.5);
+    slide.period_s = 1e-3 / std::pow(2.0, static_cast<double>(random() % 3U));
+    SCOPED_TRACE("draw " + std::to_string(i) + ", planks of " + std::to_string(width_m) +
+                 " m, friction " + std::to_string(friction));
+    const FeltSlide one = slideOver(slide, whole);
+    if (one.largest_jolt > 0.2) continue;  // it sticks and slips: no two runs are alike
+    ++judged;
+    const FeltSlide pieces = slideOver(slide, planks);
+    for (std::size_t k = 0; k < one.sent.size(); ++k) {
+      for (int a = 0; a < device.axisCount(); ++a) {
+        const double lever_m = device.axes[a].lever_arm_m;
+        const double apart = std::abs(one.sent[k][a] - pieces.sent[k][a]);
+        most_n = std::max(most_n, lever_m > 0.0 ? apart / lever_m : apart);
+      }
+    }
+  }
+  figure("hand over planks that may move against one plate, most that is felt apart", most_n, "N");
+  // Not yet 0.02 N: 0.059 N was the most of 16 draws.
+  EXPECT_LE(most_n, 0.1);
+  EXPECT_GT(judged, 0);
+}
+
 /// Processor seconds of a tick in which the whole hand presses on so many pieces at one place.
 double costAmong(int pieces) {
   Slide slide;

@@ -239,7 +239,7 @@ void BodyRows::clear() noexcept {
   free_.clear();
   if (any()) std::fill(depth_.begin(), depth_.end(), 0);
   contacts_ = group_count_ = runs_ = 0;
-  uneven_ = false;
+  uneven_ = near_uneven_ = false;
 }
 
 BodyRows::Group& BodyRows::groupFor(int run) noexcept {
@@ -411,7 +411,9 @@ void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGo
     group.normal.impulse[place] = goals.warm_start * point.m_appliedImpulse;
     group.tangent1.impulse[place] = goals.warm_start * point.m_appliedImpulseLateral1;
     group.tangent2.impulse[place] = goals.warm_start * point.m_appliedImpulseLateral2;
-    uneven_ = uneven_ || isUneven(group, place);
+    const bool uneven = isUneven(group, place);
+    uneven_ = uneven_ || uneven;
+    near_uneven_ = near_uneven_ || (uneven && (touched[a] || touched[b]));
     ++contacts_;
   }
 }

@@ -51,6 +51,8 @@ class BodyRows {
   void begin(Bodies& bodies, const std::vector<bool>& touched) noexcept;
   [[nodiscard]] bool any() const noexcept { return contacts_ > 0; }
   [[nodiscard]] bool anyNear() const noexcept { return !near_.empty(); }
+  /// The hand touches a body that lies on one ten times lighter, or below one ten times heavier.
+  [[nodiscard]] bool nearUneven() const noexcept { return near_uneven_; }
   /// Largest normal impulse after the last sweep [N·s].
   [[nodiscard]] double pressed() const noexcept { return pressed_; }
   /// Number of groups: a sweep costs as many steps.
@@ -149,6 +151,7 @@ class BodyRows {
   std::vector<Group*> open_;
   std::vector<int> first_;            ///< per run: its first place in all_
   bool uneven_ = false;               ///< a contact in this step is
+  bool near_uneven_ = false;          ///< one of a body that the hand touches is
   std::vector<int> island_;           ///< per body: one of its island; itself for one of each
   std::vector<bool> solved_at_once_;  ///< per island, at that body
   std::vector<int> slot_;             ///< per body: its index in the island, or −1

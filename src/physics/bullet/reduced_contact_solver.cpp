@@ -592,7 +592,8 @@ btScalar ReducedContactSolver::solveSingleIteration(
     far_done_ = iteration + 1 >= most || others <= settings_.far_tolerance * body_rows_.pressed();
     far_unsettled_ = far_done_ && others > kSettled * body_rows_.pressed();
   }
-  if (at_once_ || iteration >= settings_.iterations) return far_done_ ? 0.0 : 1.0;
+  const int sweeps = body_rows_.nearUneven() ? kUnevenSweeps : settings_.iterations;
+  if (at_once_ || iteration >= sweeps) return far_done_ ? 0.0 : 1.0;
   if (!far) others = std::max(others, body_rows_.sweepNear(m_tmpSolverBodyPool));
   residual_ = 0.0;
   if (axes_ <= kNarrow) {
@@ -600,7 +601,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
   } else {
     iterateWide();
   }
-  if (iteration + 1 == settings_.iterations) near_unsettled_ = changesStill();
+  if (iteration + 1 == sweeps) near_unsettled_ = changesStill();
   // With 0 the base class stops.
   return std::max(others, residual_);
 }

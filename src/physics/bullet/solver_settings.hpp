@@ -5,6 +5,9 @@
 namespace wholehand::bullet {
 
 inline constexpr int kLeastFarSweeps = 10, kMostFarSweeps = 200, kFarBudget = 1000;
+/// Where the hand touches one of two bodies that lie on each other, one ten times as heavy: with 50
+/// sweeps a grasped cylinder of 1 g with 0.4 kg on it slipped by 0.75 mm.
+inline constexpr int kUnevenSweeps = 200;
 
 /// Settings of Bullet's contact solver; ADR 3 explains the differences from stock.
 struct SolverSettings {

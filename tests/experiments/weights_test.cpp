@@ -1,0 +1,142 @@
+// What weighs more or less than the objects of the paper's Fig. 5, in the tuned power grasp of its
+// cylinder: picked up, carried and held.
+#include "experiments/grasp_script.hpp"
+#include "support/folder.hpp"
+#include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kGravity = 9.81, kFriction = 0.8;
+
+GraspTrial cylinderUnderGravity() {
+  for (const GraspTrial& trial : tunedTrials()) {
+    if (trial.shape == "cylinder" && trial.gravity) return trial;
+  }
+  throw std::runtime_error("no tuned cylinder");
+}
+
+SceneBody& weigh(SceneBody& body, double mass_kg) {
+  const ShapeMoments about = moments(body.shapes[0]);
+  body.mass_kg = mass_kg;
+  body.inertia_kg_m2 = mass_kg / about.volume_m3 * about.inertia_m5;
+  return body;
+}
+
+/// The cylinder in the hand, and what lies on it.
+struct Carried {
+  double pressed_n = 0.0;  ///< sum of the hand's normal forces on the cylinder before the lift
+  double shift_m = 0.0;    ///< of the cylinder in the palm since then
+  double slip_m = 0.0;     ///< of it in the palm during the last 2 s
+  double sunk_m = 0.0;     ///< deepest of what lies on it, during the last second
+  bool faulted = false;
+};
+
+/// @param top_kg of a disk that lies on the cylinder; 0: none
+Carried carry(double mass_kg, double top_kg, double hold_s, double period_s) {
+  const GraspTrial trial = cylinderUnderGravity();
+  TrialSetup setup;
+  const Folder folder;
+  setup.folder = folder.path();
+  setup.rig.period_s = period_s;
+  double rests_m = 0.0;
+  setup.adjust = [&](Models& m) {
+    SceneBody& cylinder = weigh(m.scene.bodies[0], mass_kg);
+    if (top_kg == 0.0) return;
+    SceneBody disk = cylinder;
+    disk.name = "disk";
+    disk.shapes[0].length_m = 0.02;
+    rests_m = 0.5 * (cylinder.shapes[0].length_m + disk.shapes[0].length_m);
+    disk.pose.translation_m.z() += rests_m;
+    m.scene.bodies.push_back(weigh(disk, top_kg));
+  };
+  Models models = orThrow(loadTrial(trial, shippedFiles(), setup));
+  Intention intention = graspIntention(trial, models);
+  const auto rig = orThrow(buildRig(std::move(models), std::move(intention), setup.rig));
+  EXPECT_TRUE(rig->renderer->arm());
+  const HandModel& hand = rig->models.hand;
+  ArticulatedBody kinematics(hand);
+  Eigen::Vector3d before = Eigen::Vector3d::Zero(), late = before;
+  Carried out;
+  const double end_s = grasp_times::kHoldBegins + hold_s;
+  runTicks(*rig->renderer, static_cast<int>(end_s / period_s), [&](const TickRecord& r) {
+    out.faulted = out.faulted || any(r.faults & kStoppingFaults);
+    kinematics.updateKinematics(r.theta);
+    const Pose palm = kinematics.linkPose(hand.palm_link);
+    const Eigen::Vector3d center = r.bodies[0].position_m.eigen();
+    const Eigen::Vector3d in_palm = palm.inverse() * center;
+    if (top_kg > 0.0) {
+      const Eigen::Vector3d axis = r.bodies[0].orientation_xyzw.eigen() * Eigen::Vector3d::UnitZ();
+      const double above_m = axis.dot(r.bodies[2].position_m.eigen() - center);
+      if (r.time_s > end_s - 1.0) out.sunk_m = std::max(out.sunk_m, rests_m - above_m);
+    }
+    if (r.time_s < grasp_times::kLiftBegins) {
+      before = in_palm;
+      out.pressed_n = 0.0;
+      for (int i = 0; i < r.contact_count; ++i) {
+        const Contact& c = r.contacts[i];
+        if (c.body == 0) out.pressed_n += c.force_n.eigen().dot(c.normal.eigen());
+      }
+    }
+    out.shift_m = (in_palm - before).norm();
+    if (r.time_s < end_s - 2.0) late = in_palm;
+    out.slip_m = std::max(out.slip_m, r.time_s < end_s - 2.0 ? 0.0 : (in_palm - late).norm());
+  });
+  return out;
+}
+
+/// The tuned grasp of the paper's cylinder: what friction at its fingers bears is picked up and
+/// held, whatever it weighs.
+TEST(Weights, OfCylindersThatTheGraspBears_ArePickedUpAndHeld) {
+  auto random = seededRandom(3630);
+  double slip_m = 0.0;
+  int borne = 0;
+  const int count = fullCounts() ? 40 : 4;
+  for (int i = 0; i < count; ++i) {
+    const double mass_kg = i == 0   ? 5e-3
+                           : i == 1 ? 1.0
+                                    : std::exp(uniform(random, std::log(5e-3), 0.0));
+    const double period_s = 1e-3 / std::pow(2.0, static_cast<double>(random() % 4U));
+    SCOPED_TRACE(std::to_string(mass_kg) + " kg at " + std::to_string(1.0 / period_s) + " Hz");
+    const Carried carried = carry(mass_kg, 0.0, 3.0, period_s);
+    EXPECT_FALSE(carried.faulted);
+    if (kFriction * carried.pressed_n <= 1.2 * mass_kg * kGravity) continue;
+    ++borne;
+    EXPECT_LE(carried.shift_m, 2e-3);
+    EXPECT_LE(carried.slip_m, 2e-4);
+    slip_m = std::max(slip_m, carried.slip_m);
+  }
+  figure("cylinders of 5 g to 1 kg that the grasp bears, of " + std::to_string(count), borne, "");
+  figure("slip of them in the last 2 s, worst", 1e3 * slip_m, "mm");
+  EXPECT_GE(borne, count / 2);
+}
+
+/// A disk that lies on the grasped cylinder, up to 100 and up to 400 times as heavy: before, while
+/// and after it is lifted it lies on its face; at last within the slop and a share of it.
+TEST(Weights, OnAGraspedLightCylinder_RestOnItsFace) {
+  auto random = seededRandom(3631);
+  for (const double most : {100.0, 400.0}) {
+    double sunk_m = 0.0;
+    for (int i = 0; i < (fullCounts() ? 20 : 2); ++i) {
+      const double top_kg = uniform(random, 0.2, 0.4);
+      const double mass_kg =
+          i == 0 ? top_kg / most
+                 : top_kg / std::exp(uniform(random, std::log(0.25 * most), std::log(most)));
+      SCOPED_TRACE(std::to_string(top_kg) + " kg on " + std::to_string(mass_kg) + " kg");
+      const Carried carried = carry(mass_kg, top_kg, 2.0, 1e-3);
+      EXPECT_FALSE(carried.faulted);
+      EXPECT_LE(carried.sunk_m, most > 100.0 ? 3e-4 : 1e-4);
+      EXPECT_GE(carried.sunk_m, 0.0);
+      sunk_m = std::max(sunk_m, carried.sunk_m);
+    }
+    figure("on a grasped cylinder, to a ratio of " + std::to_string(static_cast<int>(most)) +
+               ", deepest in the last second",
+           1e3 * sunk_m, "mm");
+  }
+}
+
+}  // namespace
+}  // namespace wholehand::test
