@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import re
+import shlex
 import signal
 import time
 import urllib.error
@@ -11,7 +12,7 @@ import urllib.request
 import uuid
 
 import client
-from app import FULL, HANG_S, PacedTest, main
+from app import BINARY, DONE, FULL, HANG_S, SOURCE, PacedTest, main
 
 TICK, RUN_STATE = 1, 4   # fields of WorldState
 RENDERING, STOPPED = 1, 3
@@ -20,6 +21,22 @@ CANARY = "Zzyzx Quillfeather"
 KILLS = 100 if FULL else 4
 PLAN = [{"exercise": "cocktail-bar", "level": 1, "minutes": 5, "help": "full", "parameters": {}},
         {"exercise": "squeeze-to-level", "level": 1, "minutes": 5, "help": "some", "parameters": {}}]
+
+# The requests and commands of docs/clinic.md, which are sent and run as they stand there.
+PIECES = re.findall(r"^```\w*\n(.*?)^```", (SOURCE / "docs/clinic.md").read_text(), re.S | re.M)
+
+
+def filled(text):
+    """The first value of JSON in docs/clinic.md, in which dots stand for more."""
+    return json.JSONDecoder().raw_decode(text.replace("[…]", "[]").replace(", …}", "}").replace("…", "0"))[0]
+
+
+def requests_of(piece):
+    """(method, path, body, answer) of each request of a piece of docs/clinic.md; an answer stands behind → or below."""
+    for said in re.split(r"\n(?=[A-Z])", piece):
+        method, path = said.split()[:2]
+        body, answer = re.match(r"\S+ \S+ +(\{.*)", said), re.search(r"(?:→ |\n  )(\{.*)", said, re.S)
+        yield method, path.removeprefix("/api"), body and filled(body[1]), answer and filled(answer[1])
 
 
 class Clinic(PacedTest):
@@ -223,6 +240,64 @@ class Clinic(PacedTest):
             self.done("POST", f"/visits/{visit['id']}/item", {"item": 0})  # the visit goes on by a press
         self.done("POST", f"/visits/{visit['id']}/finish", {"state": "done"})
         self.expect_ended_by(self.run_, signal.SIGINT)
+
+    def expect_keys(self, said, answer):
+        self.assertNotIn("refused", answer)
+        self.assertLessEqual(set(said), set(answer))
+
+    def test_a_visit_and_its_notes_are_answered_as_the_page_says(self):
+        self.start()
+        (method, path, _, said), = requests_of(PIECES[0])
+        answer = self.ask(method, path)
+        self.expect_keys(said, answer)
+        self.expect_keys(said["folder"], answer["folder"])
+        self.assertEqual((answer["clinic"], answer["folder"]["empty"]), (said["clinic"], said["folder"]["empty"]))
+        self.begin_clinic()
+        patient = self.add_patient()
+        visit = self.begin_visit(patient)
+        (method, path, _, said), = requests_of(PIECES[1])
+        self.expect_keys(said, self.ask(method, path.replace(str(said["id"]), str(visit["id"]))))
+        for_visit, for_patient, again = requests_of(PIECES[2])
+        for number, (method, path, body, said) in ((1, for_visit), (2, for_patient), (1, again)):
+            own = {"visit": visit["id"], "patient": patient["id"]}
+            answer = self.ask(method, f"{path[:-1]}{number}", {key: own.get(key, value) for key, value in body.items()})
+            self.expect_keys(said or {}, answer)
+            self.assertEqual(answer["text"], body["text"])
+
+    def test_sessions_without_a_patient_are_given_as_the_page_says(self):
+        self.start()
+        self.begin_clinic()
+        patient = self.add_patient()
+        ask, give, delete = requests_of(PIECES[3])
+        for _ in range(2):
+            self.stop(self.play(0.3))
+        listed = lambda: self.ask(*ask[:2])["sessions"]
+        self.wait_until(self.run_, lambda: [session["state"] for session in listed()] == ["measured"] * 2)
+        self.expect_keys(ask[3], self.ask(*ask[:2]))
+        first, second = listed()
+        self.expect_keys(ask[3]["sessions"][0], first)
+        self.assertEqual(set(give[2]), {"patient", "sessions"})
+        visit = self.ask(*give[:2], {"patient": patient["id"], "sessions": [first["id"]]})
+        self.assertEqual((visit["state"], [trial["recording"] for trial in visit["trials"]]), ("done", [first["recording"]]))
+        path, _, _ = delete[1].rpartition("/")
+        self.assertEqual(self.ask(delete[0], f"{path}/{second['id']}"), delete[3])
+
+    def test_a_backup_is_restored(self):
+        place = {"FOLDER": "clinic", "/media/stick/clinic.db": "clinic.db"}
+        backup, verify, restore = ([place.get(word, word) for word in shlex.split(line, comments=True)]
+                                   for line in PIECES[4].splitlines())
+        self.start()
+        self.begin_clinic()
+        patient = self.add_patient()
+        do = lambda command: self.expect(self.run_app(*command[1:], binary=BINARY.parent / command[0]), DONE)
+        do(backup)
+        do(verify)
+        self.done("POST", f"/patients/{patient['id']}/visits", {"side": "right", "plan": PLAN})
+        self.expect_ended_by(self.run_, signal.SIGINT)
+        do(restore)
+        self.start()
+        self.sign_in()
+        self.assertEqual(self.done("GET", f"/patients/{patient['id']}")["visits"], [], "as it was when it was copied")
 
 
 def memory_of(pid):

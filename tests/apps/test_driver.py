@@ -1,5 +1,4 @@
 """A real device behind a driver that is compiled outside the tree: C99 and the public header, nothing else."""
-import shlex
 import shutil
 import signal
 import subprocess
@@ -93,51 +92,6 @@ class Driver(DeviceTest):
                 ((*faulty, *device, "--no-web"), ("--driver", "console"))):
             with self.subTest(arguments=arguments):
                 self.expect_refused(self.run_app(*HARDWARE[:-2], *arguments, "--without-passport"), *words)
-
-
-class Documented(DeviceTest):
-    """The commands of docs/drivers.md and docs/commissioning.md, as they stand there."""
-
-    def setUp(self):
-        super().setUp()
-        for name in ("src", "examples", "config"):  # the sources' folder
-            (self.folder / name).symlink_to(SOURCE / name)
-
-    def commands_of(self, page, heading=None):
-        """Words of each command of the first block after the heading."""
-        text = (SOURCE / "docs" / page).read_text()
-        block = (text.split(f"\n## {heading}\n")[1] if heading else text).split("```")[1]
-        return [shlex.split(line, comments=True) for line in block.splitlines()[1:]]
-
-    def test_the_first_commands_lead_to_a_device_that_renders(self):
-        compile_it, conform, run_it = self.commands_of("drivers.md")
-        subprocess.run(compile_it, cwd=self.folder, check=True)
-        self.expect(self.run_app(*conform[1:]), DONE, " 0 failed")
-        run_it += ["--port", "0", "--driver-settings", "watchdog_ms=2000"]  # this machine may stall
-        run = self.start_app(*run_it[1:])
-        port = int(run.stdout.readline().split(":")[2].rstrip("/\n"))
-        self.page = client.Page(port)
-        self.page.hold_controls()
-        self.arm()
-        self.wait_for_ticks(run, 100)
-        run.send_signal(signal.SIGINT)
-        said = "".join(run.communicate(timeout=HANG_S))
-        self.assertEqual(run.returncode, INTERRUPTED, said)
-
-    def test_without_passport_the_remedy_that_is_named_is_the_one_that_helps(self):
-        compile_it, _, run_it = self.commands_of("drivers.md")
-        subprocess.run(compile_it, cwd=self.folder, check=True)
-        run_it.remove("--without-passport")
-        self.expect_refused(self.run_app(*run_it[1:]), "device rails-0001 has no passport", "--without-passport")
-
-    def test_commissioning_begins_with_the_commands_of_its_page(self):
-        shutil.copy(CONFIG / "devices/desktop-3axis.toml", self.folder / "mine.toml")
-        shutil.copy(DRIVERS / "rails.so", self.folder / "mine.so")
-        for heading, serial in ((None, "rails-0001"), ("Learning it", "simulated")):
-            command, = self.commands_of("commissioning.md", heading)
-            self.expect(self.run_app(*command[1:]), 1, "Step 1 of 11: identify", serial, "Not finished")
-        command, = self.commands_of("commissioning.md", "Every day")
-        self.expect_refused(self.run_app(*command[1:]), "rails-0001.passport.toml")
 
 
 class Passport(AppTest):

@@ -143,6 +143,17 @@ class Admission(AppTest):
         self.expect(result, DONE if FULL else result.code, "admitted at 1000 Hz")  # by this machine's processor time
         self.assertIn(result.code, (DONE, 1), result)
 
+    def test_a_joint_that_nobody_can_move_is_warned_of(self):
+        """In the words of `run`: level 1 halves the 60 N, and the device has 20 N along the slide."""
+        shutil.copytree(CONFIG, self.folder / "config")
+        scene = self.folder / "config/scenes/drawer.toml"
+        scene.write_text(scene.read_text().replace("friction_n = 2.0", "friction_n = 60.0"))
+        task = self.folder / "config/exercises/drawer.toml"
+        warning = "its slide resists with 30 N where the hand takes it; this device pushes with 20 N there at most"
+        self.assertIn(warning, self.run_app("validate", "--admit", task).out)
+        self.expect(self.run_app("run", "--exercise", task, "--simulated-clock", "--duration", 0.05), DONE, warning)
+        self.assertNotIn("resists", self.run_app("validate", "--admit", CONFIG / "exercises/drawer.toml").out)
+
     def test_large_one_is_not_and_what_to_remove_is_named_slow(self):
         # 24 boxes in stacks side by side have some 200 contacts: more than a tick of 62 µs solves.
         text = 'kind = "scene"\nversion = 1\nname = "stacks"\ngravity_m_s2 = [0, 0, -9.81]\n'

@@ -1,6 +1,7 @@
 """The Python package as pip installs it, into environments that have nothing of this folder, without a network."""
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -53,6 +54,18 @@ class Wheel(AppTest):
         for path in (where, table):
             self.assertTrue(path.startswith(str(self.made / "debian")), path)
         self.assertEqual(pathlib.Path(table).read_bytes(), (SOURCE / "config/scenes/table.toml").read_bytes())
+
+    def test_packages_of_a_bare_debian_bring_every_library(self):
+        """What the module is linked to comes with the packages that the manual names, or with apt and python3."""
+        named = re.search(r"apt-get install --no-install-recommends (python3-venv .*)", (SOURCE / "clients/python/README.md").read_text())[1]
+        module, = (PROJECT / "wholehand").glob("_rig.*.so")
+        needed = re.findall(r"\(NEEDED\).*\[(.*)\]", said("readelf", "-d", module))
+        self.assertGreater(len(needed), 8)
+        found = dict(re.findall(r"(\S+) => (/\S+)", said("ldd", module)))
+        for library in needed:
+            path = os.path.realpath(found[library])
+            package = subprocess.run(["dpkg", "-S", path.removeprefix("/usr"), path], capture_output=True, text=True).stdout.partition(":")[0]
+            self.assertIn(package, [*named.split(), "libc6", "libgcc-s1", "libstdc++6", "zlib1g", "libssl3"], library)
 
     def test_the_five_lines_of_the_readme_plot_a_grasp(self):
         self.install(self.python, self.wheel)

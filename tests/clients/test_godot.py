@@ -43,6 +43,14 @@ def setUpModule():
         raise AssertionError(made.stderr)
     for file in (SOURCE / "tests/clients/godot").iterdir():
         shutil.copyfile(file, PROJECT / file.name)
+    # The pieces of the manual as they stand there, as the script of one node of a game that has a ring and a world.
+    manual = (SOURCE / "clients/godot/README.md").read_text(encoding="utf-8")
+    pieces = re.findall(r"^```gdscript\n(.*?)^```", manual, re.S | re.M)
+    if len(pieces) != 2:
+        raise AssertionError(f"{len(pieces)} pieces of GDScript in the manual; the_manuals_pieces_are_played knows 2")
+    world = 'const World = preload("res://addons/wholehand/world.gd")\nvar world = World.new()\n'
+    (PROJECT / "manual.gd").write_text("extends Node\n" + world + "\n".join(pieces), encoding="utf-8")
+    (PROJECT / "ring.tscn").write_text('[gd_scene format=2]\n\n[node name="Ring" type="Spatial"]\n')
 
 
 class PlayedInGodot:
@@ -94,6 +102,7 @@ AGAINST_THE_PROGRAM = {
     "bodies_beyond_the_slots_are_one_node_in_and_out_of_reach": ("--wait", *TABLE),
     "a_thousand_bodies_are_cheap": ("--wait", *TABLE),
     "refused_orders_say_why": ("--wait", *TABLE),
+    "the_manuals_pieces_are_played": ("--wait", "--exercise", "game-scene"),  # as the manual says
 }
 AgainstTheProgram = type("AgainstTheProgram", (PlayedInGodot, unittest.TestCase), {
     f"test_{name}": of_run_gd(name, *arguments) for name, arguments in AGAINST_THE_PROGRAM.items()})

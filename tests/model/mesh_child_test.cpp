@@ -83,6 +83,14 @@ TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
   EXPECT_TRUE(decodeMesh(encodeMesh(mesh)));
 }
 
+// Found by damage under UBSan: no triangles, no place to copy their parts to.
+TEST(MeshHandOver, WithoutTriangles_IsHandedOver) {
+  const auto handed_over = decodeMesh(encodeMesh(MeshFile{}));
+  ASSERT_TRUE(handed_over);
+  EXPECT_TRUE(handed_over->surface.triangles.empty());
+  EXPECT_TRUE(handed_over->part.empty());
+}
+
 /// Damages each sample `times` times: it is read or refused, and its reader never dies.
 void expectDamageIsReadOrRefused(int times) {
   auto random = seededRandom(272);

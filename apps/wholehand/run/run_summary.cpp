@@ -1,6 +1,7 @@
 #include "apps/wholehand/run/run_summary.hpp"
 
 #include "apps/wholehand/run/status_line.hpp"
+#include "apps/wholehand/shared/exit_code.hpp"
 #include "core/printable.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/statistics.hpp"
@@ -76,9 +77,8 @@ void printOpening(const Models& models, bool real_device) {
               models.hand.name.c_str(), models.hand.joint_count, models.hand.capsules.size(),
               models.scene.name.c_str(), models.scene.bodies.size(),
               models.scene.bodies.size() == 1 ? "body" : "bodies");
-  for (const Diagnostic& notice : models.scene.notices) {
-    std::printf("           %s\n", format(notice).c_str());
-  }
+  constexpr int kBelowTheScene = 11;
+  tellNotices(models.scene.notices, kBelowTheScene);
 }
 
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,

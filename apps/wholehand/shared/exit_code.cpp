@@ -22,6 +22,12 @@ int tellNotShown(const Diagnostics& not_shown) {
   return kExitNotWhole;
 }
 
+void tellNotices(const Diagnostics& notices, int indent) {
+  for (const Diagnostic& notice : notices) {
+    std::printf("%*s%s\n", indent, "", format(notice).c_str());
+  }
+}
+
 int sayInterrupted() {
   std::printf("\nInterrupted: no results were written\n");
   return kExitInterrupted;

@@ -28,6 +28,9 @@ int refuse(const Diagnostics& errors);
 /// that is nothing, else kExitNotWhole.
 int tellNotShown(const Diagnostics& not_shown);
 
+/// Prints what the user should know of sound files, one per line behind so many blanks.
+void tellNotices(const Diagnostics& notices, int indent);
+
 /// Says that Ctrl-C left no results, and returns kExitInterrupted.
 int sayInterrupted();
 

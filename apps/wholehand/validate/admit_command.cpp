@@ -64,6 +64,7 @@ int admitCommand(const AdmitOptions& options) {
   files.patient = shippedFile(files.patient);
   auto models = loadModels(files);
   if (!models) return refuse(models.errors());
+  tellNotices(models->scene.notices, 2);
   RigOptions rig;
   rig.period_s = 1.0 / options.rate_hz;
   rig.engine = options.engine;

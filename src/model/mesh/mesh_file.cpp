@@ -154,7 +154,9 @@ Expected<MeshFile> decodeSurface(const Head& head, std::string_view body) {
     mesh.triangles.emplace_back(t[0], t[1], t[2]);
   }
   file.part.resize(head.second);
-  std::memcpy(file.part.data(), body.data(), head.second * sizeof(std::int32_t));
+  if (!file.part.empty()) {
+    std::memcpy(file.part.data(), body.data(), file.part.size() * sizeof(std::int32_t));
+  }
   body.remove_prefix(head.second * sizeof(std::int32_t));
   while (!body.empty()) {
     const std::size_t end = std::min(body.find('\n'), body.size());

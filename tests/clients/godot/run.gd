@@ -326,6 +326,34 @@ func _on_body_touched(slot, generation, impulse_ns):
 	touches.append([slot, generation, impulse_ns])
 
 
+# manual.gd: what clients/godot/README.md shows, with a ring and a world.
+func the_manuals_pieces_are_played():
+	connection.free()
+	var manual = load("res://manual.gd").new()
+	connection = manual.connection
+	hand = manual.hand
+	world = manual.world
+	connection.port = int(OS.get_environment("WHOLEHAND_PORT"))
+	connection.add_child(world)
+	connection.connect("replied", self, "_on_replied")
+	connection.connect("body_event", self, "_on_body_event")
+	connection.connect("body_touched", self, "_on_body_touched")
+	root.add_child(manual)
+	yield(until(HAS_STATE, "a state"), "completed")
+	yield(until("hand.link('ring_pip_flexion') != null and hand.link('ring_pip_flexion').has_node('Ring')", "the ring is on"), "completed")
+	manual._on_start_pressed()
+	yield(until(RENDERS, "rendering"), "completed")
+	yield(until("hand.drawn_tick >= 0", "the new scene, which has no bodies of its own"), "completed")
+	if not connection.holds_controls: # a slow machine takes more than 200 ms to build the scene
+		yield(accepted(connection.take_controls(), "take the controls again"), "completed")
+	manual._drop()
+	var solid = yield(becomes("solid", 0), "completed")
+	check(solid[2] == 1, "generation: %s" % [solid])
+	yield(until("not touches.empty()", "the ball touches the hand"), "completed")
+	# It falls 0.15 m at most: 1.7 m/s.
+	check(touches[0][0] == 0 and touches[0][2] > 0.005 and touches[0][2] < 0.2 * 1.7, "touch: %s" % [touches])
+
+
 func _rests():
 	if compared_tick != connection.state.tick:
 		compared_tick = connection.state.tick
