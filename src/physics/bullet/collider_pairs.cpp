@@ -14,8 +14,7 @@ namespace {
 constexpr double kAround_m = 0.03;  // 30 ms of a fast hand
 constexpr double kDeep_m = 1e-3;
 constexpr double kApart_m = 1e-4;      // two points of a patch are no nearer
-constexpr double kFlush_m = 3e-5;      // a step of this height stops nothing
-constexpr double kAlike = 0.7;         // cosine: two normals of one surface
+constexpr double kOneSurface = 0.7;    // cosine: two normals of one surface
 constexpr double kSame = 1.0 - 1e-10;  // cosine: a capsule lies on both
 constexpr double kBeside_m = 5e-3;
 // A hand that touches more pieces at once feels the edges of the rest: the tick stays bounded.
@@ -63,7 +62,7 @@ bool isInnerEdge(const btManifoldPoint& edge, const btManifoldPoint& face) {
   const btVector3 away_m = edge.m_positionWorldOnB - face.m_positionWorldOnB;
   const double cosine = normal.dot(tilted);
   return face.m_distance1 < edge.m_distance1 && away_m.length2() < kBeside_m * kBeside_m &&
-         std::abs(normal.dot(away_m)) < kFlush_m && cosine > kAlike && cosine < kSame;
+         std::abs(normal.dot(away_m)) < kFlush_m && cosine > kOneSurface && cosine < kSame;
 }
 
 /// Removes inner edges from `at`. What slides from one collider to the other takes its impulses and

@@ -18,7 +18,6 @@ namespace {
 
 constexpr double kCorner_m = 5e-4;  // corners this near the farthest one may touch, too
 constexpr double kFacet_m = 1e-4;   // of a mesh, whose facets may be that fine
-constexpr double kFlush_m = 3e-5;   // a step of this height stops nothing
 constexpr double kSunk_m = 5e-4;    // deeper than this the nearest face may be another
 constexpr double kAcross = 0.5;     // cosine: two faces are across each other
 constexpr double kAlike = 0.98;     // cosine: two directions are nearly one

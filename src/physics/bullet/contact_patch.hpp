@@ -12,6 +12,9 @@ class btCollisionObject;
 
 namespace wholehand::bullet {
 
+/// A step of this height stops nothing.
+inline constexpr double kFlush_m = 3e-5;
+
 /// Where two convex colliders touch now: the points of this step and no older ones. A point of an
 /// earlier step lies behind a body that rolls and pushes it on.
 struct ContactPatch {
@@ -33,8 +36,8 @@ struct ContactPatch {
 /// (Gilbert, Johnson, Keerthi 1988); the patch is what their faces, edges or corners farthest along
 /// it have in common, seen along it. Its distances are exact for faces, edges and rims.
 ///
-/// A collider that overlaps the extension of another's face by less than 30 µm is taken to lie on
-/// it: an edge between two flush pieces stops nothing.
+/// A collider that overlaps the extension of another's face by less than kFlush_m is taken to lie
+/// on it: an edge between two flush pieces stops nothing.
 /// @param a, b with convex shapes @param form_a, form_b the same shapes @param reach_m largest gap
 /// of a point. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT ContactPatch findPatch(const btCollisionObject& a, const Shape& form_a,
