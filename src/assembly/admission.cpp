@@ -11,6 +11,12 @@
 namespace wholehand {
 namespace {
 
+/// Where a run of it begins.
+AxisPosition startOf(const Models& models) {
+  const auto player = makeExercisePlayer(models, 1);
+  return player ? player->start() : restPose(models);
+}
+
 /// Measured whatever comes out.
 Expected<Rehearsal> measure(const Models& models, const RigOptions& rig,
                             const RehearsalOptions& options) {
@@ -23,7 +29,7 @@ Expected<Rehearsal> measure(const Models& models, const RigOptions& rig,
   const double limit_us = 1e6 * options.most_of_period * rig.period_s;
   std::optional<Rehearsal> best;
   for (int attempt = 0; attempt < std::max(1, options.attempts); ++attempt) {
-    auto now = rehearse(models, restPose(models), rig, finding_out);
+    auto now = rehearse(models, startOf(models), rig, finding_out);
     if (!now) return now.errors();
     now->limit_us = limit_us;
     if (!best || now->summary.cpu.p999_ns < best->summary.cpu.p999_ns) best = std::move(*now);
@@ -76,7 +82,7 @@ Expected<Admission> admit(const Models& models, const RigOptions& rig,
   if (out.admitted && models.scene.game.slots > 0) {
     RehearsalOptions with_status = options;
     with_status.status = status;
-    auto pool = rehearsePool(models, restPose(models), rig, with_status);
+    auto pool = rehearsePool(models, startOf(models), rig, with_status);
     if (!pool) return pool.errors();
     out.admitted = pool->measured.passes();
     out.pool = *pool;

@@ -425,8 +425,7 @@ static_assert(static_cast<int>(Facts::StepState::kFailed) == static_cast<int>(fb
 static_assert(static_cast<int>(Facts::Asked::kNextStep) == static_cast<int>(fb::Asked::MAX));
 static_assert(static_cast<int>(Motion::What::kEmergencyStop) ==
               static_cast<int>(fb::MotionKind::MAX));
-static_assert(static_cast<int>(MotionState::kOver) ==
-              static_cast<int>(fb::MotionState::MAX));
+static_assert(static_cast<int>(MotionState::kOver) == static_cast<int>(fb::MotionState::MAX));
 
 Offset<fb::Finding> findingToWire(Builder& b, const Facts::Finding& f) {
   return fb::CreateFindingDirect(b, f.axis.c_str(), f.quantity.c_str(), f.unit.c_str(), f.lower,

@@ -77,8 +77,9 @@ class Wheel(AppTest):
         (self.folder / "matplotlib/__init__.py").write_text("")
         (self.folder / "matplotlib/pyplot.py").write_text("plot = lambda y: print(*y)\nsavefig = lambda file: print(file)\n")
         *force_n, file = self.in_it(self.python, program)
-        self.assertEqual((len(force_n), float(force_n[0]), file), (600, 0.0, "grasp.png"))
-        self.assertGreater(max(map(float, force_n)), 1.0, "the recorded reach grasps the box")
+        self.assertEqual((len(force_n), float(force_n[0]), file), (800, 0.0, "grasp.png"))
+        held = sum(float(f) > 5.0 for f in force_n)  # of 10 ms each
+        self.assertGreater(held, 100, "the recorded reach holds the box for a second")
 
     def test_the_sdist_becomes_a_client_for_any_machine(self):
         said(self.python, "-m", "pip", "wheel", "--no-index", "--no-build-isolation", "--no-deps", "-w", self.folder, self.sdist)
