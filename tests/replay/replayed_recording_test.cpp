@@ -202,12 +202,15 @@ TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgr
   EXPECT_GT(with_contacts, 0) << "the bar was never touched: nothing of contacts was compared";
 }
 
+/// Of some seconds a report has at least 25 pictures a second: as film has.
+constexpr std::size_t kTicksAPicture = 40;
+
 TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
   const Json data = orThrow(reportData(recordedBar().path(), ""));
   const auto rows = data["states"]["rows"].get<std::vector<std::uint64_t>>();
   const auto messages = splitMessages(unpacked(data["states"]["messages"]));
   ASSERT_EQ(messages.size(), rows.size());
-  EXPECT_GE(rows.size(), recordedBar().states.size() / 18);
+  EXPECT_GE(rows.size(), recordedBar().states.size() / kTicksAPicture);
   EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end()));
   const auto file = orThrow(RecordingReader::open(recordedBar().path()));
   EXPECT_EQ(rows.front(), 0U);
@@ -224,7 +227,7 @@ TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
 TEST(RecordingReport, LongRecordingReadInTwoWays_GivesTheSamePage) {
   const Json read_once = orThrow(reportData(recordedBar().path(), ""));
   const Json read_as_long = orThrow(reportData(recordedBar().path(), "", {}, 0));
-  EXPECT_GE(read_once["states"]["rows"].size(), recordedBar().states.size() / 18);
+  EXPECT_GE(read_once["states"]["rows"].size(), recordedBar().states.size() / kTicksAPicture);
   for (const auto& [key, value] : read_once.items()) {
     EXPECT_EQ(read_as_long[key].dump(), value.dump()) << key;
   }
