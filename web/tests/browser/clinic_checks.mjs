@@ -161,6 +161,8 @@ export async function therapistKeepsAPatient(t) {
   expect((await runState(page)) !== RENDERING, 'the next item was started without a press');
   await page.click(`${id('arm')}:enabled`);
   await until('rendering', async () => (await runState(page)) === RENDERING);
+  // What has no tick of a person is no trial.
+  await until('half a second of it', () => page.evaluate(() => window.wholehandNow.state.timeS > 0.5));
   await endVisit(page);
   await page.click(id('pain-after-0'));
   await lookAt(t, page, 'end of visit');
@@ -169,7 +171,8 @@ export async function therapistKeepsAPatient(t) {
   await lookAt(t, page, 'patient card', false);
   await page.click(id('to-patient'));
   await page.waitForSelector('[data-testid=visits] li');
-  await until('both recordings measured', async () => (await page.innerText(id('visits'))).match(/being measured/g) === null && (await page.locator('[data-testid=visits] .trial').count()) >= 2);
+  await until('both recordings measured', async () => (await page.innerText(id('visits'))).match(/being measured/g) === null && (await page.locator('[data-testid=visits] .trial').count()) >= 2)
+    .catch(async ({ message }) => { throw new Error(`${message}: ${await page.innerText(id('visits'))}`); });
   expect(/pain before 0, after 0/.test(await page.innerText(id('visits'))), 'a pain of 0 was not kept');
   await lookAt(t, page, 'patient');
   await page.click(id('edit-patient'));
