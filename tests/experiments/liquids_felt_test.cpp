@@ -21,7 +21,9 @@ std::complex<double> closedForm(double resistance, double own_damping) {
 
 /// The figures: neighbours 1.6 apart by the file are felt at least 1.55 apart (threshold 1.34,
 /// Jones 1997), by fingers as by the thumb, and 0.13 in impedance at 0.5 Hz.
-void expectToldApart(const ModelFiles& files, const DeviceModel& device) {
+/// @param digits_apart fingers and thumb differ by this share at most
+void expectToldApart(const ModelFiles& files, const DeviceModel& device,
+                     double digits_apart = 0.05) {
   const auto liquids = orThrow(feelLiquids(files));
   const DeviceAxis& fingers = device.axes[device.axisIndex("finger_flexion")];
   const double own = fingers.damping / (fingers.lever_arm_m * fingers.lever_arm_m);
@@ -31,8 +33,7 @@ void expectToldApart(const ModelFiles& files, const DeviceModel& device) {
     const std::string of = ", " + now.liquid;
     figure("felt by fingers" + of, now.felt_n_s_m[0], "N·s/m");
     figure("felt by the thumb" + of, now.felt_n_s_m[1], "N·s/m");
-    // A fifth of the threshold. The smallest hand on wrist-9axis is 0.058 apart, the others 0.046.
-    EXPECT_NEAR(now.felt_n_s_m[1], now.felt_n_s_m[0], 0.07 * now.felt_n_s_m[0]);
+    EXPECT_NEAR(now.felt_n_s_m[1], now.felt_n_s_m[0], digits_apart * now.felt_n_s_m[0]);
     const std::complex<double> exact = closedForm(now.resistance_n_s_m, own);
     EXPECT_LE(std::abs(now.stiffness_n_m - exact), 0.03 * std::abs(exact))
         << now.stiffness_n_m << " " << exact;
@@ -56,7 +57,11 @@ TEST(Liquids, FeltThroughTheWholeLoop_NeighboursAreToldApart) {
   for (const std::size_t i : sampleOf(hands.size(), fullCounts() ? hands.size() : 1, random)) {
     for (const char* device : {"lambda-pride", "wrist-9axis"}) {
       SCOPED_TRACE(hands[i] + ", " + device);
-      expectToldApart(exerciseFiles("cocktail-bar", 1, hands[i], device), deviceNamed(device));
+      // The smallest hand there is the only one beyond 0.05, by up to 0.0584; why is not known.
+      const bool smallest =
+          hands[i].starts_with("woman-p05") && device == std::string("wrist-9axis");
+      expectToldApart(exerciseFiles("cocktail-bar", 1, hands[i], device), deviceNamed(device),
+                      smallest ? 0.06 : 0.05);
     }
   }
 }

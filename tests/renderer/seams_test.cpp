@@ -80,6 +80,29 @@ std::vector<SceneBody> cut(const SceneBody& plate, const Cut& how) {
   return planks;
 }
 
+/// Digits anywhere in the lower 0.7 of their range, the arm at 0.
+AxisPosition drawnClosure(const DeviceModel& device, std::mt19937_64& random) {
+  AxisPosition drawn(device.axisCount());
+  for (int a = 0; a < device.axisCount(); ++a) {
+    if (device.axes[a].group != AxisGroup::kHand) continue;
+    drawn[a] = uniform(random, 0.0, 0.7) * device.axes[a].upper;
+  }
+  return drawn;
+}
+
+/// The most that any axis is felt apart in any tick, at its lever [N].
+double mostApart_n(const DeviceModel& device, const FeltSlide& one, const FeltSlide& other) {
+  double most_n = 0.0;
+  for (std::size_t k = 0; k < one.sent.size(); ++k) {
+    for (int a = 0; a < device.axisCount(); ++a) {
+      const double lever_m = device.axes[a].lever_arm_m;
+      const double apart = std::abs(one.sent[k][a] - other.sent[k][a]);
+      most_n = std::max(most_n, lever_m > 0.0 ? apart / lever_m : apart);
+    }
+  }
+  return most_n;
+}
+
 TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
   auto random = seededRandom(3620);
   double most_n = 0.0;
@@ -93,11 +116,7 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
     const int face = static_cast<int>(random() % 3U);
     const int across = (face + 1 + static_cast<int>(random() % 2U)) % 3;
     const Eigen::Vector3d along = (random() % 2U == 0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(face);
-    slide.from = AxisPosition(device.axisCount());
-    for (int a = 0; a < device.axisCount(); ++a) {
-      if (device.axes[a].group != AxisGroup::kHand) continue;
-      slide.from[a] = uniform(random, 0.0, 0.7) * device.axes[a].upper;
-    }
+    slide.from = drawnClosure(device, random);
     SceneBody plate = wall(along, reach(slide.models.hand, slide.from, along) + 0.003);
     plate.friction = uniform(random, 0.0, 1.0);
     slide.pressed = slide.from;
@@ -113,13 +132,7 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
     if (one.largest_jolt > 0.2) continue;  // it sticks and slips: no two runs are alike
     ++judged;
     const FeltSlide pieces = slideOver(slide, cut(plate, how));
-    for (std::size_t k = 0; k < one.sent.size(); ++k) {
-      for (int a = 0; a < device.axisCount(); ++a) {
-        const double lever_m = device.axes[a].lever_arm_m;
-        const double apart = std::abs(one.sent[k][a] - pieces.sent[k][a]);
-        most_n = std::max(most_n, lever_m > 0.0 ? apart / lever_m : apart);
-      }
-    }
+    most_n = std::max(most_n, mostApart_n(device, one, pieces));
   }
   figure("hand over flush planks against one plate, most that is felt apart", most_n, "N");
   EXPECT_LE(most_n, 0.02);
@@ -137,11 +150,7 @@ TEST(Seams, HandThatSlidesOverPlanksThatMayMove_FeelsOnePlate) {
     slide.models = load(shippedFiles());
     const DeviceModel& device = slide.models.device;
     const Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
-    slide.from = AxisPosition(device.axisCount());
-    for (int a = 0; a < device.axisCount(); ++a) {
-      if (device.axes[a].group != AxisGroup::kHand) continue;
-      slide.from[a] = uniform(random, 0.0, 0.7) * device.axes[a].upper;
-    }
+    slide.from = drawnClosure(device, random);
     const double thick_m = 0.02, width_m = uniform(random, 0.04, 0.08);
     const double face_m = reach(slide.models.hand, slide.from, down) + 0.003;
     SceneBody table = wall(down, face_m + thick_m);
@@ -172,13 +181,7 @@ TEST(Seams, HandThatSlidesOverPlanksThatMayMove_FeelsOnePlate) {
     if (one.largest_jolt > 0.2) continue;  // it sticks and slips: no two runs are alike
     ++judged;
     const FeltSlide pieces = slideOver(slide, planks);
-    for (std::size_t k = 0; k < one.sent.size(); ++k) {
-      for (int a = 0; a < device.axisCount(); ++a) {
-        const double lever_m = device.axes[a].lever_arm_m;
-        const double apart = std::abs(one.sent[k][a] - pieces.sent[k][a]);
-        most_n = std::max(most_n, lever_m > 0.0 ? apart / lever_m : apart);
-      }
-    }
+    most_n = std::max(most_n, mostApart_n(device, one, pieces));
   }
   figure("hand over planks that may move against one plate, most that is felt apart", most_n, "N");
   // Not yet 0.02 N: 0.059 N was the most of 16 draws.

@@ -202,8 +202,9 @@ TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgr
   EXPECT_GT(with_contacts, 0) << "the bar was never touched: nothing of contacts was compared";
 }
 
-/// Of some seconds a report has at least 25 pictures a second: as film has.
-constexpr std::size_t kTicksAPicture = 40;
+/// Of four seconds a report has a state each 18 ticks, of nine, where its size limit halves them,
+/// each 40: 25 pictures a second.
+const std::size_t kTicksAPicture = kFew ? 18 : 40;
 
 TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
   const Json data = orThrow(reportData(recordedBar().path(), ""));
