@@ -241,7 +241,6 @@ bool endsSpawn(BodyRefusal refusal) {
 void GameBodyTracker::reset(const std::vector<std::string>& event_names) {
   static constexpr std::array<const char*, kEvents> kNames{"appeared", "solid", "letting_go",
                                                            "left", "refused"};
-  const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     const auto found = std::find(event_names.begin(), event_names.end(), kNames[i]);
     types_[i] = found == event_names.end() ? -1 : static_cast<int>(found - event_names.begin());
@@ -266,7 +265,6 @@ bool GameBodyTracker::inUse(int shape_set) const {
 }
 
 void GameBodyTracker::refuseBusy(CheckedOrders& orders) {
-  const std::lock_guard lock(mutex_);
   if (orders.shapes && inUse(orders.shape_set)) {
     orders.refused.push_back(
         {0, -1, BodyRefusal::kShapesBusy,
@@ -298,7 +296,6 @@ void GameBodyTracker::refuseBusy(CheckedOrders& orders) {
 }
 
 void GameBodyTracker::note(const CheckedOrders& orders) {
-  const std::lock_guard lock(mutex_);
   if (orders.shapes) sets_[orders.shape_set] = orders.shapes;
   for (const Command& command : orders.commands) {
     if (command.type == CommandType::kSpawn) expect(spawnOrderOf(command));
@@ -306,7 +303,6 @@ void GameBodyTracker::note(const CheckedOrders& orders) {
 }
 
 void GameBodyTracker::noteSpawn(const Command& spawn) {
-  const std::lock_guard lock(mutex_);
   expect(spawnOrderOf(spawn));
 }
 
@@ -316,17 +312,14 @@ void GameBodyTracker::expect(const SpawnOrder& spawn) {
 }
 
 std::shared_ptr<const GameShapes> GameBodyTracker::shapesOf(int shape_set) const {
-  const std::lock_guard lock(mutex_);
   return sets_[shape_set];
 }
 
 void GameBodyTracker::withdraw(int slot) {
-  const std::lock_guard lock(mutex_);
   pending_[slot] = Pending{};
 }
 
 void GameBodyTracker::see(const TickRecord& record) {
-  const std::lock_guard lock(mutex_);
   tick_ = record.tick;
   for (int i = 0; i < record.exercise.event_count; ++i) take(record.exercise.events[i]);
   if (changed_) publish();
@@ -370,11 +363,6 @@ void GameBodyTracker::publish() {
   }
   bodies_ = std::move(bodies);
   changed_ = false;
-}
-
-std::shared_ptr<const GameBodies> GameBodyTracker::bodies() const {
-  const std::lock_guard lock(mutex_);
-  return bodies_;
 }
 
 }  // namespace wholehand

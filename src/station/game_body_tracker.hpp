@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -34,7 +33,7 @@ struct CheckedOrders {
 
 /// Knows which bodies of a game are in the world, and their shapes: from the orders handed to the
 /// loop, and from what the events of its records say became of them. For pictures, and to refuse
-/// early what the loop would refuse; the loop itself does not depend on it. Any thread.
+/// early what the loop would refuse; the loop itself does not depend on it. One thread at a time.
 class GameBodyTracker {
  public:
   GameBodyTracker() { reset(); }
@@ -54,7 +53,9 @@ class GameBodyTracker {
   /// Takes a record, in order.
   void see(const TickRecord& record);
   /// Null when there are none. A change makes a new object.
-  [[nodiscard]] std::shared_ptr<const GameBodies> bodies() const;
+  [[nodiscard]] std::shared_ptr<const GameBodies> bodies() const { return bodies_; }
+  /// Type of the exercise's event that says what the loop refused; -1: it has none.
+  [[nodiscard]] int refusedEvent() const { return types_[kRefused]; }
 
  private:
   enum Event { kAppeared, kSolid, kLettingGo, kLeft, kRefused, kEvents };
@@ -76,7 +77,6 @@ class GameBodyTracker {
   void takeState(Event what, int slot, int generation);
   void publish();
 
-  mutable std::mutex mutex_;
   std::array<int, kEvents> types_{};  ///< event types of the exercise; -1: it has none
   std::uint64_t tick_ = 0;            ///< of the newest record
   std::array<std::shared_ptr<const GameShapes>, kMaxShapeSets> sets_;

@@ -5,16 +5,15 @@
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "patient/steered_player.hpp"
-#include "registry/body_registry.hpp"
 #include "renderer/live_settings.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "safety/supervisor.hpp"
 #include "server/logs.hpp"
-#include "station/game_body_tracker.hpp"
 #include "station/profiles.hpp"
 #include "station/reports.hpp"
 #include "station/scene_facts.hpp"
 #include "station/session_files.hpp"
+#include "station/station_bodies.hpp"
 #include "telemetry/disk_reserve.hpp"
 
 #include <fmt/format.h>
@@ -196,17 +195,7 @@ class Station::Core {
   OrderReply setParameter(const orders::SetParameter& order, std::uint64_t asked);
   OrderReply push(const Command& command);
   OrderReply act(ExerciseAction action);
-  OrderReply handOver(CheckedOrders& checked);
-  OrderReply keep(CheckedOrders& checked, std::uint32_t claim);
-  bool takeBack(const Command& removal);
   void noteJoined(const Order& order);
-  void dropKept();
-  void handOverKept();
-  void beginRegistry();
-  void orderRegistered(CheckedOrders& orders);
-  void keepSlotsApart(CheckedOrders& orders);
-  void followRegistry(const TickRecord& record);
-  void publishRegistered();
   void beginStop(bool at_once);
   [[nodiscard]] StationClock::time_point now() const {
     return config_.now ? config_.now() : StationClock::now();
@@ -265,13 +254,7 @@ class Station::Core {
   std::optional<Command> unsent_steer_;  ///< the command queue was full
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
-  GameBodyTracker tracker_;
-  BodyRegistry registry_;
-  std::shared_ptr<const RegisteredBodies> registered_;  ///< as published; null: none
-  std::uint64_t registered_version_ = 0, registered_moves_ = 0;
-  StationClock::time_point registered_at_;
-  std::vector<CheckedOrders> kept_;                  ///< shapes and spawns for the next arming
-  std::uint32_t kept_claim_ = 0;                     ///< of the client that ordered them
+  StationBodies bodies_;                             ///< of a game
   Help help_ = Help::kUnsaid;                        ///< help that pages give the player
   std::uint64_t help_asked_ = 0;                     ///< order that set it
   std::map<std::string, Setting> asked_parameters_;  ///< persist as long as the person
@@ -292,10 +275,6 @@ namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(20);
 
-/// Most commands of bodies that wait for the loop: the shapes of one body with the most pieces and
-/// vertices. The loop takes eight in a tick, so that an aim waits for 36 ms at most.
-constexpr std::size_t kMostWaiting = 288;
-
 OrderReply visitOpen(std::uint64_t visit) {
   return refused(Refusal::kVisitOpen,
                  fmt::format("visit {} is open: close it in the clinic's records first", visit));
@@ -303,48 +282,6 @@ OrderReply visitOpen(std::uint64_t visit) {
 
 OrderReply notCommissioned() {
   return refused(Refusal::kNotHere, "no device is commissioned here");
-}
-
-OrderReply busy(std::size_t waiting, const char* where) {
-  return refused(Refusal::kBusy,
-                 fmt::format("{} commands wait for {} already, at most {} may: nothing of this "
-                             "message was handed over; say it again",
-                             waiting, where, kMostWaiting));
-}
-
-/// Commands that are not for the registry.
-std::size_t forLoop(const CheckedOrders& orders) {
-  const auto for_loop = [&](const Command& command) {
-    return orders.shapes || !isRegistered(command.index);
-  };
-  return std::count_if(orders.commands.begin(), orders.commands.end(), for_loop);
-}
-
-/// Most commands that the registry lets wait for the loop: an aim waits 8 ms for them at most.
-constexpr std::size_t kMostAhead = 64;
-constexpr auto kMovesEvery = std::chrono::milliseconds(50);
-
-std::string reasonOf(BodyRefusal refusal, const Command& command) {
-  switch (refusal) {
-    case BodyRefusal::kSlotTaken:
-      return fmt::format("body {} is registered already: remove it first", command.index);
-    case BodyRefusal::kBudget:
-      return command.type == CommandType::kSpawn
-                 ? fmt::format("body {}: {} are registered, which is the most: remove some first",
-                               command.index, kMostRegistered)
-                 : fmt::format("body {}: as many bodies move as budget.awake allows",
-                               command.index);
-    case BodyRefusal::kNotTheGames:
-      return fmt::format("body {}: a target is for bodies of owner Game", command.index);
-    case BodyRefusal::kNoSuchShapes:
-      return fmt::format("body {}: shape set {} was not prepared in this session: prepare it first",
-                         command.index, spawnOrderOf(command).shape_set);
-    case BodyRefusal::kSilent:
-      return fmt::format("body {}: the game is silent", command.index);
-    default:
-      return fmt::format("body {}: no body of generation {:.0f} is registered", command.index,
-                         command.value);
-  }
 }
 
 std::string stem(const std::string& path) {
@@ -764,14 +701,14 @@ LoopStatus Station::Core::status() const {
     status.rested = rested();
     status.rest_before_start = status.rested && rest_before_start_;
     status.help = help_;
-    status.registered = registered_;
+    status.bodies = bodies_.inSlots();
+    status.registered = bodies_.registered();
     for (const auto& parameter : scene_->parameters) {
       status.parameters.push_back(valueOf(parameter));
     }
   }
   nameSafety(status);
   status.rehearsed_ticks = rehearsed_ticks_;
-  status.bodies = tracker_.bodies();
   if (config_.device_status) status.device = config_.device_status();
   const std::lock_guard lock(latest_mutex_);
   // While nothing runs, the published values are those of the next session.
@@ -807,11 +744,10 @@ void Station::Core::nameSafety(LoopStatus& status) const {
 // Telemetry thread.
 void Station::Core::keepLatest(const TickRecord& record) {
   safety_->add(record);
-  tracker_.see(record);
   {
     const std::lock_guard lock(mutex_);
     sendUnsent();
-    followRegistry(record);
+    bodies_.see(record);
     joined_ = joined_ || record.moved_by == Mover::kPerson;
   }
   const std::lock_guard lock(latest_mutex_);
@@ -875,181 +811,12 @@ OrderReply Station::Core::orderBodies(const BodyOrders& bodies, const Order& ord
   if (superseded(order)) {
     return refused(Refusal::kNotHolder, "another client holds the controls by now");
   }
-  return live_ ? handOver(checked) : keep(checked, order.claim);
-}
-
-// Shapes and spawns wait for the next arming. mutex_ held, no session.
-OrderReply Station::Core::keep(CheckedOrders& checked, std::uint32_t claim) {
-  if (claim != kept_claim_) dropKept();
-  kept_claim_ = claim;
-  for (const Command& command : checked.commands) {
-    if (checked.shapes || command.type == CommandType::kSpawn ||
-        command.type == CommandType::kRemove) {
-      continue;
-    }
-    return refused(Refusal::kNothingArmed,
-                   "nothing is armed: shapes and spawns are kept for the next arming, and Remove "
-                   "takes a kept spawn back; arm before anything else");
-  }
-  std::erase_if(checked.commands, [&](const Command& command) {
-    if (command.type != CommandType::kRemove || isRegistered(command.index)) return false;
-    if (!takeBack(command)) {
-      checked.refused.push_back(
-          {checked.item_of_slot[command.index], command.index, BodyRefusal::kWrongGeneration,
-           fmt::format("slot {}: no spawn of generation {:.0f} is kept for the next arming",
-                       command.index, command.value)});
-    }
-    return true;
-  });
-  std::size_t waiting = 0;
-  for (const CheckedOrders& kept : kept_) waiting += kept.commands.size();
-  if (forLoop(checked) + waiting > kMostWaiting) return busy(waiting, "the next arming");
-  orderRegistered(checked);
-  keepSlotsApart(checked);
-  tracker_.refuseBusy(checked);
-  tracker_.note(checked);
-  OrderReply reply = replyFor(std::move(checked.refused));
-  if (reply.accepted) reply.reason = "nothing is armed: kept for the next arming";
-  if (!checked.commands.empty()) kept_.push_back(std::move(checked));
-  return reply;
-}
-
-bool Station::Core::takeBack(const Command& removal) {
-  for (CheckedOrders& kept : kept_) {
-    const auto erased = std::erase_if(kept.commands, [&](const Command& command) {
-      return command.type == CommandType::kSpawn && command.index == removal.index &&
-             command.value == removal.value;
-    });
-    if (erased == 0) continue;
-    tracker_.withdraw(removal.index);
-    return true;
-  }
-  return false;
-}
-
-void Station::Core::dropKept() {
-  if (!kept_.empty()) tracker_.reset();
-  kept_.clear();
-  registry_.clear();
-  publishRegistered();
-}
-
-// Into the empty queue of a session that begins. They are forgotten once it runs.
-void Station::Core::handOverKept() {
-  if (kept_claim_ != claim_) {  // of an earlier holder of the controls
-    kept_.clear();
-    registry_.clear();
-  }
-  for (const CheckedOrders& kept : kept_) {
-    tracker_.note(kept);
-    for (const Command& command : kept.commands) {
-      if (command.type == CommandType::kSpawn) registry_.leaveToOthers(command.index);
-      (void)push(command);  // there is room
-    }
-  }
-}
-
-// All commands of a message, or none: a set of shapes must not arrive in part.
-OrderReply Station::Core::handOver(CheckedOrders& checked) {
+  if (!live_) return bodies_.keep(checked, order.claim);
   if (status_.run_state != RunState::kRendering) {
     return refused(Refusal::kStillStopping,
                    "the loop stops: arm again, then prepare shapes and spawn again");
   }
-  if (forLoop(checked) + live_->waitingCommands() > kMostWaiting) {
-    return busy(live_->waitingCommands(), "the loop");
-  }
-  orderRegistered(checked);
-  keepSlotsApart(checked);
-  tracker_.refuseBusy(checked);
-  tracker_.note(checked);
-  for (const Command& command : checked.commands) {
-    if (OrderReply pushed = push(command); !pushed.accepted) return pushed;  // there was room
-  }
-  return replyFor(std::move(checked.refused));
-}
-
-// Bodies of a game beyond the slots of the loop. All with mutex_ held.
-
-void Station::Core::beginRegistry() {
-  const auto& names = models_.exercise->description().event_names;
-  const auto found = std::find(names.begin(), names.end(), "refused");
-  const auto refused = found == names.end() ? -1 : static_cast<int>(found - names.begin());
-  registry_.begin(models_.hand, models_.device, models_.scene.game,
-                  static_cast<int>(models_.scene.bodies.size()), refused);
-}
-
-// Takes the orders to registered bodies out of the message: they are not for the loop.
-void Station::Core::orderRegistered(CheckedOrders& orders) {
-  std::erase_if(orders.commands, [&](const Command& command) {
-    if (orders.shapes || !isRegistered(command.index)) return false;
-    BodyRefusal refusal = BodyRefusal::kNone;
-    if (command.type == CommandType::kSpawn) {
-      const SpawnOrder spawn = spawnOrderOf(command);
-      const auto shapes = tracker_.shapesOf(spawn.shape_set);
-      refusal = shapes ? registry_.add(spawn, shapes->radius_m) : BodyRefusal::kNoSuchShapes;
-    } else {
-      refusal = registry_.obey(command);
-    }
-    if (refusal != BodyRefusal::kNone) {
-      orders.refused.push_back(
-          {orders.item_of_slot[command.index], command.index, refusal, reasonOf(refusal, command)});
-    }
-    return true;
-  });
-  publishRegistered();
-}
-
-// A game that also names slots: none that a registered body has, and no shapes of one.
-void Station::Core::keepSlotsApart(CheckedOrders& orders) {
-  if (orders.shapes && registry_.usesShapes(orders.shape_set)) {
-    orders.refused.push_back({0, -1, BodyRefusal::kShapesBusy,
-                              fmt::format("shape set {} belongs to a registered body: remove the "
-                                          "body first, or use another set",
-                                          orders.shape_set)});
-    orders.commands.clear();
-    orders.shapes.reset();
-    return;
-  }
-  std::erase_if(orders.commands, [&](const Command& command) {
-    if (command.type != CommandType::kSpawn) return false;
-    if (!registry_.holds(command.index)) {
-      registry_.leaveToOthers(command.index);
-      return false;
-    }
-    orders.refused.push_back(
-        {orders.item_of_slot[command.index], command.index, BodyRefusal::kSlotTaken,
-         fmt::format("slot {} holds a registered body: name another slot", command.index)});
-    return true;
-  });
-}
-
-// Telemetry thread.
-void Station::Core::followRegistry(const TickRecord& record) {
-  if (!live_) return;
-  registry_.see(record);
-  auto& waiting = registry_.forLoop();
-  while (!waiting.empty() && live_->waitingCommands() < kMostAhead) {
-    if (waiting.front().type == CommandType::kSpawn) tracker_.noteSpawn(waiting.front());
-    if (!live_->tryCommand(waiting.front())) break;
-    waiting.pop_front();
-  }
-  publishRegistered();
-}
-
-// A change of place or state is reported at once, mere motion 20 times a second.
-void Station::Core::publishRegistered() {
-  const StationClock::time_point now = StationClock::now();
-  const bool moved = registry_.moves() != registered_moves_ && now - registered_at_ > kMovesEvery;
-  if (registry_.version() == registered_version_ && !moved) return;
-  registered_version_ = registry_.version();
-  registered_moves_ = registry_.moves();
-  registered_at_ = now;
-  auto all = std::make_shared<RegisteredBodies>();
-  for (const RegisteredBody& body : registry_.bodies()) {
-    auto shapes = tracker_.shapesOf(body.shape_set);
-    if (shapes) all->push_back({body, std::move(shapes)});
-  }
-  registered_ = std::move(all);
+  return bodies_.handOver(checked);
 }
 
 // A therapist's settings per patient, kept across restarts: on the station's main thread.
@@ -1395,9 +1162,7 @@ void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_
       before.run_state = RunState::kStopped;
     }
     status_ = before;
-    tracker_.reset();
-    for (const CheckedOrders& kept : kept_) tracker_.note(kept);  // they wait for the next one
-    registry_.end();
+    bodies_.giveBack();
   }
   unused.reset();  // closes its recording outside the lock, so that no client waits for it
   publishScene("");
@@ -1415,7 +1180,7 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   loss_reported_ = false;
   {
     const std::lock_guard lock(mutex_);
-    kept_.clear();
+    bodies_.begun();
   }
   ++outcome_.sessions;
   return reply;
@@ -1429,9 +1194,6 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
   const std::lock_guard lock(mutex_);
   if (OrderReply may = mayStillDo(task); !may.accepted) return may;
   live_ = std::move(run);
-  const bool takes_bodies = models_.scene.game.slots > 0;
-  tracker_.reset(takes_bodies ? models_.exercise->description().event_names
-                              : std::vector<std::string>{});
   stops_.clear();
   status_.latched = Fault::kNone;
   const bool steered = renewing_ && status_.steering == Steering::kPerson;
@@ -1444,10 +1206,7 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
   rest_ending_ = 0;
   catchUp(parameters, place);
   if (steered) (void)steer(Steering::kPerson);
-  if (takes_bodies) {
-    beginRegistry();
-    handOverKept();
-  }
+  bodies_.begin(models_, *live_, claim_);
   return {true, ""};
 }
 
@@ -1618,10 +1377,7 @@ void Station::Core::finishSession(bool goes_on) {
     if (!goes_on) ++status_.endings;
     rest_ending_ = rest ? status_.endings : 0;  // ending of a session that rests
     over = std::move(live_);
-    registry_.end();
-    registry_.clear();
-    publishRegistered();
-    tracker_.reset();
+    bodies_.end();
   }
   over.reset();
   if (discarded && goes_on) {  // nobody's session has no results
@@ -1766,7 +1522,7 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
     // remains.
     const std::lock_guard lock(mutex_);
     if (other_person) changePerson(task, profile);
-    dropKept();  // checked against the scene of before
+    bodies_.dropKept();  // checked against the scene of before
     again = rendered && mayStillDo(start).accepted && !any(status_.latched);
     if (had_session && !again) countEnding();
   }
