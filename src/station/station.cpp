@@ -5,10 +5,11 @@
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "patient/steered_player.hpp"
-#include "renderer/live_settings.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "safety/supervisor.hpp"
 #include "server/logs.hpp"
+#include "station/endings.hpp"
+#include "station/person_settings.hpp"
 #include "station/profiles.hpp"
 #include "station/reports.hpp"
 #include "station/scene_facts.hpp"
@@ -51,7 +52,8 @@ class Station::Core {
       : config_(std::move(config)),
         files_(config_.recordings_folder),
         profiles_(config_.profiles_folder),
-        log_(config_.log) {}
+        log_(config_.log),
+        person_(config_.first_parameters) {}
 
   Expected<Done> load();
   Expected<StationOutcome> run(bool arm_at_once, double duration_s);
@@ -98,21 +100,8 @@ class Station::Core {
     bool refused_before = false;  ///< while it waited, an earlier order of its client was refused
     std::chrono::duration<double> waited_s{0.0};  ///< behind others, once its turn has come
     Profile profile;                              ///< of the moment when it was asked
-    std::uint64_t person = 0;                     ///< likewise, person_
+    std::uint64_t person = 0;                     ///< likewise
     std::function<void(OrderReply)> done;
-  };
-
-  /// A stop without a number that comes so soon after the last one repeats it.
-  static constexpr std::chrono::seconds kRepeats{1};
-  struct NewestStop {
-    std::uint32_t id = 0;  ///< Order::id
-    StationClock::time_point at;
-  };
-
-  /// What a person set, and by which order.
-  struct Setting {
-    double value = 0.0;
-    std::uint64_t asked = 0;
   };
 
   // Main thread.
@@ -172,15 +161,10 @@ class Station::Core {
   // Any thread, mutex_ held.
   [[nodiscard]] bool superseded(const Order& order);
   [[nodiscard]] OrderReply mayStillDo(const Task& task) const;
-  [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
-  bool repeatsStop(const Order& order);
   OrderReply takeStop(const Order& order, std::uint64_t asked);
-  [[nodiscard]] bool rested() const;
   [[nodiscard]] bool arming() const;
-  void countEnding();
   OrderReply enqueue(const Order& order, std::uint64_t asked,
                      const std::function<void(OrderReply)>& done);
-  [[nodiscard]] double valueOf(const PublishedParameter& parameter) const;
   [[nodiscard]] Profile profileNow() const;
   [[nodiscard]] static Profile profileOf(const Models& models);
   void changePerson(const Task& task, const Profile* profile);
@@ -227,7 +211,8 @@ class Station::Core {
   StationOutcome outcome_;
 
   std::atomic<std::uint32_t> shapes_{0};  ///< GameShapes::id of the newest that a game prepared
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;              ///< of the members below; held for microseconds
+  std::mutex report_mutex_;               ///< held while a report is made
   std::condition_variable wake_;
   std::deque<Task> tasks_;
   /// Order that is carried out and starts the device; none once its session renders.
@@ -236,12 +221,7 @@ class Station::Core {
   // Orders are numbered as they arrive. A stop that follows an order to arm or to load cancels the
   // start, however far it has got.
   std::uint64_t orders_ = kFirstArming;
-  std::uint64_t stop_asked_ = 0;
-  std::uint32_t rest_ending_ = 0;  ///< ending of the newest rest; 0: none since the last arming
-  bool rest_before_start_ =
-      false;  ///< that rest ended nothing: nothing rendered or was being armed
-  /// The newest stop since somebody asked to arm, by client and kind.
-  std::map<std::pair<std::uint32_t, std::size_t>, NewestStop> stops_;
+  Endings endings_;
   bool armed_for_client_ = false;        ///< else armed by the program itself
   bool joined_ = false;                  ///< somebody takes part in the session, or in the next one
   bool left_alone_ = false;              ///< all who took part have left
@@ -254,15 +234,10 @@ class Station::Core {
   std::optional<Command> unsent_steer_;  ///< the command queue was full
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
-  StationBodies bodies_;                             ///< of a game
-  Help help_ = Help::kUnsaid;                        ///< help that pages give the player
-  std::uint64_t help_asked_ = 0;                     ///< order that set it
-  std::map<std::string, Setting> asked_parameters_;  ///< persist as long as the person
-  std::uint64_t person_ = 0;                         ///< counts persons and hands that were loaded
-  Profile loaded_;                                   ///< what is loaded, without name and values
+  StationBodies bodies_;  ///< of a game
+  PersonSettings person_;
+  Profile loaded_;  ///< what is loaded, without name and values
 
-  std::mutex report_mutex_;
-  mutable std::mutex latest_mutex_;
   TickRecord latest_;
   int level_done_ = -1;  ///< index of that event in the loaded exercise; -1: none
   std::optional<StationClock::time_point> level_done_at_;
@@ -336,29 +311,15 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
     return refused(Refusal::kNotHolder, "this client has lost the controls since it asked");
   }
   if (!task.starts) return {true, ""};
-  if (stop_asked_ > task.asked || InterruptScope::interrupted()) {
+  if (endings_.stoppedSince(task.asked) || InterruptScope::interrupted()) {
     return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
   }
-  return refuseUnseen(task.endings_seen);
+  return endings_.refuseUnseen(task.endings_seen);
 }
 
 OrderReply Station::Core::stillDo(const Task& task) const {
   const std::lock_guard lock(mutex_);
   return mayStillDo(task);
-}
-
-// An order to arm is valid for the state that its person saw: any ending since then cancels it.
-OrderReply Station::Core::refuseUnseen(std::uint32_t seen) const {
-  if (seen == status_.endings) return {true, ""};
-  if (seen == 0) {
-    return refused(Refusal::kOtherVersion,
-                   "the order does not say which stop it has seen (Arm.endings_seen, "
-                   "docs/protocol.md): bring client and program to the same version");
-  }
-  return refused(Refusal::kStopNotSeen,
-                 fmt::format("it was stopped after this was asked (ending {}, the order has seen "
-                             "{}): look why, then arm again",
-                             status_.endings, seen));
 }
 
 // Refuses what would be refused when its turn comes, as things are now.
@@ -370,13 +331,13 @@ OrderReply Station::Core::enqueue(const Order& order, std::uint64_t asked,
   task.asked_at = now();
   const auto* arm = order.as<orders::Arm>();
   task.starts = arm != nullptr;
-  task.endings_seen = arm != nullptr ? arm->endings_seen : status_.endings;
+  task.endings_seen = arm != nullptr ? arm->endings_seen : endings_.count();
   if (order.is<orders::SaveProfile>()) task.profile = profileNow();
-  task.person = person_;
+  task.person = person_.person();
   task.done = done;
   OrderReply may = mayStillDo(task);
   if (!may.accepted) return may;
-  if (task.starts) stops_.clear();
+  if (task.starts) endings_.forgetPresses();
   tasks_.push_back(std::move(task));
   wake_.notify_all();
   return may;
@@ -407,8 +368,8 @@ void Station::Core::runTask() {
     starting_.reset();
     if (!reply.accepted && task.order.client != 0) {
       // What was asked after the stop that cancelled it builds on the stop.
-      const bool cancelled = task.starts && stop_asked_ > task.asked;
-      const std::uint64_t seen = cancelled ? stop_asked_ : UINT64_MAX;
+      const bool cancelled = task.starts && endings_.stoppedSince(task.asked);
+      const std::uint64_t seen = cancelled ? endings_.newestStop() : UINT64_MAX;
       for (Task& next : tasks_) {
         next.refused_before |= next.order.client == task.order.client && next.asked < seen;
       }
@@ -473,10 +434,8 @@ OrderReply Station::Core::act(ExerciseAction action) {
   command.type = CommandType::kAction;
   command.index = static_cast<std::int32_t>(action);
   OrderReply pushed = push(command);
-  if (pushed.accepted && (action == ExerciseAction::kRestart || action == ExerciseAction::kNext)) {
-    const std::lock_guard lock(latest_mutex_);
-    level_done_at_.reset();
-  }
+  const bool again = action == ExerciseAction::kRestart || action == ExerciseAction::kNext;
+  if (pushed.accepted && again) level_done_at_.reset();
   return pushed;
 }
 
@@ -522,16 +481,8 @@ OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::u
     command.value = order.value;
     if (OrderReply pushed = push(command); !pushed.accepted) return pushed;
   }
-  asked_parameters_[order.name] = {order.value, asked};
+  person_.set(order.name, order.value, asked);
   return {true, ""};
-}
-
-// The default unless a person set a value, in the range that holds now.
-double Station::Core::valueOf(const PublishedParameter& parameter) const {
-  const auto asked = asked_parameters_.find(parameter.name);
-  if (asked == asked_parameters_.end()) return parameter.initial;
-  const double value = asked->second.value;
-  return value >= parameter.lower && value <= parameter.upper ? value : parameter.initial;
 }
 
 // An earlier holder's order must not take effect after one of the current holder.
@@ -541,13 +492,6 @@ bool Station::Core::superseded(const Order& order) {
   return false;
 }
 
-// Whether the last ending is a rest, and which one.
-bool Station::Core::rested() const {
-  const RunState now = status_.run_state;
-  return status_.endings == rest_ending_ &&
-         (now == RunState::kStopping || now == RunState::kStopped);
-}
-
 // Whether an order is about to start the device, and nothing has cancelled it.
 bool Station::Core::arming() const {
   const auto comes = [this](const Task& task) { return task.starts && mayStillDo(task).accepted; };
@@ -555,40 +499,10 @@ bool Station::Core::arming() const {
   return !live_ && std::any_of(tasks_.begin(), tasks_.end(), comes);
 }
 
-// Of what a rest ended, or kept from beginning, the rest goes on.
-void Station::Core::countEnding() {
-  const bool rest = status_.endings == rest_ending_;
-  ++status_.endings;
-  if (rest) rest_ending_ = status_.endings;
-}
-
-// Repetitions count once: else nobody could name the last ending while a client repeats its stop. A
-// client that numbers nothing repeats within a second; the program that the station is in never
-// does. What is taken for a repetition lets an order to arm pass that was on its way.
-bool Station::Core::repeatsStop(const Order& order) {
-  const StationClock::time_point at = now();
-  const auto [last, first] =
-      stops_.try_emplace({order.client, order.what.index()}, NewestStop{order.id, at});
-  const bool same = !first && last->second.id == order.id;
-  const bool numbered = order.id != 0;
-  const bool soon = order.client != 0 && at - last->second.at < kRepeats;
-  last->second = {order.id, at};
-  return same && (numbered || soon);
-}
-
 // Takes effect and is published even when nothing renders: an order to arm may be under way.
 OrderReply Station::Core::takeStop(const Order& order, std::uint64_t asked) {
   const RunState state = status_.run_state;
-  const bool starts = arming();  // until this stop
-  stop_asked_ = asked;
-  // A rest ends what renders or is about to, continues a rest, or comes before the first start; it
-  // does not replace another stop.
-  const bool rests =
-      order.is<orders::Rest>() &&
-      (rested() || starts || state == RunState::kRendering || state == RunState::kDisarmed);
-  rest_before_start_ = !starts && (rested() ? rest_before_start_ : state == RunState::kDisarmed);
-  if (!repeatsStop(order)) ++status_.endings;
-  rest_ending_ = rests ? status_.endings : 0;
+  endings_.stop(order, asked, now(), state, arming());
   if (!live_ && state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
   beginStop(order.is<orders::EmergencyStop>());
   return {true, ""};
@@ -652,8 +566,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
 }
 
 OrderReply Station::Core::setHelp(const orders::SetHelp& order, std::uint64_t asked) {
-  help_ = order.help;
-  help_asked_ = asked;
+  person_.setHelp(order.help, asked);
   return {true, ""};
 }
 
@@ -692,30 +605,28 @@ OrderReply Station::Core::leaveAlone(const Order& order, std::uint64_t asked) {
 
 LoopStatus Station::Core::status() const {
   LoopStatus status;
-  bool live = false;
   {
     const std::lock_guard lock(mutex_);
-    live = live_ != nullptr;
     status = status_;
     status.arming = arming();
-    status.rested = rested();
-    status.rest_before_start = status.rested && rest_before_start_;
-    status.help = help_;
+    status.endings = endings_.count();
+    status.rested = endings_.rested(status_.run_state);
+    status.rest_before_start = status.rested && endings_.restBeforeStart();
+    status.help = person_.help();
     status.bodies = bodies_.inSlots();
     status.registered = bodies_.registered();
     for (const auto& parameter : scene_->parameters) {
-      status.parameters.push_back(valueOf(parameter));
+      status.parameters.push_back(person_.valueOf(parameter));
     }
+    // While nothing runs, the published values are those of the next session.
+    if (has_latest_ && live_) {
+      const auto count = std::min<std::size_t>(latest_.parameter_count, status.parameters.size());
+      std::copy_n(latest_.parameters.begin(), count, status.parameters.begin());
+    }
+    nameSafety(status);
   }
-  nameSafety(status);
   status.rehearsed_ticks = rehearsed_ticks_;
   if (config_.device_status) status.device = config_.device_status();
-  const std::lock_guard lock(latest_mutex_);
-  // While nothing runs, the published values are those of the next session.
-  if (has_latest_ && live) {
-    const auto count = std::min<std::size_t>(latest_.parameter_count, status.parameters.size());
-    std::copy_n(latest_.parameters.begin(), count, status.parameters.begin());
-  }
   return status;
 }
 
@@ -727,11 +638,8 @@ void Station::Core::nameSafety(LoopStatus& status) const {
   if (InterruptScope::interrupted() && status.run_state == RunState::kRendering) {
     status.run_state = RunState::kStopping;
   }
-  {
-    // Before the session's first record, the newest one is of the session before.
-    const std::lock_guard lock(latest_mutex_);
-    if (!has_latest_ && status.run_state == RunState::kRendering) return;
-  }
+  // Before the session's first record, the newest one is of the session before.
+  if (!has_latest_ && status.run_state == RunState::kRendering) return;
   const SafetyTransition fault = safety_->fault();
   if (fault.to != SafetyState::kFaulted) return;
   status.latched = status.latched | fault.faults;
@@ -744,13 +652,10 @@ void Station::Core::nameSafety(LoopStatus& status) const {
 // Telemetry thread.
 void Station::Core::keepLatest(const TickRecord& record) {
   safety_->add(record);
-  {
-    const std::lock_guard lock(mutex_);
-    sendUnsent();
-    bodies_.see(record);
-    joined_ = joined_ || record.moved_by == Mover::kPerson;
-  }
-  const std::lock_guard lock(latest_mutex_);
+  const std::lock_guard lock(mutex_);
+  sendUnsent();
+  bodies_.see(record);
+  joined_ = joined_ || record.moved_by == Mover::kPerson;
   latest_ = record;
   has_latest_ = true;
   for (int i = 0; i < record.exercise.event_count; ++i) {
@@ -760,7 +665,7 @@ void Station::Core::keepLatest(const TickRecord& record) {
 }
 
 bool Station::Core::latest(TickRecord& record) const {
-  const std::lock_guard lock(latest_mutex_);
+  const std::lock_guard lock(mutex_);
   if (has_latest_) record = latest_;
   return has_latest_;
 }
@@ -833,43 +738,18 @@ Profile Station::Core::profileOf(const Models& models) {
 
 Profile Station::Core::profileNow() const {
   Profile profile = loaded_;
-  profile.help = help_;
+  profile.help = person_.help();
   for (const PublishedParameter& parameter : scene_->parameters) {
-    profile.parameters[parameter.name] = valueOf(parameter);
+    profile.parameters[parameter.name] = person_.valueOf(parameter);
   }
   return profile;
 }
 
-// Of the earlier person nothing stays: neither values nor help nor the right to rest. What was set
-// after the order to change was given stays; in a visit, only a lower limit, since it may have been
-// meant for the person before. A limit goes up only for who may set it.
 void Station::Core::changePerson(const Task& task, const Profile* profile) {
-  ++person_;
-  if (!rest_before_start_) rest_ending_ = 0;
+  endings_.changePerson();
   const bool visit = task.order.is<orders::OpenVisit>() || task.order.is<orders::CloseVisit>();
-  if (help_asked_ < task.asked || visit) {
-    help_ = profile != nullptr ? profile->help : Help::kUnsaid;
-  }
-  std::map<std::string, Setting> next;
-  for (const auto& [name, value] : config_.first_parameters) next[name] = {value, task.asked};
-  if (profile != nullptr) {
-    for (const auto& [name, value] : profile->parameters) next[name] = {value, task.asked};
-  }
-  for (const PublishedParameter& parameter : scene_->parameters) {
-    const auto set = asked_parameters_.find(parameter.name);
-    const auto found = next.find(parameter.name);
-    const double coming = found == next.end() ? parameter.initial : found->second.value;
-    const bool lowered = isEffortLimit(parameter.name) && valueOf(parameter) < coming;
-    const bool later =
-        set != asked_parameters_.end() && set->second.asked > task.asked && (!visit || lowered);
-    const bool keeps_limit = lowered && !task.order.may_raise_limits;
-    if (later) {
-      next[parameter.name] = set->second;
-    } else if (keeps_limit) {
-      next[parameter.name] = {valueOf(parameter), task.asked};
-    }
-  }
-  asked_parameters_ = std::move(next);
+  person_.changePerson({profile, task.asked, visit, task.order.may_raise_limits},
+                       config_.first_parameters, scene_->parameters);
 }
 
 OrderReply Station::Core::saveProfile(const orders::SaveProfile& order, const Task& task) {
@@ -884,7 +764,7 @@ OrderReply Station::Core::saveProfile(const orders::SaveProfile& order, const Ta
     return refused(Refusal::kOther, format(saved.errors()));
   }
   say("profile " + profile.name + " is saved");
-  if (task.person == person_) profile_ = profile.name;
+  if (task.person == person_.person()) profile_ = profile.name;
   publishScene(record_path_);
   return {true, ""};
 }
@@ -1019,7 +899,7 @@ std::vector<double> Station::Core::parametersAtStart() const {
   const std::lock_guard lock(mutex_);
   std::vector<double> values;
   for (const PublishedParameter& parameter : scene_->parameters) {
-    values.push_back(valueOf(parameter));
+    values.push_back(person_.valueOf(parameter));
   }
   return values;
 }
@@ -1124,7 +1004,8 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
   {
     const std::lock_guard lock(mutex_);
     before = status_;
-    before.rested = rested();
+    before.rested = endings_.rested(status_.run_state);
+    before.endings = endings_.count();
     ++status_.session;
     armed_for_client_ = for_client;
   }
@@ -1156,9 +1037,8 @@ void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_
   {
     const std::lock_guard lock(mutex_);
     if (live_) unused = std::move(live_);
-    if (before.rested && before.endings == status_.endings) rest_ending_ = status_.endings;
-    before.endings = status_.endings;
-    if (stop_asked_ > task.asked && before.run_state == RunState::kDisarmed) {
+    endings_.restoreRest(before.rested, before.endings);
+    if (endings_.stoppedSince(task.asked) && before.run_state == RunState::kDisarmed) {
       before.run_state = RunState::kStopped;
     }
     status_ = before;
@@ -1166,7 +1046,7 @@ void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_
   }
   unused.reset();  // closes its recording outside the lock, so that no client waits for it
   publishScene("");
-  const std::lock_guard lock(latest_mutex_);
+  const std::lock_guard lock(mutex_);
   has_latest_ = had_latest;
 }
 
@@ -1194,7 +1074,6 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
   const std::lock_guard lock(mutex_);
   if (OrderReply may = mayStillDo(task); !may.accepted) return may;
   live_ = std::move(run);
-  stops_.clear();
   status_.latched = Fault::kNone;
   const bool steered = renewing_ && status_.steering == Steering::kPerson;
   status_.steering = Steering::kVirtualPatient;
@@ -1203,7 +1082,7 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
   began_at_ = now();
   status_.run_state = RunState::kRendering;
   starting_.reset();
-  rest_ending_ = 0;
+  endings_.beginSession();
   catchUp(parameters, place);
   if (steered) (void)steer(Steering::kPerson);
   bodies_.begin(models_, *live_, claim_);
@@ -1221,7 +1100,7 @@ void Station::Core::catchUp(const std::vector<double>& parameters, std::optional
     (void)push(begin);  // its queue is still empty
   }
   for (std::size_t i = 0; i < std::min(parameters.size(), scene_->parameters.size()); ++i) {
-    const double value = valueOf(scene_->parameters[i]);
+    const double value = person_.valueOf(scene_->parameters[i]);
     if (value == parameters[i]) continue;
     Command command;
     command.type = CommandType::kParameter;
@@ -1233,11 +1112,8 @@ void Station::Core::catchUp(const std::vector<double>& parameters, std::optional
 
 std::optional<double> Station::Core::placeOfRest() const {
   const int value = models_.exercise ? models_.exercise->description().resume_value : -1;
-  {
-    const std::lock_guard lock(mutex_);
-    if (value < 0 || !rested()) return std::nullopt;
-  }
-  const std::lock_guard lock(latest_mutex_);
+  const std::lock_guard lock(mutex_);
+  if (value < 0 || !endings_.rested(status_.run_state)) return std::nullopt;
   if (!has_latest_ || value >= latest_.exercise.value_count) return std::nullopt;
   return latest_.exercise.values[value];
 }
@@ -1300,7 +1176,6 @@ Expected<Done> Station::Core::load() {
       std::move(watched), config_.rig.period_s,
       [this](const SafetyTransition& transition) { say(describe(transition)); });
   publishScene("");
-  for (const auto& [name, value] : config_.first_parameters) asked_parameters_[name] = {value, 0};
   return Done{};
 }
 
@@ -1340,7 +1215,7 @@ bool Station::Core::forgetLatest() {
   const auto names =
       models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
   const auto found = std::find(names.begin(), names.end(), kLevelDone);
-  const std::lock_guard lock(latest_mutex_);
+  const std::lock_guard lock(mutex_);
   level_done_at_.reset();
   level_done_ = found == names.end() ? -1 : static_cast<int>(found - names.begin());
   return std::exchange(has_latest_, false);
@@ -1373,9 +1248,7 @@ void Station::Core::finishSession(bool goes_on) {
     const std::lock_guard lock(mutex_);
     status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
     status_.latched = ended.counters.latched;
-    const bool rest = status_.endings == rest_ending_ && !ended.faulted;
-    if (!goes_on) ++status_.endings;
-    rest_ending_ = rest ? status_.endings : 0;  // ending of a session that rests
+    endings_.endSession(ended.faulted, goes_on);
     over = std::move(live_);
     bodies_.end();
   }
@@ -1418,7 +1291,7 @@ bool Station::Core::renewSession() {
         status_.run_state != RunState::kRendering) {
       return false;
     }
-    again.endings_seen = status_.endings;
+    again.endings_seen = endings_.count();
     again.asked = orders_;
     again.starts = true;
     starting_ = again;
@@ -1436,7 +1309,7 @@ bool Station::Core::renewSession() {
   const std::lock_guard lock(mutex_);
   renewing_ = false;
   starting_.reset();
-  if (!reply.accepted) countEnding();
+  if (!reply.accepted) endings_.countOn();
   return true;
 }
 
@@ -1524,14 +1397,14 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
     if (other_person) changePerson(task, profile);
     bodies_.dropKept();  // checked against the scene of before
     again = rendered && mayStillDo(start).accepted && !any(status_.latched);
-    if (had_session && !again) countEnding();
+    if (had_session && !again) endings_.countOn();
   }
   publishScene("");
   if (!again) return {true, ""};
   OrderReply reply = armForClient(start);
   if (!reply.accepted) {
     const std::lock_guard lock(mutex_);
-    countEnding();
+    endings_.countOn();
   }
   return reply;
 }
@@ -1574,11 +1447,8 @@ void Station::Core::refreshStatus() {
 // finished and left.
 void Station::Core::restartLevel() {
   if (config_.make_device) return;
-  {
-    const std::lock_guard lock(latest_mutex_);
-    if (!level_done_at_ || StationClock::now() - *level_done_at_ < config_.repeat_after) return;
-  }
   const std::lock_guard lock(mutex_);
+  if (!level_done_at_ || StationClock::now() - *level_done_at_ < config_.repeat_after) return;
   if (status_.steering != Steering::kVirtualPatient) return;
   (void)act(ExerciseAction::kRestart);
 }
