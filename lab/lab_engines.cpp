@@ -12,7 +12,7 @@ using World = Expected<std::unique_ptr<PhysicsWorld>>;
 bullet::SolverSettings solvedAtOnce() {
   bullet::SolverSettings settings;
   settings.at_once = true;
-  settings.warm_start = settings.friction_warm_start = 0.998;
+  settings.warm_start = settings.wall_warm_start = 0.998;
   return settings;
 }
 

@@ -34,12 +34,14 @@ Bounds ofGears() {
 Bounds ofNewton() {
   Bounds bounds;
   bounds.sliding_wall_m = 1e-4;
+  bounds.slip_m = 0.5e-3;
   return bounds;
 }
 
 /// It sorts more than 62 links and bodies in memory that it asks for in a tick, and refuses them.
 Bounds ofMujoco() {
   Bounds bounds;
+  bounds.slip_m = 0.5e-3;
   bounds.bodies = 32;
   return bounds;
 }

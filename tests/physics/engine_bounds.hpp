@@ -24,7 +24,7 @@ struct Bounds {
   double slammed_m = 1e-4;           ///< overlap after a slam has settled
   double slam_strides = 1.0;         ///< deepest overlap of a slam, in ways of one period
   int grasps_held = 12;              ///< of the 12 tuned ones
-  double slip_m = 0.5e-3;            ///< in 2 s, of those that are held
+  double slip_m = 3.3e-5;            ///< in 10 s, of those that are held
   double grasp_residual = 0.01;      ///< contact forces against the drive, of those
   double sliding_wall_m = 3e-5;      ///< overlap with a wall that slides into the hand
   double let_go_m = 1e-4;            ///< what a hand moves when its contact is taken away

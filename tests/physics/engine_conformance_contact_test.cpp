@@ -212,7 +212,7 @@ TEST_P(Grasp, OfEveryTunedTrial_HoldsItsObject) {
     if (leftOutUnderASanitizer(index++)) continue;
     GraspPlan plan;
     plan.setup.folder = testing::TempDir();
-    plan.hold_s = 2.0;
+    plan.hold_s = 10.0;
     plan.setup.rig = with(GetParam());
     const GraspResult r = orThrow(runGrasp(trial, shippedFiles(), plan));
     coupling_rad = std::max(coupling_rad, r.coupling_error_rad);
@@ -229,7 +229,7 @@ TEST_P(Grasp, OfEveryTunedTrial_HoldsItsObject) {
   }
   figure("tuned grasps held, " + GetParam(), held,
          ("of " + std::to_string(held + dropped)).c_str());
-  figure("slip over a hold of 2 s, worst tuned grasp, " + GetParam(), slip_m * 1e3, "mm");
+  figure("slip over a hold of 10 s, worst tuned grasp, " + GetParam(), slip_m * 1e3, "mm");
   figure("felt-force noise, worst tuned grasp, " + GetParam(), noise_n, "N");
   figure("contact forces against reduced effort, worst tuned grasp, " + GetParam(),
          residual * 100.0, "%");

@@ -217,8 +217,10 @@ void ReducedContactSolver::startFromLast(HandContact& contact) const {
   const btManifoldPoint& point = *contact.point;
   const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
                         point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
-  const double share = settings_.friction_warm_start;
-  contact.normal_row.impulse = settings_.warm_start * point.m_appliedImpulse;
+  const btRigidBody* body = m_tmpSolverBodyPool[contact.solver_body].m_originalBody;
+  const bool wall = body == nullptr || body->getInvMass() == 0.0;
+  const double share = settings_.warm_start;
+  contact.normal_row.impulse = (wall ? settings_.wall_warm_start : share) * point.m_appliedImpulse;
   contact.tangent1_row.impulse = share * old.dot(contact.tangent1);
   contact.tangent2_row.impulse = share * old.dot(contact.tangent2);
   contact.spin_row.impulse = share * point.m_prevRHS;

@@ -24,11 +24,13 @@ struct SolverSettings {
   double contact_stiffness_n_m = 2.5e6;
   double friction_anchor_erp = 0.2;  ///< fraction of a tangential drift removed per step
   double penetration_slop_m = 1e-5;
-  double warm_start = 0.996;  ///< fraction of the last step's normal impulses to start from
-  double friction_warm_start = 0.9995;  ///< the same of friction and spin
-  double self_warm_start = 0.996;       ///< the same of touches within the hand and of joint ends
-  double spinning_friction_m = 0.002;   ///< torque about the normal per normal force, for soft
-                                        ///< finger pads
+  double warm_start = 0.9995;  ///< fraction of the last step's impulses of the hand to start from
+  /// The same of normal impulses against what no contact moves: of two that press the hand from
+  /// opposite sides, the impulses add up in each sweep.
+  double wall_warm_start = 0.996;
+  double self_warm_start = 0.996;      ///< the same of touches within the hand and of joint ends
+  double spinning_friction_m = 0.002;  ///< torque about the normal per normal force, for soft
+                                       ///< finger pads
 };
 
 }  // namespace wholehand::bullet
