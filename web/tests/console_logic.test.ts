@@ -305,7 +305,7 @@ describe('what a real device says', () => {
 
   it('says why the host let go, in every language, for every reason of the schema', () => {
     const reasons = Object.values(LetGo).filter((value): value is LetGo => typeof value === 'number' && value !== LetGo.Not);
-    expect(reasons.length).toBe(6);   // ReleaseReason of src/core/release_reason.hpp, but for kNone
+    expect(reasons.length).toBe(6);   // ReleaseReason of the schema, but for None
     for (const texts of [en, de, fr]) {
       const said = reasons.map((letGo) => deviceLines({ ...device, silenced: true, letGo }, texts)?.letGo ?? '');
       expect(new Set(said).size).toBe(reasons.length);
