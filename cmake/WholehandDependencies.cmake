@@ -33,6 +33,7 @@ endif()
 
 add_library(wholehand_options INTERFACE)
 target_compile_features(wholehand_options INTERFACE cxx_std_20)
+target_include_directories(wholehand_options INTERFACE ${PROJECT_BINARY_DIR}/protocol/inside)
 if(PROJECT_IS_TOP_LEVEL)  # a project that has us inside it chooses its own warnings
   target_compile_options(wholehand_options INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor

@@ -116,6 +116,24 @@ def command_of(measured):
     return f"{environment} {words}".strip()
 
 
+def figure_lines(figures):
+    """A line a figure; those that differ behind the last comma or "at" only, or not at all, share one, in their order."""
+    groups = {}
+    for what, value in figures:
+        head, _, rest = re.fullmatch(r"(.*?)(?:(, | at )((?:(?!, | at ).)*))?", what).groups("")
+        groups.setdefault(head, []).append((what, rest, *value.partition(" ")[::2]))
+    lines = []
+    for head, group in groups.items():
+        if len({what for what, *_ in group}) == 1:
+            head, group = group[0][0], [(what, "", number, unit) for what, _, number, unit in group]
+        units = {unit for *_, unit in group}
+        alike = len(units) == 1 and len(group) > 1 and not any(unit == "" or unit.startswith("of ") for unit in units)
+        shared = f" [{units.pop()}]" if alike else ""
+        lines.append(f"- {head}{shared}: " + "; ".join(
+            " ".join(filter(None, (rest, number, "" if shared else unit))) for _, rest, number, unit in group))
+    return lines
+
+
 def page(listed, data):
     lines = ["# Results", "",
              "Written by `scripts/results.py measure` from what the commands printed; not by hand. "
@@ -128,9 +146,7 @@ def page(listed, data):
             continue
         lines += [f"## {entry['about']}", "",
                   f"`{command_of(measured)}`, {measured['date']}, load {measured['load']}", "",
-                  "| what | figure |", "|---|---|"]
-        lines += [f"| {what.replace('|', '∣')} | {value} |" for what, value in measured["figures"]]
-        lines.append("")
+                  *figure_lines(measured["figures"]), ""]
     return "\n".join(lines)
 
 

@@ -8,8 +8,7 @@
 namespace wholehand {
 
 std::string describe(const SafetyTransition& t) {
-  return fmt::format("{:8.3f} s  {} -> {}: {}", t.time_s, safetyStateName(t.from),
-                     safetyStateName(t.to), t.cause);
+  return fmt::format("{:8.3f} s  {} -> {}: {}", t.time_s, nameOf(t.from), nameOf(t.to), t.cause);
 }
 
 SafetyLog::SafetyLog(DeviceModel device, double period_s,

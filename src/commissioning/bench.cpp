@@ -374,7 +374,7 @@ Expected<std::string> Bench::askWhile(
 }
 
 Expected<Done> Bench::home() {
-  const Motion motion{Motion::What::kHoming,
+  const Motion motion{MotionKind::kHoming,
                       "it may home itself; then only its emergency stop ends that", "", 0.0};
   const MotionEnd end(*person_, motion);
   if (auto held = awaitKey(motion); !held) return held;
@@ -432,7 +432,7 @@ Expected<double> Bench::dropWatchdog(double longest_s) {
     return no("", "the driver cannot drop its watchdog, and behind a host silence is the host's",
               "let the driver know WH_DROP_WATCHDOG, or commission it with --driver");
   };
-  const Motion motion{Motion::What::kWatchdog, "the watchdog is pulled", "", 0.0};
+  const Motion motion{MotionKind::kWatchdog, "the watchdog is pulled", "", 0.0};
   if (auto held = move(motion, look, law); !held) return held.errors();
   if (let_go) {
     Diagnostics acting = proof.acting("after its watchdog let go");
@@ -496,7 +496,7 @@ Expected<Push> pushSlowly(Bench& bench, std::size_t axis, double sign) {
   std::vector<double> start;
   Push push;
   const auto done = bench.move(
-      {Motion::What::kPush,
+      {MotionKind::kPush,
        fmt::format("axis {} is pushed in {} direction", bench.model().axes[axis].name,
                    sign > 0.0 ? '+' : '-'),
        bench.model().axes[axis].name, kPushGrows_s},
@@ -528,8 +528,7 @@ Expected<double> carryingEffort(Bench& bench, std::size_t axis, const std::vecto
   const DeviceAxis& a = bench.model().axes[axis];
   const double reach = kSweep * rangeOf(a);
   const auto done = bench.move(
-      {Motion::What::kCarry, "what carries axis " + a.name + " is measured", a.name,
-       5.0 * kSweep_s},
+      {MotionKind::kCarry, "what carries axis " + a.name + " is measured", a.name, 5.0 * kSweep_s},
       [&](Bench::Now& now) -> Expected<bool> {
         hold.hold(now);
         if (now.time_s == 0.0) {
@@ -569,7 +568,7 @@ Expected<Done> driveTo(Bench& bench, std::size_t axis, double position,
   double integral = 0.0, arrived_s = 0.0;
   const DeviceAxis& a = bench.model().axes[axis];
   return bench.move(
-      {Motion::What::kDrive,
+      {MotionKind::kDrive,
        fmt::format("axis {} is driven to {:.4g} {}", a.name, position, a.positionUnit()), a.name,
        0.0},
       [&](Bench::Now& now) -> Expected<bool> {
@@ -606,7 +605,7 @@ Expected<Excited> excite(Bench& bench, std::size_t axis, const std::vector<doubl
   std::vector<double> before, filtered(axes, 0.0);
   out.response.assign(axes, 0.0);
   const auto done = bench.move(
-      {Motion::What::kMeasure, fmt::format("axis {} is measured for {:.0f} s", a.name, duration_s),
+      {MotionKind::kMeasure, fmt::format("axis {} is measured for {:.0f} s", a.name, duration_s),
        a.name, duration_s},
       [&](Bench::Now& now) -> Expected<bool> {
         hold.hold(now);

@@ -89,7 +89,7 @@ StopSeen lookAtStop(StopSeen seen, int result, const wh_sample& sample) {
 }
 
 Question nextStep(const std::string& text) {
-  return {Question::About::kNextStep, text, "", "", 0.0, 0.0};
+  return {Asked::kNextStep, text, "", "", 0.0, 0.0};
 }
 
 // The step that the person chooses; nothing: to end.
@@ -197,12 +197,12 @@ Expected<Done> Commissioning::carryOut(CommissioningStep step) {
 
 Expected<Done> Commissioning::report(CommissioningStep step,
                                      const std::function<Expected<Done>()>& do_it) {
-  StepNews news{static_cast<int>(step), StepNews::What::kBegins, {}};
+  StepNews news{static_cast<int>(step), StepState::kUnderWay, {}};
   step_under_way_ = news.step;
   bench_.person().tellStep(news);
   Expected<Done> result = do_it();
   step_under_way_ = -1;
-  news.what = result ? StepNews::What::kDone : StepNews::What::kFailed;
+  news.state = result ? StepState::kDone : StepState::kFailed;
   if (!result) news.why = result.errors();
   bench_.person().tellStep(news);
   return result;
@@ -219,7 +219,7 @@ Expected<Done> Commissioning::identify() {
   }
   (void)bench_.driver().control(WH_IDENTIFY, 0.0);  // optional: the device also has a label
   const auto is_this =
-      askYes({Question::About::kThisDevice,
+      askYes({Asked::kThisDevice,
               fmt::format("Is this the device with serial number {} (firmware {}, {})? yes or no",
                           passport_.identity.serial, passport_.identity.firmware, passport_.driver),
               "", "", 0.0, 0.0});
@@ -236,7 +236,7 @@ Expected<Done> Commissioning::identify() {
 Expected<Done> Commissioning::home() {
   bench_.confirmNobodyAttached(false);
   const auto nobody = askYes(
-      {Question::About::kNobodyAttached,
+      {Asked::kNobodyAttached,
        "Put the device on its mark, where you will put it every day, and take everybody out of it. "
        "It may move from now on. Is NOBODY attached? yes or no",
        "", "", 0.0, 0.0});
@@ -360,7 +360,7 @@ Expected<Done> Commissioning::checkToday() {
 Expected<Done> Commissioning::pushAway(std::size_t i) {
   std::vector<double> first, last;
   const auto answer = bench_.askWhile(
-      {Question::About::kPushAway,
+      {Asked::kPushAway,
        fmt::format("Push axis {} {} by about a tenth of its range, leave it there; Enter",
                    axis(i).name, plus(axis(i))),
        axis(i).name, axis(i).positionUnit(), 0.0, 0.0},
@@ -448,7 +448,7 @@ Expected<Done> Commissioning::moveBetweenStops(std::size_t i) {
   const DeviceAxis& a = axis(i);
   double least = HUGE_VAL, most = -HUGE_VAL, last = std::nan(""), jump = 0.0;
   const auto stated = askNumber(
-      {Question::About::kTravel,
+      {Asked::kTravel,
        fmt::format("Move axis {} slowly to its one stop, then to the other; measure how far that "
                    "is [{}]:",
                    a.name, a.positionUnit()),
@@ -551,7 +551,7 @@ Expected<Done> Commissioning::hang(std::size_t i) {
   if (!before) return before.errors();
   const double room = bench_.limit(i) - std::abs(*before) - passport_.axes[i].coulomb.upper;
   const auto force = askNumber(
-      {Question::About::kKnownForce,
+      {Asked::kKnownForce,
        fmt::format("Let a known force pull axis {} against its + direction, {:.2g} to {:.2g} {} (a "
                    "weight over a pulley); its force:",
                    axis(i).name, 0.25 * room, 0.6 * room, axis(i).effortUnit()),
@@ -613,7 +613,7 @@ Expected<Done> Commissioning::emergencyStop() {
   const double most_ticks = kPressWithin_s / bench_.period_s();
   double sample_s = 0.0;
   auto rested = bench_.move(
-      {Motion::What::kEmergencyStop, "press the emergency stop while you hold it", "", 0.0},
+      {MotionKind::kEmergencyStop, "press the emergency stop while you hold it", "", 0.0},
       [&](int result, const wh_sample& sample) {
         sample_s = static_cast<double>(sample.monotonic_ns) * 1e-9;
         if (seen.what == StopSeen::kCut) return result < 0 ? Seen::kOver : Seen::kProve;
@@ -651,10 +651,9 @@ Expected<Done> Commissioning::emergencyStop() {
     return refuse("the device stayed enabled: the emergency stop does not cut it off",
                   "wire it so that it cuts the power of the motors, and repeat the step");
   }
-  const auto released =
-      bench_.askWhile({Question::About::kEmergencyStop, "It cut the device off. Release it; Enter",
-                       "", "", 0.0, 0.0},
-                      [](const auto&) {});
+  const auto released = bench_.askWhile(
+      {Asked::kEmergencyStop, "It cut the device off. Release it; Enter", "", "", 0.0, 0.0},
+      [](const auto&) {});
   if (!released) return released.errors();
   return Done{};
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/expected.hpp"
+#include "schema_enums.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -12,16 +13,7 @@ namespace wholehand {
 
 /// A question to the person. A terminal prints the text; a page uses its own words and language.
 struct Question {
-  enum class About : std::uint8_t {
-    kThisDevice,      ///< yes or no
-    kNobodyAttached,  ///< yes or no
-    kPushAway,        ///< move an axis by hand; answered when done
-    kTravel,          ///< travel of an axis between its stops: a number in `unit`
-    kKnownForce,      ///< known force on an axis: a number in `unit`
-    kEmergencyStop,   ///< release the emergency stop; answered when done
-    kNextStep         ///< answer: empty for the next step, the name of a step, or "quit"
-  };
-  About about = About::kNextStep;
+  Asked about = Asked::kNextStep;
   std::string text;  ///< in English, with the answers that a terminal accepts
   std::string axis, unit;
   double lower = 0.0, upper = 0.0;  ///< plausible range in `unit`; both 0: unknown
@@ -37,28 +29,17 @@ struct FoundFigure {
 
 /// A move during which the key must be held.
 struct Motion {
-  enum class What : std::uint8_t {
-    kHoming,
-    kPush,
-    kCarry,
-    kDrive,
-    kMeasure,
-    kWatchdog,
-    kEmergencyStop
-  };
-  What what = What::kPush;
+  MotionKind what = MotionKind::kPush;
   std::string text;  ///< in English: "axis x is pushed in + direction"
   std::string axis;
   double duration_s = 0.0;  ///< 0: unknown
 };
-enum class MotionState : std::uint8_t { kAwaitsKey, kMoves, kOver };
 
 /// Progress of a step.
 struct StepNews {
-  enum class What : std::uint8_t { kBegins, kDone, kFailed };
-  int step = 0;  ///< number of a CommissioningStep
-  What what = What::kBegins;
-  Diagnostics why;  ///< for kFailed
+  int step = 0;                            ///< number of a CommissioningStep
+  StepState state = StepState::kUnderWay;  ///< never kWaiting
+  Diagnostics why;                         ///< for kFailed
 };
 
 /// Interface to the person who commissions a device: at a terminal, at a page, or a script in

@@ -58,16 +58,6 @@ Vec3 unpacked(double number) noexcept {
 
 }  // namespace
 
-const char* refusalName(BodyRefusal refusal) noexcept {
-  static constexpr std::array<const char*, kBodyRefusals> kNames{
-      "none",           "no_such_slot", "wrong_generation", "slot_taken",
-      "no_such_shapes", "shapes_busy",  "bad_shapes",       "bad_pose",
-      "bad_mass",       "overlap",      "budget",           "not_the_games",
-      "busy",           "silent"};
-  const auto i = static_cast<std::size_t>(refusal);
-  return i < kNames.size() ? kNames[i] : "unknown";
-}
-
 Command spawnCommand(const SpawnOrder& spawn) noexcept {
   Command command = order(CommandType::kSpawn, spawn.slot, spawn.generation);
   put(spawn.pose, command);

@@ -2,6 +2,7 @@
 
 #include "core/command.hpp"
 #include "core/geometry.hpp"
+#include "schema_enums.hpp"
 
 #include <array>
 #include <cmath>
@@ -18,41 +19,9 @@ inline constexpr int kMaxShapeSets = 64;      ///< shape sets of a game at once
 inline constexpr int kMaxSlotPieces = 16;     ///< convex pieces of a body
 inline constexpr int kMaxPieceVertices = 64;  ///< vertices of a convex mesh
 
-/// Who moves a body.
-enum class BodyOwner : std::int32_t {
-  kLoop,  ///< simulated: free under gravity
-  kGame,  ///< pulled towards the game's target by a bounded force; weightless; yields
-  kFixed  ///< stands still
-};
-
-/// State of a slot.
-enum class SlotState : std::int32_t {
-  kParked,    ///< holds no body
-  kGhost,     ///< has a pose, but touches nothing until it overlaps nothing
-  kSolid,     ///< collides
-  kLettingGo  ///< its force on the hand fades; then the order that asked for it is carried out
-};
-
-/// Why the pool refused an order.
-enum class BodyRefusal : std::int32_t {
-  kNone,
-  kNoSuchSlot,       ///< slot out of range
-  kWrongGeneration,  ///< the slot holds another body, or none
-  kSlotTaken,        ///< spawn into a slot that holds a body
-  kNoSuchShapes,     ///< shape set out of range, or not complete
-  kShapesBusy,       ///< shape set of a body that is in the world
-  kBadShapes,        ///< a piece, vertex or moment is out of range or out of order
-  kBadPose,          ///< not finite, quaternion off by > 1e-3, out of the world, or too fast
-  kBadMass,          ///< mass or friction out of the budget's range
-  kOverlap,          ///< spawn with `refuse_overlap` where something is
-  kBudget,           ///< as many bodies move as the budget allows
-  kNotTheGames,      ///< target for a body whose owner is not the game
-  kLettingGo,        ///< the body is being let go
-  kSilent            ///< the game is silent, or the run stops
-};
-inline constexpr int kBodyRefusals = 14;
-/// snake_case name, as in events and docs/protocol.md.
-[[nodiscard]] const char* refusalName(BodyRefusal refusal) noexcept;
+[[nodiscard]] constexpr const char* refusalName(BodyRefusal refusal) noexcept {
+  return nameOf(refusal);
+}
 
 /// What the pool says of a slot.
 struct SlotReport {
@@ -140,13 +109,6 @@ inline constexpr int kFirstNumber = 1000, kLastNumber = 32767;
 [[nodiscard]] constexpr bool isRegistered(int slot) noexcept {
   return slot >= kFirstNumber && slot <= kLastNumber;
 }
-
-/// Where a registered body is.
-enum class Whereabouts : std::int32_t {
-  kOutOfReach,  ///< stands still, with its velocity; the hand cannot come to it in time
-  kLeftOut,     ///< the same, but the hand could: nearer bodies have the slots, or all may move
-  kInSlot       ///< in the loop, or on its way there
-};
 
 /// A registered body, as others see it.
 struct RegisteredBody {

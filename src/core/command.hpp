@@ -42,9 +42,6 @@ enum class ExerciseAction : std::int32_t {
   kBeginAt  ///< value: place in the level to resume from; no client sends it
 };
 
-/// Who steers the simulated hand.
-enum class Steering : std::int32_t { kVirtualPatient, kPerson };
-
 /// A request of another thread to the loop. The session takes at most kMaxCommands before a tick
 /// and stores them in its record, so that a re-simulation repeats them.
 struct Command {

@@ -6,6 +6,7 @@
 #include "core/geometry.hpp"
 #include "core/real_time.hpp"
 #include "core/world_query.hpp"
+#include "schema_enums.hpp"
 
 #include <array>
 #include <cstdint>
@@ -22,10 +23,6 @@ enum class Mover : std::int32_t {
   kMotion           ///< a recorded motion is replayed
 };
 inline constexpr int kMovers = 4;
-
-/// How much of the hand's motion a page does for the player, by its own word.
-enum class Help : std::int32_t { kUnsaid, kFull, kSome, kNone };
-inline constexpr int kHelps = 4;
 
 /// A setting that may change while the loop runs. Every change is a ramp.
 struct LiveParameter {

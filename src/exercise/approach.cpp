@@ -28,6 +28,11 @@ void Goal::base(const Eigen::Vector3d& at_m) noexcept {
   put(layout_.z, at_m.z());
 }
 
+void Goal::drawBack() noexcept {
+  put(layout_.x, back_m(layout_));
+  hand(kHalfBent, kTurnedAside);
+}
+
 double back_m(const BarLayout& layout) noexcept {
   return layout.x >= 0 ? layout.lower[layout.x] + kBack_m : 0.0;
 }

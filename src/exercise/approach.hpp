@@ -33,6 +33,7 @@ class Goal {
   void put(int axis, double value) noexcept;
   void hand(double fingers, double turn, double thumb = 0.0) noexcept;
   void base(const Eigen::Vector3d& at_m) noexcept;
+  void drawBack() noexcept;  ///< straight, the hand half-bent
   [[nodiscard]] const AxisPosition& at() const noexcept { return at_; }
 
  private:

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kLongestName = 100;
 
 /// Path of the scene that the file names; reports a missing one and returns an empty path.
-std::string readScene(TomlTable& root, const std::string& exercise_path) {
+std::string scenePath(TomlTable& root, const std::string& exercise_path) {
   const std::string named = root.text("scene");
   if (!root.isGood("scene")) return {};
   const fs::path path = (fs::path(exercise_path).parent_path() / named).lexically_normal();
@@ -38,6 +38,24 @@ Expected<LoadedExercise> loadWithPanel(TomlFile& file, const ExerciseKind& kind,
   checkExercisePanel(*table, panel, description.value_names, description.event_names);
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
   loaded->panel = std::move(panel);
+  return loaded;
+}
+
+/// The same with the scene, and the faults of both files.
+Expected<LoadedExercise> loadWithScene(TomlFile& file, const ExerciseKind& kind,
+                                       ExerciseSource source, const std::string& scene_path) {
+  Expected<SceneModel> scene = Diagnostics{};
+  if (!scene_path.empty()) scene = loadSceneFile(scene_path);
+  if (scene) source.scene = &*scene;
+  Expected<LoadedExercise> loaded = loadWithPanel(file, kind, source);
+  if (!scene) {
+    Diagnostics faults = loaded.errors();
+    faults.insert(faults.end(), scene.errors().begin(), scene.errors().end());
+    return faults;
+  }
+  if (!loaded) return loaded;
+  loaded->files = {source.path, scene->path};
+  loaded->scene = std::move(*scene);
   return loaded;
 }
 
@@ -75,13 +93,13 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   source.level = level;
   source.device = &device;
   source.hand = &hand;
-  source.scene_path = readScene(root, path);
+  const std::string scene_path = scenePath(root, path);
   if (!root.isGood("exercise")) {
     root.ignoreUnknownKeys();  // the valid keys of an unknown kind are unknown
     return file.finish();
   }
   const auto at = std::find(names.begin(), names.end(), wanted) - names.begin();
-  return loadWithPanel(file, kExerciseKinds[at], source);
+  return loadWithScene(file, kExerciseKinds[at], source, scene_path);
 }
 
 std::vector<ExerciseFile> listExercises(const std::string& folder) {

@@ -17,10 +17,11 @@ namespace wholehand {
 /// An exercise and its scene.
 struct LoadedExercise {
   std::unique_ptr<Exercise> exercise;
-  SceneModel scene;                 ///< scene of the level; the exercise's body indices refer to it
-  std::vector<std::string> files;   ///< paths of the exercise file and the scene file
   std::vector<ExerciseWall> walls;  ///< empty for an exercise without effort
-  ExercisePanel panel;              ///< read by loadExercise() for any kind
+  // loadExercise() fills in the rest, for any kind.
+  SceneModel scene;                ///< scene of the level; the exercise's body indices refer to it
+  std::vector<std::string> files;  ///< paths of the exercise file and the scene file
+  ExercisePanel panel;
 };
 
 /// Input of an exercise kind's loader.
@@ -30,14 +31,17 @@ struct ExerciseSource {
   int level = 1;     ///< requested level; the kind checks it against the file
   const DeviceModel* device = nullptr;
   const HandModel* hand = nullptr;
-  std::string scene_path;  ///< relative to the working directory; empty if invalid
+  /// That the file names; the kind makes it the level's. Null: it cannot be loaded, which
+  /// loadExercise() reports.
+  SceneModel* scene = nullptr;
 };
 
 /// A kind of exercise: a folder of src/exercise, whose header declares `load`.
 struct ExerciseKind {
   const char* name;
   /// Reads the rest of the file ("kind", "version", "exercise", "name" and "scene" are already
-  /// read) and ends with its finish(). Reports every fault of file and scene at once.
+  /// read) and ends with its finish(). Reports every fault of the file at once; makes no exercise
+  /// without a scene.
   Expected<LoadedExercise> (*load)(TomlFile& file, const ExerciseSource& source);
 };
 

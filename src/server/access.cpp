@@ -12,8 +12,6 @@ namespace {
 
 using orders::Giver;
 
-constexpr std::array<const char*, 4> kRoleNames = {"unsaid", "watcher", "player", "therapist"};
-
 OrderReply needsControls(const Standing& now) {
   if (now.holds) return {true, ""};
   return refused(Refusal::kNotHolder, "this client does not hold the controls");
@@ -58,11 +56,6 @@ std::optional<Role> roleNamed(std::string_view name) {
     if (name == nameOf(role)) return role;
   }
   return std::nullopt;
-}
-
-const char* nameOf(Role role) noexcept {
-  const auto i = static_cast<std::size_t>(role);
-  return i < kRoleNames.size() ? kRoleNames[i] : "unknown";
 }
 
 Role grantedRole(Role claimed, Role by_token) noexcept {

@@ -11,18 +11,8 @@
 
 namespace wholehand {
 
-/// Role of a client (protocol Role, in its order; docs/adr/0028-roles.md).
-enum class Role : std::uint8_t {
-  kUnsaid,    ///< none stated (clients older than roles): all rights, while it holds the controls;
-              ///< may stop
-  kWatcher,   ///< sees everything; may stop
-  kPlayer,    ///< the patient: steers, rests and stops
-  kTherapist  ///< leads: may command whichever client holds the controls, and may take them
-};
-
 /// Reads "therapist", "player" or "watcher".
 [[nodiscard]] std::optional<Role> roleNamed(std::string_view name);
-[[nodiscard]] const char* nameOf(Role role) noexcept;
 
 /// Role granted to a client that claims one role and shows a token of another. A smaller role is
 /// granted; a claim beyond the token's role makes a watcher. `claimed` kUnsaid: the token's role.

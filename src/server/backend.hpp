@@ -4,12 +4,12 @@
 #include "core/axis_array.hpp"
 #include "core/body_order.hpp"
 #include "core/command.hpp"
-#include "core/release_reason.hpp"
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
 #include "model/exercise_panel.hpp"
 #include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
+#include "schema_enums.hpp"
 
 #include <algorithm>
 #include <array>
@@ -28,49 +28,6 @@
 #include <vector>
 
 namespace wholehand {
-
-/// Why an order was refused, for clients to translate. Same order as protocol Refusal; new ones go
-/// at the end.
-enum class Refusal : std::uint8_t {
-  kNone,          ///< accepted
-  kOther,         ///< see the reason
-  kUnreadable,    ///< not a message, too large, or not one that a client may send
-  kOtherVersion,  ///< another schema version
-  kReplayed,      ///< command number did not increase
-  kTooMany,       ///< rate or queue limit exceeded
-  kControlsHeld,  ///< another client holds the controls
-  kNotHolder,     ///< this client does not hold the controls
-  kWrongToken,
-  kNothingArmed,
-  kArmedAlready,
-  kStillStopping,  ///< still ramping to neutral
-  kStopCame,       ///< a stop came during arming
-  kUnknownParameter,
-  kOutOfRange,
-  kNotAPosture,  ///< an aim with other axes, or with NaN
-  kUnknownExercise,
-  kUnknownHand,
-  kCannotLoad,  ///< the reason lists the faults of the file
-  kNotStable,   ///< the stability certificate fails
-  kRehearsalFailed,
-  kCannotStart,      ///< device not ready, or recording cannot be written
-  kFailed,           ///< unexpected failure
-  kEnding,           ///< the program is ending
-  kStopNotSeen,      ///< a stop or fault followed the state that the order to arm was based on
-  kTherapistOnly,    ///< a player asked
-  kTherapistPaused,  ///< a therapist paused the exercise and must resume it
-  kOnlyWatches,      ///< a watcher asked
-  kUnknownProfile,
-  kOtherProfile,   ///< made for another device or hand
-  kNotHere,        ///< commissioning order without a commissioning, or the reverse
-  kNotAsked,       ///< answers a question that is not the current one
-  kBodiesRefused,  ///< OrderReply::items names what was refused; the rest was handed to the loop
-  kBusy,           ///< no room in the loop's queue; nothing of the message was handed over
-  kNoBodies,       ///< the scene takes no bodies of a game
-  kWaitedTooLong,  ///< the order waited too long behind other orders
-  kRefusedBefore,  ///< an earlier order of this client, on which this one builds, was refused
-  kVisitOpen       ///< a visit is open, and the order does not belong to it
-};
 
 /// An item of an order to bodies that was refused.
 struct RefusedItem {
@@ -133,9 +90,6 @@ struct ShownBody {
 };
 /// All registered bodies, by number.
 using RegisteredBodies = std::vector<ShownBody>;
-
-/// State of the loop as clients see it. Same order as protocol RunState.
-enum class RunState : std::int8_t { kDisarmed, kRendering, kStopping, kStopped, kFaulted };
 
 enum class LiveParameterGroup : std::int8_t { kPatient, kHand, kExercise };
 
@@ -496,20 +450,9 @@ class ServerBackend {
   [[nodiscard]] virtual std::string reportFolder(const std::string& name, std::string& why) = 0;
 };
 
-/// State of a device's commissioning as clients see it (protocol Commissioning, enums in its
-/// order). Immutable once published; every change publishes a new one.
+/// State of a device's commissioning as clients see it (protocol Commissioning).
+/// Immutable once published; every change publishes a new one.
 struct CommissioningFacts {
-  enum class StepState : std::uint8_t { kWaiting, kUnderWay, kDone, kFailed };
-  enum class Asked : std::uint8_t {
-    kNothing,
-    kThisDevice,
-    kNobodyAttached,
-    kPushAway,
-    kTravel,
-    kKnownForce,
-    kEmergencyStop,
-    kNextStep
-  };
   struct Finding {
     std::string axis, quantity, unit;
     double lower = 0.0, upper = 0.0;
@@ -531,7 +474,7 @@ struct CommissioningFacts {
   std::string next;  ///< step that follows kNextStep
   std::string note;  ///< why the last answer was refused
 
-  Motion::What motion = Motion::What::kHoming;
+  MotionKind motion = MotionKind::kHoming;
   MotionState motion_state = MotionState::kOver;
   double motion_s = 0.0;  ///< 0: unknown
 

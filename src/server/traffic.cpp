@@ -41,12 +41,11 @@ std::string label(std::string name) {
 
 /// 1 for the state that holds, 0 for the others.
 template <class State>
-void byState(std::string& out, const char* name, const char* help, State now, State last,
-             const char* (*state_name)(State)) {
+void byState(std::string& out, const char* name, const char* help, State now, int states) {
   head(out, name, "gauge", help);
-  for (int i = 0; i <= static_cast<int>(last); ++i) {
+  for (int i = 0; i < states; ++i) {
     const auto state = static_cast<State>(i);
-    line(out, name, "state", state_name(state), state == now ? 1 : 0);
+    line(out, name, "state", nameOf(state), state == now ? 1 : 0);
   }
 }
 
@@ -60,7 +59,7 @@ void tickMetric(std::string& out, const char* name, const char* type, const char
 
 void safetyMetrics(std::string& out, const LoopStatus& s) {
   byState(out, "safety_state", "1 for the state that the safety supervisor is in.", s.safety_state,
-          SafetyState::kFaulted, safetyStateName);
+          kSafetyStates);
   head(out, "fault_ticks_total", "counter", "Ticks of the session in which a reason was given.");
   for (std::size_t i = 0; i < kFaultTable.size(); ++i) {
     out += fmt::format("wholehand_fault_ticks_total{{reason=\"{}\",stops=\"{}\"}} {}\n",
@@ -86,8 +85,7 @@ void loopMetrics(std::string& out, const LoopHealth& p) {
   if (p.record_age_s >= 0.0) {
     metric(out, "record_age_seconds", "gauge", "Since the newest record came.", p.record_age_s);
   }
-  byState(out, "run_state", "1 for the state that the loop is in.", s.run_state, RunState::kFaulted,
-          runStateName);
+  byState(out, "run_state", "1 for the state that the loop is in.", s.run_state, kRunStates);
   safetyMetrics(out, s);
   tickMetric(out, "tick_cpu_seconds", "summary", "CPU time of a tick.",
              {{"0.5", s.cpu_p50_us},
@@ -113,13 +111,6 @@ double Traffic::ageQuantile_s(double share) const {
   return 1e-9 * static_cast<double>(sorted[std::clamp<std::size_t>(rank, 1, n) - 1]);
 }
 
-const char* runStateName(RunState state) {
-  constexpr std::array<const char*, 5> kNames = {"disarmed", "rendering", "stopping", "stopped",
-                                                 "faulted"};
-  const auto i = static_cast<std::size_t>(state);
-  return i < kNames.size() ? kNames[i] : "unknown";
-}
-
 bool healthy(const LoopHealth& p) {
   if (p.status.run_state == RunState::kFaulted) return false;
   return p.status.run_state != RunState::kRendering || p.record_age_s <= kStale_s;
@@ -127,8 +118,8 @@ bool healthy(const LoopHealth& p) {
 
 std::string healthJson(const LoopHealth& p) {
   nlohmann::json json = {{"healthy", healthy(p)},
-                         {"run_state", runStateName(p.status.run_state)},
-                         {"safety_state", safetyStateName(p.status.safety_state)},
+                         {"run_state", nameOf(p.status.run_state)},
+                         {"safety_state", nameOf(p.status.safety_state)},
                          {"session", p.status.session},
                          {"ticks", p.status.ticks},
                          {"record_age_s", nullptr}};

@@ -30,9 +30,6 @@ struct Traffic {
   std::uint64_t age_count_ = 0;
 };
 
-/// "rendering", "faulted", ...
-[[nodiscard]] const char* runStateName(RunState state);
-
 /// Input of /healthz and /metrics beside the loop's status.
 struct LoopHealth {
   LoopStatus status;

@@ -146,10 +146,10 @@ VectorOffset<const fb::ContactPoint*> contacts(Builder& b, const TickRecord& r) 
 
 Offset<fb::DeviceState> deviceToWire(Builder& b, const DeviceStatus& s) {
   const bool warm = std::isfinite(s.temperature_c);
-  return fb::CreateDeviceState(b, s.enabled, s.homed, s.silenced, warm,
-                               warm ? static_cast<float>(s.temperature_c) : 0.0F,
-                               static_cast<float>(s.sample_age_s), s.hosted,
-                               static_cast<float>(s.host_age_s), static_cast<fb::LetGo>(s.let_go));
+  return fb::CreateDeviceState(
+      b, s.enabled, s.homed, s.silenced, warm, warm ? static_cast<float>(s.temperature_c) : 0.0F,
+      static_cast<float>(s.sample_age_s), s.hosted, static_cast<float>(s.host_age_s),
+      static_cast<fb::ReleaseReason>(s.let_go));
 }
 
 Arrays makeArrays(Builder& b, const SceneModel& scene, const TickRecord& r,
@@ -252,18 +252,11 @@ Bytes take(const Builder& b) {
   return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
 }
 
-using Strings = VectorOffset<flatbuffers::Offset<flatbuffers::String>>;
-
-Strings strings(Builder& b, const std::vector<std::string>& texts) {
-  return b.CreateVectorOfStrings(texts);
-}
-
 Offset<fb::Body> bodyToWire(Builder& b, const SceneBody& body) {
   std::vector<Offset<fb::Shape>> shapes;
   for (const Shape& shape : body.shapes) shapes.push_back(shapeToWire(b, shape, body.com_m));
-  const auto name = b.CreateString(body.name);
-  const auto color = b.CreateString(body.color);
-  return fb::CreateBody(b, name, body.fixed, color, b.CreateVector(shapes));
+  return fb::CreateBody(b, b.CreateString(body.name), body.fixed, b.CreateString(body.color),
+                        b.CreateVector(shapes));
 }
 
 Offset<fb::Capsule> capsuleToWire(Builder& b, const Capsule& capsule) {
@@ -275,45 +268,37 @@ Offset<fb::Capsule> capsuleToWire(Builder& b, const Capsule& capsule) {
 }
 
 Offset<fb::Link> linkToWire(Builder& b, const HandLink& link) {
-  const auto name = b.CreateString(link.name);
   const fb::Vec3 axis = toWire(link.axis);
   const fb::Pose at_zero = toWire(link.parent_to_link);
-  return fb::CreateLink(b, name, static_cast<std::int16_t>(link.parent),
+  return fb::CreateLink(b, b.CreateString(link.name), static_cast<std::int16_t>(link.parent),
                         static_cast<std::int16_t>(link.joint),
                         static_cast<fb::JointType>(link.type), &axis, &at_zero);
 }
 
 Offset<fb::Axis> axisToWire(Builder& b, const DeviceAxis& axis) {
-  const auto name = b.CreateString(axis.name);
-  const auto unit = b.CreateString(axis.positionUnit());
-  return fb::CreateAxis(b, name, unit, static_cast<float>(axis.lower),
-                        static_cast<float>(axis.upper), static_cast<float>(axis.effort_limit),
-                        static_cast<float>(axis.lever_arm_m), static_cast<float>(axis.speed_limit));
+  return fb::CreateAxis(b, b.CreateString(axis.name), b.CreateString(axis.positionUnit()),
+                        static_cast<float>(axis.lower), static_cast<float>(axis.upper),
+                        static_cast<float>(axis.effort_limit), static_cast<float>(axis.lever_arm_m),
+                        static_cast<float>(axis.speed_limit));
 }
 
 Offset<fb::Parameter> parameterToWire(Builder& b, const PublishedParameter& p) {
-  const auto name = b.CreateString(p.name);
-  const auto unit = b.CreateString(p.unit);
-  return fb::CreateParameter(b, name, static_cast<fb::ParameterGroup>(p.group), unit,
-                             static_cast<float>(p.lower), static_cast<float>(p.upper),
-                             static_cast<float>(p.initial), static_cast<float>(p.rate_per_s));
+  return fb::CreateParameter(b, b.CreateString(p.name), static_cast<fb::ParameterGroup>(p.group),
+                             b.CreateString(p.unit), static_cast<float>(p.lower),
+                             static_cast<float>(p.upper), static_cast<float>(p.initial),
+                             static_cast<float>(p.rate_per_s));
 }
 
 Offset<fb::Words> wordsToWire(Builder& b, const Words& words) {
-  const auto en = b.CreateString(words.en);
-  const auto fr = b.CreateString(words.fr);
-  const auto de = b.CreateString(words.de);
-  return fb::CreateWords(b, en, fr, de);
+  return fb::CreateWords(b, b.CreateString(words.en), b.CreateString(words.fr),
+                         b.CreateString(words.de));
 }
 
 Offset<fb::PanelValue> panelValueToWire(Builder& b, const PanelValue& v) {
-  const auto name = b.CreateString(v.name);
-  const auto label = wordsToWire(b, v.label);
-  const auto unit = b.CreateString(v.unit);
-  const auto goal_lower = b.CreateString(v.goal_lower);
-  const auto goal_upper = b.CreateString(v.goal_upper);
-  return fb::CreatePanelValue(b, name, label, unit, v.factor, static_cast<std::uint8_t>(v.decimals),
-                              v.lower, v.upper, goal_lower, goal_upper, v.result);
+  return fb::CreatePanelValue(b, b.CreateString(v.name), wordsToWire(b, v.label),
+                              b.CreateString(v.unit), v.factor,
+                              static_cast<std::uint8_t>(v.decimals), v.lower, v.upper,
+                              b.CreateString(v.goal_lower), b.CreateString(v.goal_upper), v.result);
 }
 
 /// A vector of tables, each made by `make(b, item)`.
@@ -362,70 +347,18 @@ Offset<fb::BodyBudget> budgetToWire(Builder& b, const GameBudget& game) {
       static_cast<float>(game.least_m), static_cast<float>(game.most_m), count(kMostRegistered));
 }
 
-/// Offsets of a Scene's parts; FlatBuffers needs them before its table is begun.
-struct SceneParts {
-  Offset<flatbuffers::String> program_version, scene_name, hand_name, device_name, patient_name;
-  Offset<flatbuffers::String> exercise_name, exercise_json, recording;
-  VectorOffset<Offset<fb::Axis>> axes;
-  VectorOffset<Offset<fb::Capsule>> capsules;
-  VectorOffset<Offset<fb::Link>> links;
-  VectorOffset<Offset<fb::Body>> bodies;
-  VectorOffset<Offset<fb::Parameter>> parameters;
-  Offset<fb::Panel> panel;
-  Offset<fb::BodyBudget> budget;
-  Offset<flatbuffers::String> profile;
-  Strings profiles;
-  Strings joint_names, link_names, value_names, event_names, fault_names, exercises, hands;
-};
-
-SceneParts makeParts(Builder& b, const SceneFacts& s) {
-  SceneParts p;
-  p.program_version = b.CreateString(s.program_version);
-  p.scene_name = b.CreateString(s.scene.name);
-  p.hand_name = b.CreateString(s.hand.name);
-  p.device_name = b.CreateString(s.device.name);
-  p.patient_name = b.CreateString(s.patient_name);
-  p.exercise_name = b.CreateString(s.exercise_name);
-  p.exercise_json = b.CreateString(s.exercise_json);
-  p.recording = b.CreateString(s.recording);
-  p.panel = panelToWire(b, s);
-  p.budget = budgetToWire(b, s.scene.game);
-  p.axes = tables(b, s.device.axes, axisToWire);
-  p.capsules = tables(b, s.hand.capsules, capsuleToWire);
-  p.links = tables(b, s.hand.links, linkToWire);
-  p.bodies = tables(b, s.scene.bodies, bodyToWire);
-  p.parameters = tables(b, s.parameters, parameterToWire);
-  p.joint_names = strings(b, s.hand.joint_names);
-  p.link_names = strings(b, linkNames(s.hand));
-  p.value_names = strings(b, s.value_names);
-  p.event_names = strings(b, s.event_names);
-  p.fault_names = strings(b, faultNames());
-  p.exercises = strings(b, s.exercises);
-  p.hands = strings(b, s.hands);
-  p.profiles = strings(b, s.profiles);
-  p.profile = b.CreateString(s.profile);
-  return p;
-}
-
 fb::RegisteredBody registeredToWire(const ShownBody& shown) {
   const RegisteredBody& body = shown.body;
-  const auto where =
-      shown.shapes ? static_cast<fb::Whereabouts>(body.whereabouts) : fb::Whereabouts::Gone;
+  const Whereabouts where = shown.shapes ? body.whereabouts : Whereabouts::kGone;
   return {static_cast<std::uint32_t>(body.number),
           static_cast<std::uint32_t>(body.generation),
           shown.shapes ? shown.shapes->id : 0,
           body.slot,
-          where,
+          static_cast<fb::Whereabouts>(where),
           {toWire(body.pose.position_m), toWire(body.pose.orientation_xyzw)}};
 }
 
 using Facts = CommissioningFacts;
-
-static_assert(static_cast<int>(Facts::StepState::kFailed) == static_cast<int>(fb::StepState::MAX));
-static_assert(static_cast<int>(Facts::Asked::kNextStep) == static_cast<int>(fb::Asked::MAX));
-static_assert(static_cast<int>(Motion::What::kEmergencyStop) ==
-              static_cast<int>(fb::MotionKind::MAX));
-static_assert(static_cast<int>(MotionState::kOver) == static_cast<int>(fb::MotionState::MAX));
 
 Offset<fb::Finding> findingToWire(Builder& b, const Facts::Finding& f) {
   return fb::CreateFindingDirect(b, f.axis.c_str(), f.quantity.c_str(), f.unit.c_str(), f.lower,
@@ -490,8 +423,6 @@ Bytes welcomeMessage(std::uint32_t client, bool controls, const std::string& pro
   return take(b);
 }
 
-static_assert(static_cast<int>(Role::kTherapist) == static_cast<int>(fb::Role::MAX));
-
 Bytes controlsMessage(const ControlsFacts& f) {
   Builder b;
   finish(b,
@@ -500,9 +431,6 @@ Bytes controlsMessage(const ControlsFacts& f) {
          kSchemaVersion);
   return take(b);
 }
-
-static_assert(static_cast<int>(Refusal::kVisitOpen) == static_cast<int>(fb::Refusal::MAX));
-static_assert(kBodyRefusals - 1 == static_cast<int>(fb::BodyRefusal::MAX));
 
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   Builder b;
@@ -522,41 +450,23 @@ Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
 
 Bytes sceneMessage(const SceneFacts& s) {
   Builder b;
-  const SceneParts p = makeParts(b, s);
-  fb::SceneBuilder out(b);
-  out.add_session(s.session);
-  out.add_program_version(p.program_version);
-  out.add_scene_name(p.scene_name);
-  out.add_hand_name(p.hand_name);
-  out.add_right_hand(s.hand.side == Side::kRight);
-  out.add_device_name(p.device_name);
-  out.add_patient_name(p.patient_name);
-  out.add_exercise_name(p.exercise_name);
-  out.add_exercise_json(p.exercise_json);
-  out.add_period_s(s.period_s);
-  out.add_axes(p.axes);
-  out.add_joint_names(p.joint_names);
-  out.add_link_names(p.link_names);
-  out.add_capsules(p.capsules);
-  out.add_bodies(p.bodies);
-  out.add_value_names(p.value_names);
-  out.add_event_names(p.event_names);
-  out.add_fault_names(p.fault_names);
-  out.add_parameters(p.parameters);
-  out.add_exercises(p.exercises);
-  out.add_hands(p.hands);
-  out.add_levels(static_cast<std::uint16_t>(s.levels));
-  out.add_level(static_cast<std::uint16_t>(s.level));
-  out.add_recording(p.recording);
-  if (!p.panel.IsNull()) out.add_panel(p.panel);
-  out.add_profiles(p.profiles);
-  out.add_profile(p.profile);
-  out.add_links(p.links);
-  if (!p.budget.IsNull()) out.add_budget(p.budget);
-  out.add_visit(s.visit.number);
-  out.add_visit_item(s.visit.item);
-  finish(b, out.Finish(), kSchemaVersion);
-  return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
+  const auto text = [&b](const std::string& words) { return b.CreateString(words); };
+  const auto texts = [&b](const std::vector<std::string>& all) {
+    return b.CreateVectorOfStrings(all);
+  };
+  const auto scene = fb::CreateScene(
+      b, s.session, text(s.program_version), text(s.scene.name), text(s.hand.name),
+      s.hand.side == Side::kRight, text(s.device.name), text(s.patient_name), text(s.exercise_name),
+      text(s.exercise_json), s.period_s, tables(b, s.device.axes, axisToWire),
+      texts(s.hand.joint_names), texts(linkNames(s.hand)),
+      tables(b, s.hand.capsules, capsuleToWire), tables(b, s.scene.bodies, bodyToWire),
+      texts(s.value_names), texts(s.event_names), texts(faultNames()),
+      tables(b, s.parameters, parameterToWire), texts(s.exercises), texts(s.hands),
+      static_cast<std::uint16_t>(s.levels), static_cast<std::uint16_t>(s.level), text(s.recording),
+      panelToWire(b, s), texts(s.profiles), text(s.profile), tables(b, s.hand.links, linkToWire),
+      budgetToWire(b, s.scene.game), s.visit.number, s.visit.item);
+  finish(b, scene, kSchemaVersion);
+  return take(b);
 }
 
 Bytes gameBodiesMessage(std::uint32_t session, const GameBodies& bodies,
@@ -583,7 +493,7 @@ Bytes gameBodiesMessage(std::uint32_t session, const GameBodies& bodies,
   for (const ShownBody& shown : registered) numbers.push_back(registeredToWire(shown));
   const auto number_list = numbers.empty() ? 0 : b.CreateVectorOfStructs(numbers);
   finish(b, fb::CreateGameBodies(b, session, body_list, shape_list, number_list), kSchemaVersion);
-  return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
+  return take(b);
 }
 
 Bytes commissioningMessage(const CommissioningFacts& f) {
@@ -597,7 +507,7 @@ Bytes commissioningMessage(const CommissioningFacts& f) {
       static_cast<fb::MotionKind>(f.motion), static_cast<fb::MotionState>(f.motion_state),
       static_cast<float>(f.motion_s), f.passport.c_str(), f.recording.c_str(), f.daily);
   finish(b, message, kSchemaVersion);
-  return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
+  return take(b);
 }
 
 }  // namespace wholehand::wire

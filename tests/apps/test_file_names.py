@@ -10,6 +10,7 @@ import h5py
 import numpy
 
 from app import BAD_INPUT, BINARY, CONFIG, DIFFERENT, DONE, FREE_RUN, HANG_S, INTERRUPTED, MOTION, AppTest, main
+from test_sweep import GRID
 
 DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", BINARY.parent / "drivers")).resolve()
 
@@ -36,18 +37,6 @@ position_m = [0.6, 0.0, 0.5]
 TETRAHEDRON = "v 0 0 0\nv 0.03 0 0\nv 0 0.03 0\nv 0 0 0.03\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 # Open: its hull takes its place, and a notice says so.
 OPEN = TETRAHEDRON.replace("f 2 3 4\n", "")
-GRID = """kind = "sweep"
-version = 1
-name = "grid"
-trial = "contact"
-[axes]
-patient = ["{patient}"]
-stiffness = [1.0, 2.0]
-[[maps]]
-figure = "stable"
-rows = "patient"
-columns = "stiffness"
-"""
 
 
 def in_toml(name):
@@ -220,15 +209,15 @@ class FileNames(AppTest):
         self.expect_shown(BAD_INPUT, "run", "--certificate", self.named(".no.json", "{"))
 
     def test_files_of_sweeps(self):
-        grid = self.named(".grid", GRID.format(patient="stiff-adult"))
+        grid = self.named(".grid", GRID)
         self.expect_shown(DONE, "sweep", grid, "--out", self.named(".h5"), "--chart", self.named(".html"), "--processes", 1)
         self.expect_shown(DONE, "sweep", grid, "--out", self.named(".shares"), "--share", "1/2")
         # A name of the grid's own.
         name = EVIL[:-1]
         self.copied(CONFIG / "patients/stiff-adult.toml", ".toml", name)
-        named = self.named(".named", GRID.format(patient=in_toml(name) + ".toml"))
+        named = self.named(".named", GRID.replace("stiff-adult", in_toml(name) + ".toml"))
         self.said("sweep", named, "--out", "named.h5", "--processes", 1)
-        missing = self.named(".none", GRID.format(patient=in_toml(name) + ".none.toml"))
+        missing = self.named(".none", GRID.replace("stiff-adult", in_toml(name) + ".none.toml"))
         ended, said = self.said("sweep", missing, "--out", "out.h5", "--processes", 1)
         self.assertEqual(ended, BAD_INPUT, said)
 

@@ -1,5 +1,5 @@
 """`wholehand certify --impedance`: what the person feels, predicted and measured on the running
-renderer, against each other and against closed forms."""
+renderer, against each other; the prediction against closed forms: tests/control/impedance_test.cpp."""
 import cmath
 import json
 import math
@@ -40,9 +40,6 @@ class ShippedRobot(AppTest):
         cls.all = json.loads((where / "z.json").read_text())
         cls.impedance = cls.all["impedance"]
         cls.page = report_data(where / "z.html")
-        certificate = subprocess.run([BINARY, "certify", "--json", "c.json"], cwd=where, capture_output=True, timeout=HANG_S)
-        assert certificate.returncode == DONE
-        cls.gains = {a["name"]: a for a in json.loads((where / "c.json").read_text())["axes"]}
 
     def curve(self, axis, contact, phi):
         return next(c for a in self.impedance["axes"] if a["name"] == axis
@@ -75,28 +72,6 @@ class ShippedRobot(AppTest):
         self.assertAlmostEqual(frequencies[0], 0.1)
         self.assertGreater(frequencies[-1], 499)
         self.assertLess(frequencies[-1], 500)
-
-    def test_slow_free_motion_feels_the_devices_mass_and_the_couplings(self):
-        # m + K_pm (1 + (1 − γ) k_d τ_f) / k_p with k_d = 2 √k_p − k_p T (Eq. 14), T 1 ms, 30 Hz.
-        for name, mass in (("x", 0.8), ("finger_flexion", 5e-4), ("thumb_circumduction", 3e-4)):
-            g = self.gains[name]
-            k_p = g["k_ps_per_s2"]
-            lag = (1 - g["gamma"]) * (2 * math.sqrt(k_p) - k_p * 1e-3) / (2 * math.pi * 30)
-            expected = mass + g["k_pm"] * (1 + lag) / k_p
-            self.assertAlmostEqual(self.curve(name, "free", 0)["felt_mass"] / expected, 1, delta=0.005, msg=name)
-
-    def test_slow_rigid_contact_feels_the_couplings_stiffness(self):
-        for name, g in self.gains.items():
-            for phi in (0, 1):
-                felt = self.curve(name, "rigid", phi)["felt_stiffness"]
-                self.assertAlmostEqual(felt / g["k_pm"], 1, delta=0.002, msg=name)
-
-    def test_slow_contact_with_a_spring_feels_both_springs_in_series(self):
-        # σ = 1 on the translations: 1 / (1/1000 + 1/1000) N/m.
-        self.assertAlmostEqual(self.curve("x", "spring", 0)["felt_stiffness"], 500, delta=2)
-        self.assertEqual(self.curve("x", "spring", 0)["contact_stiffness"], 1000)
-        # On the finger the spring is 1000 N/m at 0.08 m.
-        self.assertAlmostEqual(self.curve("finger_flexion", "spring", 0)["contact_stiffness"], 6.4)
 
     def test_rendering_alone_lacks_the_devices_mass_and_damping(self):
         curve = self.curve("y", "free", 1)

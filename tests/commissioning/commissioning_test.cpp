@@ -14,7 +14,7 @@ namespace {
 
 using Step = CommissioningStep;
 
-const Motion kAnyMotion{Motion::What::kPush, "test", "", 0.0};
+const Motion kAnyMotion{MotionKind::kPush, "test", "", 0.0};
 
 /// A device, a person and their bench; files go into a folder of its own.
 struct Session {

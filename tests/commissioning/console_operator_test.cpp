@@ -19,7 +19,7 @@ namespace {
 
 using Facts = CommissioningFacts;
 
-const Question kNumber{Question::About::kTravel, "How far?", "x", "m", 0.0, 0.0};
+const Question kNumber{Asked::kTravel, "How far?", "x", "m", 0.0, 0.0};
 
 /// One therapist's page, and a clock that stands where the test puts it.
 struct Page {
@@ -54,7 +54,7 @@ TEST(ConsoleOperator, Answer_OfTheQuestionThatIsAsked_IsTakenOnceAndNoOther) {
   int looks = 0;
   const auto got = page.console.ask(kNumber, [&] {
     if (++looks > 1) return;
-    EXPECT_EQ(page.console.facts()->asked, Facts::Asked::kTravel);
+    EXPECT_EQ(page.console.facts()->asked, Asked::kTravel);
     EXPECT_EQ(page.console.facts()->unit, "m");
     EXPECT_EQ(page.answer(2, "0.1").refusal, Refusal::kNotAsked) << "another question";
     EXPECT_EQ(page.answer(1, std::string(65, '1')).refusal, Refusal::kOutOfRange);
@@ -62,7 +62,7 @@ TEST(ConsoleOperator, Answer_OfTheQuestionThatIsAsked_IsTakenOnceAndNoOther) {
     EXPECT_EQ(page.answer(1, "0.2").refusal, Refusal::kNotAsked) << "a second press";
   });
   EXPECT_EQ(got, std::optional<std::string>("0.122"));
-  EXPECT_EQ(page.console.facts()->asked, Facts::Asked::kNothing);
+  EXPECT_EQ(page.console.facts()->asked, Asked::kNothing);
 }
 
 TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
@@ -132,16 +132,16 @@ TEST(ConsoleOperator, ButtonHeldThroughAQuestion_MovesNothingAfterIt) {
 
 TEST(ConsoleOperator, StepsAndFigures_AreReportedWithWhatFailed) {
   Page page;
-  page.console.tellStep({0, StepNews::What::kBegins, {}});
-  page.console.tellStep({0, StepNews::What::kDone, {}});
-  page.console.tellStep({1, StepNews::What::kBegins, {}});
+  page.console.tellStep({0, StepState::kUnderWay, {}});
+  page.console.tellStep({0, StepState::kDone, {}});
+  page.console.tellStep({1, StepState::kUnderWay, {}});
   page.console.tell("  x: ...", {{"x", "mass", "kg", 0.98, 1.02}});
   page.console.tellStep(
-      {1, StepNews::What::kFailed, {{"mine.toml", 0, "axes", "x", "is too heavy", "balance it"}}});
+      {1, StepState::kFailed, {{"mine.toml", 0, "axes", "x", "is too heavy", "balance it"}}});
   const auto facts = page.console.facts();
-  EXPECT_EQ(facts->steps[0].state, Facts::StepState::kDone);
+  EXPECT_EQ(facts->steps[0].state, StepState::kDone);
   EXPECT_EQ(facts->steps[1].name, stepName(CommissioningStep::kHome));
-  EXPECT_EQ(facts->steps[1].state, Facts::StepState::kFailed);
+  EXPECT_EQ(facts->steps[1].state, StepState::kFailed);
   EXPECT_EQ(facts->steps[1].problem, "x is too heavy");
   EXPECT_EQ(facts->steps[1].remedy, "balance it");
   ASSERT_EQ(facts->steps[1].findings.size(), 1U);

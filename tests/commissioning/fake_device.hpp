@@ -201,8 +201,7 @@ class ScriptedOperator final : public Operator {
   }
   void tellStep(const StepNews& news) override { steps.push_back(news); }
   void tellMotion(const Motion& motion, MotionState state) override {
-    const bool presses =
-        motion.what == Motion::What::kEmergencyStop && state == MotionState::kMoves;
+    const bool presses = motion.what == MotionKind::kEmergencyStop && state == MotionState::kMoves;
     press_in_ = presses ? 100 : 0;
   }
   [[nodiscard]] std::optional<std::string> ask(const Question& asked_now,
@@ -224,7 +223,7 @@ class ScriptedOperator final : public Operator {
       look();
       return nobody ? "yes" : "no";
     }
-    if (asked_now.about == Question::About::kEmergencyStop) {
+    if (asked_now.about == Asked::kEmergencyStop) {
       device_.stop_pressed = false;
       return "";
     }

@@ -101,7 +101,7 @@ TEST(LostPage, InMidMove_IsAtNeutralWithin150MsOfItsLastBeat) {
     bench.confirmNobodyAttached(true);
     page.lost_ns = device.now_ns() + lost_after_ms(random) * kMillisecond_ns;
     std::int64_t pushed_ns = 0;  // the last tick with an effort other than neutral
-    const Motion motion{Motion::What::kPush, "test", "x", 0.0};
+    const Motion motion{MotionKind::kPush, "test", "x", 0.0};
     const auto moved = bench.move(motion, [&](Bench::Now& now) -> Expected<bool> {
       now.effort[0] += bench.limit(0);
       pushed_ns = device.now_ns();

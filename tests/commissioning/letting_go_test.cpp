@@ -128,7 +128,7 @@ class Bedside final : public Operator {
     }
     if (now_ns >= pressed_again_ns_) {
       pressed_again_ns_ = INT64_MAX;
-      if (console_.facts()->asked == CommissioningFacts::Asked::kNothing) pressAnew();
+      if (console_.facts()->asked == Asked::kNothing) pressAnew();
     }
     if (holds_ && now_ns - beat_ns_ >= kBeat_ns) beat(true);
     judge(now_ns);
@@ -154,7 +154,7 @@ class Bedside final : public Operator {
     const auto facts = console_.facts();
     std::string out = kWays[way_];
     for (const auto& step : facts->steps) {
-      if (step.state == CommissioningFacts::StepState::kUnderWay) out += " in " + step.name;
+      if (step.state == StepState::kUnderWay) out += " in " + step.name;
     }
     return out + ", asked " + std::to_string(static_cast<int>(facts->asked));
   }

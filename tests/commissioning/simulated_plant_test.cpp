@@ -33,11 +33,11 @@ class Newcomer final : public Operator {
                                                const std::function<void()>& meanwhile) override {
     meanwhile();
     switch (question.about) {
-      case Question::About::kThisDevice:
-      case Question::About::kNobodyAttached:
+      case Asked::kThisDevice:
+      case Asked::kNobodyAttached:
         return "yes";
-      case Question::About::kTravel:
-      case Question::About::kKnownForce:
+      case Asked::kTravel:
+      case Asked::kKnownForce:
         return last_number_;
       default:
         return "";

@@ -1,6 +1,5 @@
 #include "control/certificate/certificate.hpp"
 
-#include "axis_simulation.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 #include "control/coupling_gains.hpp"
 #include "control/passivity.hpp"
@@ -15,6 +14,7 @@
 #include <deque>
 #include <numbers>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace wholehand::test {
@@ -39,38 +39,25 @@ AxisCase axisOf(double mass, double damping, int delay, double k_pm, double k_dm
   return c;
 }
 
-/// Whether the device swings wider against a pinned avatar: stepped through time, no matrix and no
-/// eigenvalue.
-bool pinnedSwingsWider(const AxisCase& c, double k_pm, double phi_k_dm, int ticks) {
-  AxisLoop l = c.loop(0.0);
-  l.k_pm = k_pm;
-  l.phi_k_dm = phi_k_dm;
-  return swingsWider({l, ContactCase::kRigid}, ticks);
-}
-
-TEST(Certificate, RigidContactTable_IsMetAndSimulationAgreesFromBothSides) {
+// StabilityFigures finds the same limits by steps through time.
+TEST(Certificate, RigidContactTable_IsMet) {
   for (const auto& [mass, damping, delay, table] : kRigidContactTable) {
-    const AxisCase c = axisOf(mass, damping, delay, 1000.0, 0.0, 30.0);
-    const AxisCertificate a = certifyAxis(c);
-    EXPECT_NEAR(a.rigid_limit, table, 0.02 * table) << mass << " " << damping << " " << delay;
+    const AxisCertificate a = certifyAxis(axisOf(mass, damping, delay, 1000.0, 0.0, 30.0));
+    EXPECT_NEAR(a.rigid_limit, table, 0.001 * table + 0.5)
+        << mass << " " << damping << " " << delay;
     EXPECT_NEAR(a.rigid_formula, damping / (1e-3 * (0.5 + delay)), 1e-9 * table);
-    // 2 % beyond the limit the swing grows as e^{0.02 b t / 2m}.
-    const int ticks = static_cast<int>(300.0 * mass / damping / 1e-3);
-    EXPECT_FALSE(pinnedSwingsWider(c, 0.98 * a.rigid_limit, 0.0, ticks)) << mass << " " << damping;
-    EXPECT_TRUE(pinnedSwingsWider(c, 1.02 * a.rigid_limit, 0.0, ticks)) << mass << " " << damping;
+    EXPECT_NEAR(a.rigid_limit, a.rigid_formula, 0.025 * table);
   }
 }
 
-TEST(Certificate, ZWidthTable_IsMetAndSimulationAgreesFromBothSides) {
+TEST(Certificate, ZWidthTable_IsMet) {
   for (const auto& [delay, filter_hz, table] : kDampedContactTable) {
     if (filter_hz == 0.0) continue;
     for (std::size_t i = 1; i < 6; ++i) {
       const AxisCase c = axisOf(0.5, 1.0, delay, 5000.0, kDampings[i] / 2.0, filter_hz);
       const ZWidthPoint at = zWidth(c, 2).back();
       EXPECT_DOUBLE_EQ(at.damping, kDampings[i]);
-      EXPECT_NEAR(at.rigid, table[i], 0.02 * table[i]) << delay << " " << filter_hz;
-      EXPECT_FALSE(pinnedSwingsWider(c, 0.98 * at.rigid, at.damping, 30000)) << delay << filter_hz;
-      EXPECT_TRUE(pinnedSwingsWider(c, 1.02 * at.rigid, at.damping, 30000)) << delay << filter_hz;
+      EXPECT_NEAR(at.rigid, table[i], 0.001 * table[i] + 0.5) << delay << " " << filter_hz;
     }
   }
 }
@@ -86,6 +73,14 @@ TEST(Certificate, AnyPassivePersonTable_DecidesWithinOnePercentFromBothSides) {
                       {2500, 0, 30, 9.88, 2.47, 4.06},    {2500, 1, 30, 10.39, 4.78, 8.36},
                       {2500, 1, 100, 10.39, 9.18, 17.36}, {10000, 0, 30, 4.88, 1.44, 2.37},
                       {10000, 1, 30, 5.41, 2.98, 4.73},   {40000, 1, 30, 2.94, 2.11, 2.95}};
+  // At the γ that needs the least of 0, 0.05 .. 1.
+  const std::tuple<double, int, double, double> best[] = {
+      {900, 1, 0.40, 6.26},   {2500, 0, 0.55, 2.46},  {2500, 1, 0.40, 4.07},
+      {10000, 0, 0.50, 1.44}, {10000, 1, 0.35, 2.46}, {40000, 1, 0.25, 1.77}};
+  for (const auto& [k_ps, delay, gamma, table] : best) {
+    const AxisCase c = axisOf(0.5, 1.0, delay, 1000.0, 0.0, 30.0, k_ps, gamma);
+    EXPECT_NEAR(certifyAxis(c).damping_required, table, 0.01 * table) << k_ps << " " << delay;
+  }
   for (const Row& row : rows) {
     for (const auto& [gamma, table] :
          {std::pair{0.0, row.gamma_0}, {0.5, row.gamma_half}, {1.0, row.gamma_1}}) {

@@ -1,7 +1,7 @@
 /* A driver for tests of the conformance suite: two rails that do all that device.h asks, but for the
  * one thing that the settings name. "moving" breaks nothing: it lets the rails move by themselves. */
 #define _POSIX_C_SOURCE 200809L
-#include "driver_clock.h"
+#include "test_driver.h"
 
 #include <wholehand/device.h>
 
@@ -65,20 +65,17 @@ static int open_device(const wh_host* host, const char* locator, const char* set
 }
 
 static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_t* count) {
-  static const char* const names[AXES] = {"x", "y"};
+  const rail sound = {0.1, limit_n, resolution_m, 0.001, silence_s};
   uint32_t i;
   if (is(device, "overfills")) capacity = AXES;
-  *count = AXES;
+  describe_rails(&sound, AXES, axes, capacity, count);
   for (i = 0; i < AXES && i < capacity; ++i) {
-    strcpy(axes[i].name, is(device, "twins") ? "x" : names[i]);
-    axes[i].kind = WH_TRANSLATION;
-    axes[i].effort_meaning = WH_EFFORT;
-    axes[i].lower = is(device, "millimetres") ? -100.0 : is(device, "inverted") ? 0.1 : -0.1;
-    axes[i].upper = is(device, "millimetres") ? 100.0 : is(device, "inverted") ? -0.1 : 0.1;
-    axes[i].effort_limit = is(device, "limitless") ? HUGE_VAL : limit_n;
-    axes[i].resolution = resolution_m;
-    axes[i].delay_s = is(device, "milliseconds") ? 1.0 : 0.001;
-    axes[i].silence_s = is(device, "unwatched") ? 0.0 : silence_s;
+    if (is(device, "twins")) strcpy(axes[i].name, "x");
+    if (is(device, "millimetres")) axes[i].lower = -(axes[i].upper = 100.0);
+    if (is(device, "inverted")) axes[i].lower = -(axes[i].upper = -0.1);
+    if (is(device, "limitless")) axes[i].effort_limit = HUGE_VAL;
+    if (is(device, "milliseconds")) axes[i].delay_s = 1.0;
+    if (is(device, "unwatched")) axes[i].silence_s = 0.0;
   }
   return WH_OK;
 }
@@ -215,9 +212,4 @@ static void close_device(wh_device* device) {
   free(device);
 }
 
-const wh_plugin* wh_plugin_v1(void) {
-  static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR,      WH_MINOR,    WH_NEVER_WAITS,
-                                   "broken",          open_device,   describe,    control,
-                                   read_sample,       write_command, close_device, NULL, NULL};
-  return &plugin;
-}
+PLUGIN("broken", WH_NEVER_WAITS, NULL)

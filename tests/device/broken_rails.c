@@ -3,7 +3,7 @@
  * is named); "" is sound, and so are "weighs" and "rubs". What it says of its efforts is what was
  * asked of it, unless stated: only the motion shows it. The rails are there before open and after close. */
 #define _POSIX_C_SOURCE 200809L
-#include "driver_clock.h"
+#include "test_driver.h"
 
 #include <wholehand/device.h>
 
@@ -157,22 +157,9 @@ static int open_device(const wh_host* host, const char* locator, const char* set
 }
 
 static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_t* count) {
-  static const char* const names[AXES] = {"x", "y"};
-  uint32_t i;
+  const rail each = {travel_m, limit_n, resolution_m, 0.001, silence_s};
   (void)device;
-  *count = AXES;
-  for (i = 0; i < AXES && i < capacity; ++i) {
-    strcpy(axes[i].name, names[i]);
-    axes[i].kind = WH_TRANSLATION;
-    axes[i].effort_meaning = WH_EFFORT;
-    axes[i].lower = -travel_m;
-    axes[i].upper = travel_m;
-    axes[i].effort_limit = limit_n;
-    axes[i].resolution = resolution_m;
-    axes[i].delay_s = 0.001;
-    axes[i].silence_s = silence_s;
-  }
-  return WH_OK;
+  return describe_rails(&each, AXES, axes, capacity, count);
 }
 
 static int control(wh_device* device, uint32_t verb, double argument) {
@@ -308,9 +295,4 @@ static void close_device(wh_device* device) {
   free(device);
 }
 
-const wh_plugin* wh_plugin_v1(void) {
-  static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR,      WH_MINOR,    WH_NEVER_WAITS,
-                                   "broken rails",    open_device,   describe,    control,
-                                   read_sample,       write_command, close_device, NULL, NULL};
-  return &plugin;
-}
+PLUGIN("broken rails", WH_NEVER_WAITS, NULL)

@@ -5,7 +5,7 @@
  *                 2: how long WH_ENABLE takes [s]    3: samples stand still
  *   driver writes 4: enabled   5: effort [N]   6: position [m]   7: largest effort so far [N] */
 #define _POSIX_C_SOURCE 200809L
-#include "driver_clock.h"
+#include "test_driver.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -46,19 +46,9 @@ static int open_device(const wh_host* host, const char* locator, const char* set
 }
 
 static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_t* count) {
+  const rail each = {0.06, 8.0, 2e-5, 0.001, silence_s};
   (void)device;
-  *count = 1;
-  if (capacity < 1) return WH_OK;
-  strcpy(axes[0].name, "x");
-  axes[0].kind = WH_TRANSLATION;
-  axes[0].effort_meaning = WH_EFFORT;
-  axes[0].lower = -0.06;
-  axes[0].upper = 0.06;
-  axes[0].effort_limit = 8.0;
-  axes[0].resolution = 2e-5;
-  axes[0].delay_s = 0.001;
-  axes[0].silence_s = silence_s;
-  return WH_OK;
+  return describe_rails(&each, 1, axes, capacity, count);
 }
 
 static int control(wh_device* device, uint32_t verb, double argument) {
@@ -148,9 +138,4 @@ static int identify(wh_device* device, wh_identity* identity) {
   return WH_OK;
 }
 
-const wh_plugin* wh_plugin_v1(void) {
-  static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR,      WH_MINOR,     WH_NEVER_WAITS,
-                                   "handled",         open_device,   describe,     control,
-                                   read_sample,       write_command, close_device, identify, NULL};
-  return &plugin;
-}
+PLUGIN("handled", WH_NEVER_WAITS, identify)

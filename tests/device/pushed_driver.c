@@ -3,7 +3,7 @@
  * file that its settings name: int64 CLOCK_MONOTONIC [ns], three doubles [N]. May wait: only a host
  * takes it. */
 #define _POSIX_C_SOURCE 200809L
-#include "driver_clock.h"
+#include "test_driver.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,22 +36,9 @@ static int open_device(const wh_host* host, const char* locator, const char* set
 }
 
 static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_t* count) {
-  static const char* const names[AXES] = {"x", "y", "z"};
-  uint32_t i;
+  const rail each = {0.1, 8.0, 2e-5, 0.0005, 0.02};
   (void)device;
-  *count = AXES;
-  for (i = 0; i < AXES && i < capacity; ++i) {
-    strcpy(axes[i].name, names[i]);
-    axes[i].kind = WH_TRANSLATION;
-    axes[i].effort_meaning = WH_EFFORT;
-    axes[i].lower = -0.1;
-    axes[i].upper = 0.1;
-    axes[i].effort_limit = 8.0;
-    axes[i].resolution = 2e-5;
-    axes[i].delay_s = 0.0005;
-    axes[i].silence_s = 0.02;
-  }
-  return WH_OK;
+  return describe_rails(&each, AXES, axes, capacity, count);
 }
 
 static int control(wh_device* device, uint32_t verb, double argument) {
@@ -108,9 +95,4 @@ static void close_device(wh_device* device) {
   free(device);
 }
 
-const wh_plugin* wh_plugin_v1(void) {
-  static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR,      WH_MINOR,    0,
-                                   "pushed",          open_device,   describe,    control,
-                                   read_sample,       write_command, close_device, NULL, NULL};
-  return &plugin;
-}
+PLUGIN("pushed", 0, NULL)

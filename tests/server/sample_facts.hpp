@@ -73,12 +73,12 @@ inline CommissioningFacts sampleFailedStep() {
   CommissioningFacts facts;
   facts.device = "rail";
   facts.steps.push_back({"signs",
-                         CommissioningFacts::StepState::kFailed,
+                         StepState::kFailed,
                          {{"x", "mass", "kg", 0.98, 1.02}},
                          "x is too heavy",
                          "balance it"});
   facts.question = 7;
-  facts.asked = CommissioningFacts::Asked::kKnownForce;
+  facts.asked = Asked::kKnownForce;
   facts.motion_state = MotionState::kAwaitsKey;
   return facts;
 }

@@ -133,7 +133,7 @@ TEST(WireState, RealDevice_SaysWhatItIsLike) {
   EXPECT_EQ(device->sample_age_s(), 0.5F);
   EXPECT_TRUE(device->hosted());
   EXPECT_EQ(device->host_age_s(), 0.25F);
-  EXPECT_EQ(device->let_go(), fb::LetGo::NeverCommanded);
+  EXPECT_EQ(device->let_go(), fb::ReleaseReason::NeverCommanded);
   status.device->temperature_c = 41.5;
   EXPECT_TRUE(encoded(wire::Detail::kFull)->temperature_known());
   EXPECT_EQ(encoded(wire::Detail::kFull)->temperature_c(), 41.5F);

@@ -16,7 +16,7 @@ import { limitOfAxis } from '../src/console/plot_specs';
 import { personWords, sessionWords } from '../src/console/title_words';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
 import { logHeight, logTicks, tail, timeEnd } from '../src/console/timing_model';
-import { AxisT, EventT, LetGo, ParameterGroup, ParameterT, RunState, SafetyState, WorldStateT } from '../src/protocol';
+import { AxisT, EventT, ReleaseReason, ParameterGroup, ParameterT, RunState, SafetyState, WorldStateT } from '../src/protocol';
 
 describe('numbers for people', () => {
   it('have a true minus and no minus zero', () => {
@@ -289,7 +289,7 @@ describe('parameters', () => {
 describe('what a real device says', () => {
   const device: ReportedDevice = {
     enabled: true, homed: true, silenced: false, temperatureKnown: true, temperatureC: 41.4,
-    sampleAgeS: 0.0012, hosted: true, hostAgeS: 2.34, letGo: LetGo.Not,
+    sampleAgeS: 0.0012, hosted: true, hostAgeS: 2.34, letGo: ReleaseReason.None,
   };
 
   it('is nothing where the device is simulated', () => {
@@ -304,14 +304,14 @@ describe('what a real device says', () => {
   });
 
   it('says why the host let go, in every language, for every reason of the schema', () => {
-    const reasons = Object.values(LetGo).filter((value): value is LetGo => typeof value === 'number' && value !== LetGo.Not);
-    expect(reasons.length).toBe(6);   // ReleaseReason of src/core/release_reason.hpp, but for kNone
+    const reasons = Object.values(ReleaseReason).filter((value): value is ReleaseReason => typeof value === 'number' && value !== ReleaseReason.None);
+    expect(reasons.length).toBe(6);   // ReleaseReason of the schema, but for None
     for (const texts of [en, de, fr]) {
       const said = reasons.map((letGo) => deviceLines({ ...device, silenced: true, letGo }, texts)?.letGo ?? '');
       expect(new Set(said).size).toBe(reasons.length);
       for (const line of said) expect(line).not.toMatch(/[{}]/);
     }
-    expect(deviceLines({ ...device, letGo: LetGo.LoopSilent }, de)?.letGo).toBe('Der Host hat losgelassen: 20 ms lang kein neuer Befehl');
+    expect(deviceLines({ ...device, letGo: ReleaseReason.LoopSilent }, de)?.letGo).toBe('Der Host hat losgelassen: 20 ms lang kein neuer Befehl');
   });
 });
 

@@ -128,11 +128,11 @@ void TerminalOperator::tell(const std::string& line, const std::vector<FoundFigu
 }
 
 void TerminalOperator::tellStep(const StepNews& news) {
-  if (news.what == StepNews::What::kBegins) {
+  if (news.state == StepState::kUnderWay) {
     std::printf("Step %d of %d: %s\n", news.step + 1, kCommissioningSteps,
                 stepName(static_cast<CommissioningStep>(news.step)));
   }
-  if (news.what == StepNews::What::kFailed) {
+  if (news.state == StepState::kFailed) {
     std::fprintf(stderr, "%s\n", format(news.why).c_str());
   }
 }

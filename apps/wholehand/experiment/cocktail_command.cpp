@@ -17,47 +17,14 @@
 #include <vector>
 
 namespace wholehand {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CocktailResult, completed, score, spilt_l, amount_error_max_l,
+                                   steps, steps_in_tolerance, wrong_dispenser, knocked_over,
+                                   volume_error_l, time_s, step_max_s, wall_s, faulted, interrupted)
+
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Result of a worker as a line for the parent process.
-std::string lineOf(const CocktailResult& r) {
-  return Json{{"completed", r.completed},
-              {"score", r.score},
-              {"spilt_l", r.spilt_l},
-              {"amount_error_max_l", r.amount_error_max_l},
-              {"steps", r.steps},
-              {"steps_in_tolerance", r.steps_in_tolerance},
-              {"wrong_dispenser", r.wrong_dispenser},
-              {"knocked_over", r.knocked_over},
-              {"volume_error_l", r.volume_error_l},
-              {"time_s", r.time_s},
-              {"step_max_s", r.step_max_s},
-              {"wall_s", r.wall_s},
-              {"faulted", r.faulted},
-              {"interrupted", r.interrupted}}
-      .dump();
-}
-
-CocktailResult resultOf(const Json& json) {
-  CocktailResult r;
-  r.completed = json.at("completed");
-  r.score = json.at("score");
-  r.spilt_l = json.at("spilt_l");
-  r.amount_error_max_l = json.at("amount_error_max_l");
-  r.steps = json.at("steps");
-  r.steps_in_tolerance = json.at("steps_in_tolerance");
-  r.wrong_dispenser = json.at("wrong_dispenser");
-  r.knocked_over = json.at("knocked_over");
-  r.volume_error_l = json.at("volume_error_l");
-  r.time_s = json.at("time_s");
-  r.step_max_s = json.at("step_max_s");
-  r.wall_s = json.at("wall_s");
-  r.faulted = json.at("faulted");
-  r.interrupted = json.at("interrupted");
-  return r;
-}
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -165,18 +132,19 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
     plan.seed = options.first_seed + static_cast<std::uint64_t>(job);
     if (InterruptScope::interrupted()) return Json{{"stopped", true}}.dump();
     auto result = runCocktail(plan);
-    return result ? lineOf(*result) : Json{{"refused", format(result.errors())}}.dump();
+    return result ? nlohmann::json(*result).dump()
+                  : Json{{"refused", format(result.errors())}}.dump();
   };
   int reported = 0, completed = 0;
   const auto done = [&](int job, const std::string& line) {
-    const Json json = Json::parse(line, nullptr, false);
+    const auto json = nlohmann::json::parse(line, nullptr, false);
     if (json.is_discarded() || json.contains("stopped")) return;
     if (json.contains("refused")) {
       played.refused = json["refused"];
       return;
     }
     CocktailResult& result = played.results[job];
-    result = resultOf(json);
+    result = json.get<CocktailResult>();
     result.level = level;
     result.seed = options.first_seed + static_cast<std::uint64_t>(job);
     known[job] = true;

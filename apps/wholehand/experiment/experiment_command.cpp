@@ -88,10 +88,7 @@ void addComplexity(CLI::App& larger, ExperimentOptions& o) {
 Expected<ModelFiles> barModelFiles(const BarFiles& files) {
   ModelFiles out;
   out.scene.clear();  // the exercise names its scene
-  out.exercise = files.exercise.empty() ? "cocktail-bar" : files.exercise;
-  if (out.exercise.find('/') == std::string::npos && !out.exercise.ends_with(".toml")) {
-    out.exercise = shippedFile("config/exercises/" + out.exercise + ".toml");
-  }
+  out.exercise = exerciseFile(files.exercise.empty() ? "cocktail-bar" : files.exercise);
   out.hand = orShipped(files.hand, "config/hands/adult-median-right.toml");
   out.device = orShipped(files.device, "config/devices/lambda-pride.toml");
   out.patient = orShipped(files.patient, "config/patients/relaxed-adult.toml");

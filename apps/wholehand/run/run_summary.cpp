@@ -19,7 +19,7 @@ std::string pathOf(const std::vector<SafetyTransition>& transitions) {
   std::string text;
   for (const SafetyTransition& t : transitions) {
     if (!text.empty()) text += ", ";
-    text += fmt::format("{} at {:.3f} s", safetyStateName(t.to), t.time_s);
+    text += fmt::format("{} at {:.3f} s", nameOf(t.to), t.time_s);
     const bool ended = t.to == SafetyState::kDisarmed || t.to == SafetyState::kFaulted;
     if (ended) text += " (" + t.cause + ")";
   }
@@ -29,8 +29,8 @@ std::string pathOf(const std::vector<SafetyTransition>& transitions) {
 nlohmann::ordered_json transitionJson(const DeviceModel& device, const SafetyTransition& t) {
   nlohmann::ordered_json json = {{"tick", t.tick},
                                  {"time_s", t.time_s},
-                                 {"from", safetyStateName(t.from)},
-                                 {"to", safetyStateName(t.to)},
+                                 {"from", nameOf(t.from)},
+                                 {"to", nameOf(t.to)},
                                  {"cause", t.cause}};
   for (const FaultFacts& fault : kFaultTable) {
     if (any(t.faults & fault.bit)) json["reasons"].push_back(fault.name);

@@ -2,6 +2,33 @@ using System;
 
 namespace Wholehand
 {
+    /// <summary>Three numbers; in Unity: new Vector3(v.X, v.Y, v.Z).</summary>
+    public struct Vector
+    {
+        public float X, Y, Z;
+
+        public Vector(float x, float y, float z)
+        {
+            X = x;
+            Y = y;
+            Z = z;
+        }
+    }
+
+    /// <summary>A rotation in the order x, y, z, w, as Unity's: new Quaternion(q.X, q.Y, q.Z, q.W).</summary>
+    public struct Rotation
+    {
+        public float X, Y, Z, W;
+
+        public Rotation(float x, float y, float z, float w)
+        {
+            X = x;
+            Y = y;
+            Z = z;
+            W = w;
+        }
+    }
+
     /// <summary>The axes of one engine: where each of its x, y, z comes from in Wholehand's axes (right-handed: x away
     /// from the person, y left, z up, metres). All engines of docs/axes.md are in Engines. Nothing here allocates.</summary>
     public sealed class EngineAxes

@@ -4,7 +4,7 @@ using wholehand.protocol;
 namespace Wholehand
 {
     /// <summary>Where the links of the hand are, from Scene.Links and the joints of a state: what
-    /// WorldState.links says over WebSocket, for states that come without them. The program's frame; UnityAxes
+    /// WorldState.links says over WebSocket, for states that come without them. The program's frame; EngineAxes
     /// converts. Nothing is allocated after the constructor.</summary>
     public sealed class HandKinematics
     {

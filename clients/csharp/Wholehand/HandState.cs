@@ -4,7 +4,7 @@ using wholehand.protocol;
 namespace Wholehand
 {
     /// <summary>A copy of a WorldState that the game owns. Taking the next state into it allocates
-    /// nothing unless a number of axes changes. SI, radians, the program's frame (UnityAxes converts);
+    /// nothing unless a number of axes changes. SI, radians, the program's frame (EngineAxes converts);
     /// arrays per axis are in the order of Scene.Axes, joints in that of Scene.JointNames, values in that
     /// of Scene.ValueNames.</summary>
     public sealed class HandState : Snapshot

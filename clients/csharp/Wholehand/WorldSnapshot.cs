@@ -5,7 +5,7 @@ namespace Wholehand
 {
     /// <summary>A copy of the bodies and contacts of a WorldState that the game owns. Datagrams do not carry them:
     /// they come by WebSocket, 60 times a second. Taking the next one into it allocates nothing unless there are more
-    /// bodies or contacts than ever before. SI, the program's frame (UnityAxes converts).</summary>
+    /// bodies or contacts than ever before. SI, the program's frame (EngineAxes converts).</summary>
     public sealed class WorldSnapshot : Snapshot
     {
         /// <summary>Of the arrays below, how many bodies are valid: those of Scene.Bodies in their order, then the slots of a

@@ -17,9 +17,6 @@ using Facts = CommissioningFacts;
 constexpr std::chrono::milliseconds kLook{5};
 constexpr std::size_t kLongestAnswer = 64;
 
-static_assert(static_cast<int>(Question::About::kNextStep) + 1 ==
-              static_cast<int>(Facts::Asked::kNextStep));
-
 std::vector<int> placesOf(const std::vector<int>& steps) {
   std::vector<int> places(kCommissioningSteps, -1);
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -30,9 +27,8 @@ std::vector<int> placesOf(const std::vector<int>& steps) {
 
 // The next step by default: the first one that is not done.
 std::string nextOf(const Facts& facts) {
-  const auto next = std::find_if(facts.steps.begin(), facts.steps.end(), [](const Facts::Step& s) {
-    return s.state != Facts::StepState::kDone;
-  });
+  const auto next = std::find_if(facts.steps.begin(), facts.steps.end(),
+                                 [](const Facts::Step& s) { return s.state != StepState::kDone; });
   return next == facts.steps.end() ? std::string() : next->name;
 }
 
@@ -107,19 +103,18 @@ void ConsoleOperator::tellStep(const StepNews& news) {
   publish([&](Facts& f) {
     Facts::Step& step = f.steps[place];
     f.note.clear();
-    if (news.what == StepNews::What::kBegins) {
-      step = {step.name, Facts::StepState::kUnderWay, {}, {}, {}};
+    if (news.state == StepState::kUnderWay) {
+      step = {step.name, StepState::kUnderWay, {}, {}, {}};
       return;
     }
-    const bool done = news.what == StepNews::What::kDone;
-    step.state = done ? Facts::StepState::kDone : Facts::StepState::kFailed;
+    step.state = news.state;
     for (const Diagnostic& d : news.why) {
       step.problem += (step.problem.empty() ? "" : "; ") +
                       (d.value.empty() ? d.problem : d.value + " " + d.problem);
       step.remedy = d.remedy;
     }
   });
-  step_ = news.what == StepNews::What::kBegins ? place : -1;
+  step_ = news.state == StepState::kUnderWay ? place : -1;
 }
 
 void ConsoleOperator::tellMotion(const Motion& motion, MotionState state) {
@@ -140,7 +135,7 @@ std::optional<std::string> ConsoleOperator::ask(const Question& question,
   answer_.reset();
   publish([&](Facts& f) {
     ++f.question;
-    f.asked = static_cast<Facts::Asked>(static_cast<int>(question.about) + 1);
+    f.asked = question.about;
     f.axis = question.axis;
     f.unit = question.unit;
     f.lower = question.lower;
@@ -154,7 +149,7 @@ std::optional<std::string> ConsoleOperator::ask(const Question& question,
     answered_.wait_for(lock, kLook, [this] { return answer_.has_value(); });
   }
   publish([](Facts& f) {
-    f.asked = Facts::Asked::kNothing;
+    f.asked = Asked::kNothing;
     f.note.clear();
   });
   return std::exchange(answer_, std::nullopt);
@@ -200,7 +195,7 @@ OrderReply ConsoleOperator::obey(const Order& order) {
 }
 
 OrderReply ConsoleOperator::takeAnswer(const orders::Answer& answer) {
-  const bool asked = facts_->asked != Facts::Asked::kNothing;
+  const bool asked = facts_->asked != Asked::kNothing;
   if (!asked || answer.question != facts_->question || answer_) {
     return refused(Refusal::kNotAsked, "that is not what is asked now");
   }
@@ -216,7 +211,7 @@ OrderReply ConsoleOperator::takeAnswer(const orders::Answer& answer) {
 // pressed again.
 OrderReply ConsoleOperator::hold(const orders::HoldToMove& hold, std::uint32_t claim) {
   switch_.beat(claim, hold.press, now_ns_());
-  if (!hold.held || facts_->asked != Facts::Asked::kNothing) switch_.end();
+  if (!hold.held || facts_->asked != Asked::kNothing) switch_.end();
   return {true, ""};
 }
 

@@ -165,7 +165,7 @@ void SimulatedHands::tell(const std::string& line, const std::vector<FoundFigure
 
 void SimulatedHands::tellMotion(const Motion& motion, MotionState state) {
   person_.tellMotion(motion, state);
-  const bool presses = motion.what == Motion::What::kEmergencyStop && state == MotionState::kMoves;
+  const bool presses = motion.what == MotionKind::kEmergencyStop && state == MotionState::kMoves;
   press_in_ = presses ? kPressAfter_looks : 0;
 }
 
@@ -188,31 +188,30 @@ std::optional<std::string> SimulatedHands::ask(const Question& question,
 }
 
 void SimulatedHands::act(const Question& question, const std::function<void()>& meanwhile) {
-  using About = Question::About;
   const int found = model_.axisIndex(question.axis);
   const auto axis = static_cast<std::size_t>(std::max(found, 0));
   const DeviceAxis& a = model_.axes[axis];
-  if (question.about == About::kNobodyAttached) {
+  if (question.about == Asked::kNobodyAttached) {
     for (std::size_t i = 0; i < model_.axes.size(); ++i) {
       plant_.place(i, 0.5 * (model_.axes[i].lower + model_.axes[i].upper));
     }
     say("it stands on its mark, and nobody is attached.");
-  } else if (question.about == About::kPushAway) {
+  } else if (question.about == Asked::kPushAway) {
     carry(axis, plant_.position(axis) + kPushed * (a.upper - a.lower), meanwhile);
     say(fmt::format("a hand has pushed axis {}. Enter says that you have.", a.name));
-  } else if (question.about == About::kTravel) {
+  } else if (question.about == Asked::kTravel) {
     carry(axis, plant_.lowerStop(axis), meanwhile);
     carry(axis, plant_.upperStop(axis), meanwhile);
     const double travel = plant_.upperStop(axis) - plant_.lowerStop(axis);
     const double mark = kRulerReads * (a.upper - a.lower);
     say(fmt::format("a hand has moved axis {} from stop to stop; the ruler reads {:.4g} {}.",
                     a.name, std::round(travel / mark) * mark, question.unit));
-  } else if (question.about == About::kKnownForce) {
+  } else if (question.about == Asked::kKnownForce) {
     for (std::size_t i = 0; i < model_.axes.size(); ++i) plant_.pull(i, 0.0);
     const std::string force = fmt::format("{:.2g}", 0.5 * (question.lower + question.upper));
     plant_.pull(axis, -std::stod(force));
     say(fmt::format("a weight pulls axis {} with {} {}.", a.name, force, question.unit));
-  } else if (question.about == About::kEmergencyStop) {
+  } else if (question.about == Asked::kEmergencyStop) {
     plant_.pressStop(false);
     say("the emergency stop is released.");
   }

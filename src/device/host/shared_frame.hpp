@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/release_reason.hpp"
 #include "device/host/newest_value.hpp"
+#include "schema_enums.hpp"
 #include "wholehand/device.h"
 
 #include <atomic>

@@ -491,10 +491,9 @@ double thinnest_pa_s(const std::vector<BarLiquid>& liquids) {
   return least;
 }
 
-Expected<LoadedBar> loadBar(TomlFile& file, const ExerciseSource& source) {
+Expected<Bar> loadBar(TomlFile& file, const ExerciseSource& source) {
   TomlTable& root = file.root();
-  LoadedBar out;
-  Bar& bar = out.bar;
+  Bar bar;
   bar.name = source.name;
   bar.level = source.level;
   bar.x_axis = source.device->axisIndex("x");
@@ -506,30 +505,19 @@ Expected<LoadedBar> loadBar(TomlFile& file, const ExerciseSource& source) {
   parts.levels = readLevels(root, parts);
   for (const LevelPart& level : parts.levels) bar.level_names.push_back(level.name);
   checkLevels(root, parts, bar);
-
-  Diagnostics scene_faults;
-  if (!source.scene_path.empty()) {
-    Expected<SceneModel> scene = loadSceneFile(source.scene_path);
-    if (scene) {
-      out.scene = std::move(*scene);
-      readBodies(root, out.scene, parts, bar);
-    } else {
-      scene_faults = scene.errors();
-    }
-  }
+  if (source.scene != nullptr) readBodies(root, *source.scene, parts, bar);
   const int levels = static_cast<int>(parts.levels.size());
   Diagnostics faults = file.finish();
-  faults.insert(faults.end(), scene_faults.begin(), scene_faults.end());
-  if (faults.empty() && (source.level < 1 || source.level > levels)) {
+  if (faults.empty() && source.scene != nullptr && (source.level < 1 || source.level > levels)) {
     faults.push_back({source.path, 0, "level", std::to_string(source.level),
                       levels == 1 ? "the exercise has one level"
                                   : fmt::format("the exercise has levels 1 to {}", levels),
                       "choose a level that it has"});
   }
-  if (!faults.empty()) return faults;
+  if (!faults.empty() || source.scene == nullptr) return faults;
   takeLevel(parts, bar);
-  keepBodies(parts, source.hand->side, bar, out.scene);
-  return out;
+  keepBodies(parts, source.hand->side, bar, *source.scene);
+  return bar;
 }
 
 }  // namespace wholehand

@@ -314,8 +314,7 @@ AxisPosition BarPlayer::goalOf(Phase phase) const noexcept {
   const Eigen::Vector3d beside = grip_ - Eigen::Vector3d(0.0, layout_.beside * kBeside_m, 0.0);
   switch (phase) {
     case Phase::kDrawBack:
-      goal.put(layout_.x, back_m(layout_));
-      goal.hand(kHalfBent, kTurnedAside);
+      goal.drawBack();
       break;
     case Phase::kFree:
       for (const int axis : {layout_.y, layout_.z}) {
@@ -329,6 +328,7 @@ AxisPosition BarPlayer::goalOf(Phase phase) const noexcept {
       goal.hand(kHalfBent, kTurnedAside);
       break;
     case Phase::kEnter:
+    case Phase::kLeave:
       goal.base(beside);
       goal.hand(kStretched, kTurnedAside);
       break;
@@ -338,10 +338,6 @@ AxisPosition BarPlayer::goalOf(Phase phase) const noexcept {
       break;
     case Phase::kOpen:
       goal.hand(kHalfBent, kTurnedAside);
-      break;
-    case Phase::kLeave:
-      goal.base(beside);
-      goal.hand(kStretched, kTurnedAside);
       break;
     case Phase::kLift:
       goal.put(layout_.z, over_.z());

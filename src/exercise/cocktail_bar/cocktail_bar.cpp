@@ -342,17 +342,12 @@ void CocktailBar::show(const BarObservation& senses, const ExerciseInput& input,
 }  // namespace
 
 Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
-  Expected<LoadedBar> loaded = loadBar(file, source);
-  if (!loaded) return loaded.errors();
+  Expected<Bar> bar = loadBar(file, source);
+  if (!bar) return bar.errors();
   LoadedExercise out;
-  out.files = {source.path, loaded->scene.path};
-  out.walls = stiffestCushions(filledWith(loaded->bar.bottle, thinnest_pa_s(loaded->bar.liquids)),
-                               loaded->bar.walls);
-  loaded->bar.reach = reachOf(makeBarLayout(loaded->bar, *source.device, source.hand),
-                              loaded->bar.transition.engage_m);
-  out.exercise =
-      std::make_unique<CocktailBar>(std::move(loaded->bar), *source.device, *source.hand);
-  out.scene = std::move(loaded->scene);
+  out.walls = stiffestCushions(filledWith(bar->bottle, thinnest_pa_s(bar->liquids)), bar->walls);
+  bar->reach = reachOf(makeBarLayout(*bar, *source.device, source.hand), bar->transition.engage_m);
+  out.exercise = std::make_unique<CocktailBar>(std::move(*bar), *source.device, *source.hand);
   return out;
 }
 

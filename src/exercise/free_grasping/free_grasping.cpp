@@ -58,14 +58,9 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   if (source.level != 1) {
     faults.push_back({source.path, 0, "", "", "free grasping has one level", "ask for level 1"});
   }
-  if (source.scene_path.empty()) return faults;
-  Expected<SceneModel> scene = loadSceneFile(source.scene_path);
-  if (!scene) faults.insert(faults.end(), scene.errors().begin(), scene.errors().end());
-  if (!faults.empty()) return faults;
+  if (!faults.empty() || source.scene == nullptr) return faults;
   LoadedExercise out;
-  out.exercise = std::make_unique<FreeGrasping>(*scene, source.name, *source.device);
-  out.files = {source.path, scene->path};
-  out.scene = std::move(*scene);
+  out.exercise = std::make_unique<FreeGrasping>(*source.scene, source.name, *source.device);
   return out;
 }
 

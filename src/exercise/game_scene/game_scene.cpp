@@ -169,22 +169,16 @@ GameBudget readBudget(TomlTable table, std::size_t scene_bodies) {
 }  // namespace
 
 Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
-  LoadedExercise out;
-  Diagnostics faults;
-  if (!source.scene_path.empty()) {
-    Expected<SceneModel> scene = loadSceneFile(source.scene_path);
-    if (!scene) faults = scene.errors();
-    if (scene) out.scene = std::move(*scene);
-  }
-  out.scene.game = readBudget(file.root().table("budget"), out.scene.bodies.size());
-  Diagnostics of_file = file.finish();
-  faults.insert(faults.begin(), of_file.begin(), of_file.end());
+  const std::size_t bodies = source.scene != nullptr ? source.scene->bodies.size() : 0;
+  const GameBudget budget = readBudget(file.root().table("budget"), bodies);
+  Diagnostics faults = file.finish();
   if (source.level != 1) {
     faults.push_back({source.path, 0, "", "", "a game scene has one level", "ask for level 1"});
   }
-  if (!faults.empty()) return faults;
+  if (!faults.empty() || source.scene == nullptr) return faults;
+  source.scene->game = budget;
+  LoadedExercise out;
   out.exercise = std::make_unique<GameScene>(source.name, *source.device);
-  out.files = {source.path, out.scene.path};
   return out;
 }
 

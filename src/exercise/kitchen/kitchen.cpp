@@ -446,23 +446,15 @@ class TaskReader {
 Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   KitchenTask task;
   task.name = source.name;
-  LoadedExercise out;
-  Diagnostics scene_faults;
   int levels = 1;
-  if (!source.scene_path.empty()) {
-    Expected<SceneModel> scene = loadSceneFile(source.scene_path);
-    if (scene) {
-      out.scene = std::move(*scene);
-      TaskReader(file.root(), out.scene, source).read(task, source.level, levels);
-    } else {
-      scene_faults = scene.errors();
-      file.root().ignoreUnknownKeys();
-    }
+  if (source.scene != nullptr) {
+    TaskReader(file.root(), *source.scene, source).read(task, source.level, levels);
+  } else {
+    file.root().ignoreUnknownKeys();
   }
-  Diagnostics faults = file.finish();
-  faults.insert(faults.end(), scene_faults.begin(), scene_faults.end());
-  if (!faults.empty()) return faults;
-  out.files = {source.path, out.scene.path};
+  const Diagnostics faults = file.finish();
+  if (!faults.empty() || source.scene == nullptr) return faults;
+  LoadedExercise out;
   out.exercise = std::make_unique<Kitchen>(std::move(task), source.level, levels, *source.device,
                                            *source.hand);
   return out;

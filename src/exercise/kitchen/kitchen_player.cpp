@@ -259,8 +259,7 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
   switch (phase) {
     case Phase::kDrawBack:
     case Phase::kRest:
-      goal.put(layout_.x, back_m(layout_));
-      goal.hand(kHalfBent, kTurnedAside);
+      goal.drawBack();
       break;
     case Phase::kAlign:
       goal.base({back_m(layout_), clear_m.y(), clear_m.z()});

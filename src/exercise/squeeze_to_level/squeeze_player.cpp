@@ -36,8 +36,7 @@ AxisPosition SqueezePlayer::goalOf(Phase phase) const noexcept {
   switch (phase) {
     case Phase::kDrawBack:
     case Phase::kRest:
-      goal.put(layout_.x, back_m(layout_));
-      goal.hand(kHalfBent, kTurnedAside);
+      goal.drawBack();
       break;
     case Phase::kAlign:
       goal.base({back_m(layout_), beside_m, grip_m_.z()});

@@ -231,22 +231,13 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   TomlTable bottle = root.table("bottle");
   task.bottle = readLiquid(bottle, readBottle(bottle));
 
-  LoadedExercise out;
-  Diagnostics scene_faults;
-  if (!source.scene_path.empty()) {
-    Expected<SceneModel> scene = loadSceneFile(source.scene_path);
-    if (scene) {
-      out.scene = std::move(*scene);
-      if (root.isGood("object")) findObject(root, object, source.hand->side, out.scene, task);
-    } else {
-      scene_faults = scene.errors();
-    }
+  if (source.scene != nullptr && root.isGood("object")) {
+    findObject(root, object, source.hand->side, *source.scene, task);
   }
   if (source.level != 1) root.fail("exercise", "has one level", "ask for level 1");
-  Diagnostics faults = file.finish();
-  faults.insert(faults.end(), scene_faults.begin(), scene_faults.end());
-  if (!faults.empty()) return faults;
-  out.files = {source.path, out.scene.path};
+  const Diagnostics faults = file.finish();
+  if (!faults.empty() || source.scene == nullptr) return faults;
+  LoadedExercise out;
   out.walls = stiffestCushions(task.bottle, task.wall.walls);
   out.exercise = std::make_unique<SqueezeToLevel>(std::move(task), *source.device, *source.hand);
   return out;

@@ -116,25 +116,6 @@ public static class EngineAxesTests
         }
     }
 
-    public static void UnityAxes_AreTheTables()
-    {
-        var random = new Random(Runner.Seed);
-        for (int i = 0; i < 300; ++i)
-        {
-            Vector v = Some(random);
-            Same(EngineAxes.Unity.Position(v), UnityAxes.ToUnity(v), "position");
-            Same(v, UnityAxes.FromUnity(UnityAxes.ToUnity(v)), "position back");
-            Same(EngineAxes.Unity.Axial(v), UnityAxes.AxialToUnity(v), "torque");
-            Same(v, UnityAxes.AxialFromUnity(UnityAxes.AxialToUnity(v)), "torque back");
-            Rotation q = new Rotation(v.X, v.Y, v.Z, 0.5f), a = EngineAxes.Unity.Orientation(q), b = UnityAxes.ToUnity(q);
-            Same(V(a.X, a.Y, a.Z), V(b.X, b.Y, b.Z), "orientation");
-            Check.Near(a.W, b.W, 0, "orientation");
-            Rotation back = UnityAxes.FromUnity(b);
-            Same(v, V(back.X, back.Y, back.Z), "orientation back");
-            Check.Near(0.5, back.W, 0, "orientation back");
-        }
-    }
-
     public static void Document_ShowsTheTable()
     {
         string page = Environment.GetEnvironmentVariable("WHOLEHAND_AXES_PAGE");

@@ -14,15 +14,6 @@ using wholehand.protocol;
 [Tests]
 public static class ComponentTests
 {
-    private static float Volume(Mesh mesh)
-    {
-        Vector3[] v = mesh.vertices;
-        int[] t = mesh.triangles;
-        float sum = 0.0f;
-        for (int i = 0; i < t.Length; i += 3) sum += Vector3.Dot(v[t[i]], Vector3.Cross(v[t[i + 1]], v[t[i + 2]])) / 6.0f;
-        return sum;
-    }
-
     // In closed form, or of a convex mesh by the program's own triangles, counter-clockwise in right-handed axes.
     private static double Volume(Shape s)
     {
@@ -85,7 +76,7 @@ public static class ComponentTests
                 // Corners on the surface: a round shape loses some percent of its volume, an edged one nothing.
                 bool round = shape.Type != ShapeType.Box && shape.Type != ShapeType.ConvexMesh;
                 double expected = Volume(shape);
-                Check.Near(round ? 0.98 * expected : expected, Volume(drawn[s].sharedMesh), (round ? 0.02 : 1e-4) * expected,
+                Check.Near(round ? 0.98 * expected : expected, Wholehand.Unity.Tests.ShapeMeshesTests.Volume(drawn[s].sharedMesh), (round ? 0.02 : 1e-4) * expected,
                     body.Name + ", " + shape.Type);
                 Color color = drawn[s].GetComponent<MeshRenderer>().Block.Color;
                 Check.Equal(body.Color, string.Format("#{0:X2}{1:X2}{2:X2}", (int)Math.Round(255 * color.r),

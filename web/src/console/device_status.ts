@@ -1,4 +1,4 @@
-import { LetGo, type DeviceStateT } from '../protocol';
+import { ReleaseReason, type DeviceStateT } from '../protocol';
 import { fill } from '../shared/i18n';
 import { fixed } from '../shared/format';
 import type { ConsoleTexts } from './i18n/en';
@@ -19,13 +19,13 @@ export interface DeviceLines {
 /** Older than this, an age is said in seconds [s]. */
 const SECONDS_FROM_S = 1;
 
-const REASONS: Readonly<Record<Exclude<LetGo, LetGo.Not>, keyof ConsoleTexts['device']['reasons']>> = {
-  [LetGo.LoopSilent]: 'loopSilent',
-  [LetGo.SilentAtNeutral]: 'silentAtNeutral',
-  [LetGo.BadCommand]: 'badCommand',
-  [LetGo.LoopEnded]: 'loopEnded',
-  [LetGo.HostEnds]: 'hostEnds',
-  [LetGo.NeverCommanded]: 'neverCommanded',
+const REASONS: Readonly<Record<Exclude<ReleaseReason, ReleaseReason.None>, keyof ConsoleTexts['device']['reasons']>> = {
+  [ReleaseReason.LoopSilent]: 'loopSilent',
+  [ReleaseReason.SilentAtNeutral]: 'silentAtNeutral',
+  [ReleaseReason.BadCommand]: 'badCommand',
+  [ReleaseReason.LoopEnded]: 'loopEnded',
+  [ReleaseReason.HostEnds]: 'hostEnds',
+  [ReleaseReason.NeverCommanded]: 'neverCommanded',
 };
 
 function age(age_s: number, t: ConsoleTexts['device']): string {
@@ -42,6 +42,6 @@ export function deviceLines(device: ReportedDevice | null | undefined, texts: Co
   const temperature = device.temperatureKnown ? `${fixed(device.temperatureC, 0)} °C` : t.notKnown;
   const figures = [fill(t.temperature, { value: temperature }), fill(t.sample, { age: age(device.sampleAgeS, t) })];
   if (device.hosted) figures.push(fill(t.host, { age: age(device.hostAgeS, t) }));
-  const reason = device.letGo === LetGo.Not ? undefined : REASONS[device.letGo];
+  const reason = device.letGo === ReleaseReason.None ? undefined : REASONS[device.letGo];
   return { state: words.join(', '), figures: figures.join(' · '), letGo: reason ? fill(t.letGo, { why: t.reasons[reason] }) : '' };
 }

@@ -6,7 +6,7 @@
 //   fault=12      faults after a second with that bit of Scene.fault_names, on the first axis
 import * as flatbuffers from 'flatbuffers';
 import {
-  Act, Action, Aim, Arm, AxisT, CapsuleT, Command, ControlsT, DeviceStateT, EventsT, EventT, LetGo, LoadExercise, Message, MessageT, Order,
+  Act, Action, Aim, Arm, AxisT, CapsuleT, Command, ControlsT, DeviceStateT, EventsT, EventT, ReleaseReason, LoadExercise, Message, MessageT, Order,
   ParameterGroup, ParameterT, Payload, Refusal, ReplyT, RunState, SafetyState, SceneT, SCHEMA_VERSION, SetParameter, StatisticsT, Steer, Steering,
   WelcomeT, WorldStateT,
 } from '../protocol';
@@ -271,7 +271,7 @@ export class FakeProgram {
     s.statistics = new StatisticsT(BigInt(this.tick), BigInt(2), BigInt(0), 148 + 4 * Math.random(), 236, 402, 890);
     s.recordingBytes = BigInt(this.tick * 400);
     const enabled = this.runState !== RunState.Disarmed;
-    s.device = this.options.has('hardware') ? new DeviceStateT(enabled, true, false, true, 38, 0.001, true, 0.0003, LetGo.Not) : null;
+    s.device = this.options.has('hardware') ? new DeviceStateT(enabled, true, false, true, 38, 0.001, true, 0.0003, ReleaseReason.None) : null;
     return s;
   }
 }

@@ -3,13 +3,13 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>Wholehand's vectors and rotations as Unity's: axes by UnityAxes, metres stay metres.</summary>
+    /// <summary>Wholehand's vectors and rotations as Unity's: axes by EngineAxes.Unity, metres stay metres.</summary>
     public static class UnityConversions
     {
         /// <summary>Positions, velocities, forces.</summary>
         public static Vector3 ToVector3(this Vector v)
         {
-            Vector u = UnityAxes.ToUnity(v);
+            Vector u = EngineAxes.Unity.Position(v);
             return new Vector3(u.X, u.Y, u.Z);
         }
 
@@ -20,7 +20,7 @@ namespace Wholehand.Unity
 
         public static Quaternion ToQuaternion(this Rotation q)
         {
-            Rotation u = UnityAxes.ToUnity(q);
+            Rotation u = EngineAxes.Unity.Orientation(q);
             return new Quaternion(u.X, u.Y, u.Z, u.W);
         }
 
@@ -32,12 +32,12 @@ namespace Wholehand.Unity
         /// <summary>Positions, velocities, forces; for aims and game objects.</summary>
         public static Vector ToWholehand(this Vector3 v)
         {
-            return UnityAxes.FromUnity(new Vector(v.x, v.y, v.z));
+            return EngineAxes.Unity.PositionFrom(new Vector(v.x, v.y, v.z));
         }
 
         public static Rotation ToWholehand(this Quaternion q)
         {
-            return UnityAxes.FromUnity(new Rotation(q.x, q.y, q.z, q.w));
+            return EngineAxes.Unity.OrientationFrom(new Rotation(q.x, q.y, q.z, q.w));
         }
 
         /// <summary>A point of the game's world in the program's axes.</summary>

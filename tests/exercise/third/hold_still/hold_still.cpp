@@ -48,14 +48,9 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   const double hold_s = file.root().number("hold_s", between(0.1, 60.0, "s"));
   const double slow_m_s = file.root().number("slow_m_s", between(0.001, 1.0, "m/s"));
   Diagnostics faults = file.finish();
-  if (source.scene_path.empty()) return faults;
-  Expected<SceneModel> scene = loadSceneFile(source.scene_path);
-  if (!scene) faults.insert(faults.end(), scene.errors().begin(), scene.errors().end());
-  if (!faults.empty()) return faults;
+  if (!faults.empty() || source.scene == nullptr) return faults;
   LoadedExercise out;
   out.exercise = std::make_unique<HoldStill>(source, hold_s, slow_m_s);
-  out.files = {source.path, scene->path};
-  out.scene = std::move(*scene);
   return out;
 }
 

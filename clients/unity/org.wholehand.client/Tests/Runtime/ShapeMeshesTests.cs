@@ -6,7 +6,7 @@ namespace Wholehand.Unity.Tests
     /// <summary>A mesh's signed volume is positive where its corners run clockwise seen from outside.</summary>
     public sealed class ShapeMeshesTests
     {
-        private static float Volume(Mesh mesh)
+        public static float Volume(Mesh mesh)
         {
             Vector3[] v = mesh.vertices;
             int[] t = mesh.triangles;
