@@ -249,6 +249,7 @@ bool ColliderPairs::ofOneSurface(int a, int b) const noexcept {
 /// The same for what rolls or slides from one piece to the next: each collider with all that it
 /// touches.
 void ColliderPairs::removeInnerEdgesOfBodies() noexcept {
+  if (resting_.awakeBodies().empty()) return;
   met_.clear();
   const auto piece = [&](int c) {
     const Collider& is = *targets_[c].collider;
