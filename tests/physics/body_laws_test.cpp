@@ -257,6 +257,106 @@ TEST(BodyLaws, WhatSlidesOverFlushPlanks_FeelsNoSeams) {
   }
 }
 
+/// The middle of a floor: planks, or pieces of one body.
+std::vector<SceneBody> flushFloor(std::mt19937_64& random, double friction) {
+  const double width_m = uniform(random, 0.04, 0.1);
+  const bool one_body = random() % 2 == 0, meshes = random() % 2 == 0;
+  const Vector3d size_m(width_m, 2.0, 0.04);
+  const Shape piece = meshes ? meshShape(size_m) : boxShape(size_m);
+  SceneBody whole = bodyOf(piece, {0.0, 0.0, -0.02}, 0.0, friction);
+  whole.shapes.clear();
+  std::vector<SceneBody> planks;
+  for (double at_m = -0.4; at_m < 2.4; at_m += width_m) {
+    whole.shapes.push_back(piece);
+    whole.shapes.back().in_body.translation_m.x() = at_m;
+    planks.push_back(bodyOf(piece, {at_m, 0.0, -0.02}, 0.0, friction));
+  }
+  if (one_body) planks = {whole};
+  return planks;
+}
+
+TEST(BodyLaws, WhatRollsOverFlushPlanks_FeelsNoSeams) {
+  auto random = seededRandom(3615);
+  double worst = 0.0, gained = 0.0;
+  for (int i = 0; i < draws(); ++i) {
+    const Round round = anyRound(random, 0.0);
+    const double rate = anyRate(random), v = anyBetween(random, 5e-3, 0.5);
+    SCOPED_TRACE(round.name + " r " + std::to_string(round.radius_m) + " m, " +
+                 std::to_string(rate) + " Hz, thrown at " + std::to_string(v) + " m/s");
+    std::vector<SceneBody> bodies = flushFloor(random, 0.8);
+    const int rolls = static_cast<int>(bodies.size());
+    bodies.push_back(round.body);
+    Yard yard(kEngine, bodies, leant(0.0), rate, anyTurn(random));
+    yard.throwBody(rolls, Vector3d(v, 0.0, 0.0));
+    yard.run(0.5);
+    const double energy = yard.energy(rolls);
+    yard.run(std::min(4.0, 1.0 / v));
+    const double expected = v / (1.0 + round.k), had = 0.5 * round.body.mass_kg * v * v;
+    worst = std::max(worst, std::abs(yard.velocity(rolls).x() / expected - 1.0));
+    gained = std::max(gained, (yard.energy(rolls) - energy) / had);
+    EXPECT_NEAR(yard.velocity(rolls).x(), expected, 0.01 * expected);
+    EXPECT_LE(std::abs(yard.velocity(rolls).y()), 0.01 * expected);
+  }
+  figure("rolling over flush planks, worst speed against the law", worst, "");
+  figure("rolling over flush planks, most energy gained over what it had", gained, "");
+  EXPECT_LE(gained, 0.01);
+}
+
+/// Two bodies without gravity, of every shape, that strike each other: no impact gives energy, and
+/// both momenta stay.
+TEST(BodyLaws, WhatStrikesInFlight_KeepsItsMomentaAndGainsNoEnergy) {
+  auto random = seededRandom(3616);
+  double gained = 0.0, lost = 0.0, turned = 0.0;
+  int struck = 0;
+  for (int i = 0; i < 3 * draws(); ++i) {
+    std::vector<SceneBody> bodies;
+    for (const double at_m : {0.0, 0.12}) {
+      const double r = anyBetween(random, 0.01, 0.03), off_m = uniform(random, -0.01, 0.01);
+      const std::array<Shape, 5> shapes{
+          roundShape(ShapeType::kSphere, r, 0.0), roundShape(ShapeType::kCylinder, r, 2.0 * r),
+          roundShape(ShapeType::kCapsule, 0.5 * r, r), boxShape(r * Vector3d(2.0, 1.5, 1.0)),
+          meshShape(r * Vector3d(1.0, 2.0, 1.3))};
+      bodies.push_back(bodyOf(shapes[random() % shapes.size()], {at_m, off_m, 0.0},
+                              anyBetween(random, 1e-2, 1.0), 0.5, anyTurn(random)));
+    }
+    const double rate = anyRate(random), v = uniform(random, 0.5, 3.0);
+    SCOPED_TRACE(std::to_string(static_cast<int>(bodies[0].shapes[0].type)) + " at " +
+                 std::to_string(static_cast<int>(bodies[1].shapes[0].type)) + ", " +
+                 std::to_string(rate) + " Hz");
+    Yard yard(kEngine, bodies, Vector3d::Zero(), rate, anyTurn(random));
+    yard.throwBody(0, Vector3d(v, 0.0, 0.0));
+    const double had = yard.energy(0), pushed = bodies[0].mass_kg * v;
+    const auto momentum = [&] {
+      return Vector3d(bodies[0].mass_kg * yard.velocity(0) + bodies[1].mass_kg * yard.velocity(1));
+    };
+    const auto about_origin = [&] {
+      Vector3d sum = Vector3d::Zero();
+      for (int k = 0; k < 2; ++k) {
+        sum += bodies[k].mass_kg * yard.at(k).cross(yard.velocity(k)) + yard.angularMomentum(k);
+      }
+      return sum;
+    };
+    const Vector3d before = momentum(), turning = about_origin();
+    double least = had;
+    for (double t_s = 0.0; t_s < 0.5; t_s += 0.005) {
+      yard.run(0.005);
+      const double now = yard.energy(0) + yard.energy(1);
+      gained = std::max(gained, (now - least) / had);
+      EXPECT_LE(now - least, 0.01 * had);
+      least = std::min(least, now);
+    }
+    struck += yard.velocity(1).norm() > 0.0 ? 1 : 0;
+    lost = std::max(lost, (momentum() - before).norm() / pushed);
+    turned = std::max(turned, (about_origin() - turning).norm() / (0.03 * pushed));
+  }
+  figure("struck in flight, most energy gained over what there was", gained, "");
+  figure("struck in flight, momentum lost", lost, "");
+  figure("struck in flight, angular momentum lost, of 30 mm of the push", turned, "");
+  EXPECT_LE(lost, 1e-9);
+  EXPECT_LE(turned, 0.02);
+  EXPECT_GT(struck, draws());
+}
+
 /// Planks of 1 to 5 kg that lie on a ground and are free to move: what slides over them passes as
 /// over one plate, and they stay.
 TEST(BodyLaws, WhatSlidesOverPlanksThatMayMove_FeelsNoSeams) {

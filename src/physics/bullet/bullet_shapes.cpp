@@ -36,13 +36,19 @@ Pose principalFrame(const SceneBody& body, btVector3& moments) {
 
 std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
   switch (shape.type) {
-    case ShapeType::kBox:
-      return std::make_unique<btBoxShape>(toBt(shape.half_extents_m));
+    case ShapeType::kBox: {
+      auto box = std::make_unique<btBoxShape>(toBt(shape.half_extents_m));
+      box->setMargin(0.0);  // it would round the edges
+      return box;
+    }
     case ShapeType::kSphere:
       return std::make_unique<btSphereShape>(shape.radius_m);
-    case ShapeType::kCylinder:
-      return std::make_unique<btCylinderShapeZ>(
+    case ShapeType::kCylinder: {
+      auto cylinder = std::make_unique<btCylinderShapeZ>(
           btVector3(shape.radius_m, shape.radius_m, shape.length_m / 2.0));
+      cylinder->setMargin(0.0);
+      return cylinder;
+    }
     case ShapeType::kCapsule:
       return std::make_unique<btCapsuleShapeZ>(shape.radius_m, shape.length_m);
     case ShapeType::kConvexMesh: {

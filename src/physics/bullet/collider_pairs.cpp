@@ -56,32 +56,67 @@ bool passedThrough(const btPersistentManifold& before, const ContactPatch& now) 
          now.points[0].normal.dot(before.getContactPoint(0).m_normalWorldOnB) < 0.5;
 }
 
-/// Whether a point lies on an edge that is flush with the face of a nearer point beside it.
-bool isInnerEdge(const btManifoldPoint& edge, const btManifoldPoint& face) {
-  const btVector3 &normal = face.m_normalWorldOnB, &tilted = edge.m_normalWorldOnB;
-  const btVector3 away_m = edge.m_positionWorldOnB - face.m_positionWorldOnB;
-  const double cosine = normal.dot(tilted);
-  return face.m_distance1 < edge.m_distance1 && away_m.length2() < kBeside_m * kBeside_m &&
-         std::abs(normal.dot(away_m)) < kFlush_m && cosine > kOneSurface && cosine < kSame;
+/// A point as the collider sees it that touches the other there.
+struct Seen {
+  btVector3 at_m, normal;  ///< on the other's surface; towards the collider
+  double gap_m;
+};
+
+/// @param from_first the collider is the first of the point's pair
+Seen seen(const btManifoldPoint& point, bool from_first) {
+  if (from_first) return {point.m_positionWorldOnB, point.m_normalWorldOnB, point.m_distance1};
+  return {point.m_positionWorldOnA, -point.m_normalWorldOnB, point.m_distance1};
 }
 
-/// Removes inner edges from `at`. What slides from one collider to the other takes its impulses and
-/// its anchor along.
-void removeEdges(btPersistentManifold& at, btPersistentManifold& beside) {
+/// Whether a point lies on an edge that is flush with the face of a nearer point beside it.
+bool isInnerEdge(const Seen& edge, const Seen& face) {
+  const btVector3 away_m = edge.at_m - face.at_m;
+  const double cosine = face.normal.dot(edge.normal);
+  return face.gap_m < edge.gap_m && away_m.length2() < kBeside_m * kBeside_m &&
+         std::abs(face.normal.dot(away_m)) < kFlush_m && cosine > kOneSurface && cosine < kSame;
+}
+
+/// Removes inner edges from `at`, which a collider has with one piece; `beside` is with another.
+/// What slides from one to the other takes its impulses and its anchor along.
+void removeEdges(btPersistentManifold& at, btPersistentManifold& beside,
+                 const btCollisionObject& of) {
+  const bool first_at = at.getBody0() == &of, first_beside = beside.getBody0() == &of;
   for (int i = at.getNumContacts(); i-- > 0;) {
     const btManifoldPoint& edge = at.getContactPoint(i);
     for (int j = 0; j < beside.getNumContacts(); ++j) {
       btManifoldPoint& face = beside.getContactPoint(j);
-      if (!isInnerEdge(edge, face)) continue;
-      if (edge.m_appliedImpulse > face.m_appliedImpulse) inherit(face, edge);
+      if (!isInnerEdge(seen(edge, first_at), seen(face, first_beside))) continue;
+      const bool takes = edge.m_appliedImpulse > face.m_appliedImpulse;
+      if (takes && first_at == first_beside) inherit(face, edge);
       at.removeContactPoint(i);
       break;
     }
   }
 }
 
-bool isBall(const BulletBody::Collider& collider) {
-  return collider.form.type == ShapeType::kSphere;
+/// A collider with edges between flat faces.
+bool hasFaces(ShapeType type) {
+  return type == ShapeType::kBox || type == ShapeType::kConvexMesh;
+}
+
+/// How fast a collider's surface moves at most by its body's turning.
+double turningSpeed(const BulletBody::Collider& of) {
+  const double turn_rad_s = of.tag.rigid->getAngularVelocity().length();
+  if (turn_rad_s == 0.0) return 0.0;
+  const Eigen::Vector3d middle_m = 0.5 * (of.box.low_m + of.box.high_m);
+  const double off_m = (middle_m - toEigen(of.tag.rigid->getCenterOfMassPosition())).norm();
+  const bool ball = of.form.type == ShapeType::kSphere;
+  return turn_rad_s * (ball ? off_m : off_m + 0.5 * (of.box.high_m - of.box.low_m).norm());
+}
+
+/// The direction of a pair's contact; null: it has none.
+const btVector3* normalOf(const btPersistentManifold* pair) {
+  const bool touches = pair != nullptr && pair->getNumContacts() > 0;
+  return touches ? &pair->getContactPoint(0).m_normalWorldOnB : nullptr;
+}
+
+bool isRound(const BulletBody::Collider& collider) {
+  return collider.form.type == ShapeType::kSphere || collider.form.type == ShapeType::kCapsule;
 }
 
 }  // namespace
@@ -114,6 +149,7 @@ ColliderPairs::ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand
   const std::size_t most = mostPairs(targets_.size());
   for (std::vector<BodyPair>* list : {&body_pairs_, &before_}) list->reserve(most);
   near_.reserve(most);
+  met_.reserve(2 * most);
   around_colliders_.reserve(targets_.size());
   touched_.reserve(kMostPieces);
 }
@@ -192,7 +228,7 @@ void ColliderPairs::removeInnerEdges() noexcept {
       for (const int d : touched_) {
         if (c == d || !ofOneSurface(c, d)) continue;
         const Pair beside = targets_[d].pairWith(at.capsules[i]);
-        if (beside != nullptr) removeEdges(*at.pairs[i], *beside);
+        if (beside != nullptr) removeEdges(*at.pairs[i], *beside, hand_.object(at.capsules[i]));
       }
     }
   }
@@ -206,7 +242,39 @@ ColliderPairs::Pair ColliderPairs::Target::pairWith(int capsule) const noexcept 
 
 bool ColliderPairs::ofOneSurface(int a, int b) const noexcept {
   const auto fixed = [&](int c) { return targets_[c].collider->tag.rigid->getInvMass() == 0.0; };
-  return owner_[a] == owner_[b] || (fixed(a) && fixed(b));
+  const auto flat = [&](int c) { return hasFaces(targets_[c].collider->form.type); };
+  return owner_[a] == owner_[b] || (fixed(a) && fixed(b)) || (flat(a) && flat(b));
+}
+
+/// The same for what rolls or slides from one piece to the next: each collider with all that it
+/// touches.
+void ColliderPairs::removeInnerEdgesOfBodies() noexcept {
+  if (resting_.awakeBodies().empty()) return;
+  met_.clear();
+  const auto piece = [&](int c) {
+    const Collider& is = *targets_[c].collider;
+    const auto [first, last] = of_body_[owner_[c]];
+    return last - first > 1 || is.tag.rigid->getInvMass() == 0.0 || hasFaces(is.form.type);
+  };
+  for (std::size_t i = 0; i < body_pairs_.size(); ++i) {
+    const BodyPair& both = body_pairs_[i];
+    if (both.pair == nullptr || (!awake(both.a) && !awake(both.b))) continue;
+    if (piece(both.b)) met_.push_back({both.a, both.b, both.pair});
+    if (piece(both.a)) met_.push_back({both.b, both.a, both.pair});
+  }
+  std::sort(met_.begin(), met_.end(), [](const BodyPair& a, const BodyPair& b) {
+    return std::pair(a.a, a.b) < std::pair(b.a, b.b);
+  });
+  for (std::size_t first = 0, last = 0; first < met_.size(); first = last) {
+    while (last < met_.size() && met_[last].a == met_[first].a) ++last;
+    const std::size_t end = std::min(last, first + kMostPieces);
+    for (std::size_t i = first; i < end; ++i) {
+      for (std::size_t j = first; j < end; ++j) {
+        if (i == j || !ofOneSurface(met_[i].b, met_[j].b)) continue;
+        removeEdges(*met_[i].pair, *met_[j].pair, *targets_[met_[i].a].collider->object);
+      }
+    }
+  }
 }
 
 void ColliderPairs::findOfBodies(double step_s) noexcept {
@@ -215,6 +283,7 @@ void ColliderPairs::findOfBodies(double step_s) noexcept {
   disturbNear();
   listOverlaps();
   follow();
+  removeInnerEdgesOfBodies();
 }
 
 void ColliderPairs::placed(int body) noexcept {
@@ -337,7 +406,7 @@ void ColliderPairs::findOfHand(Target& target) noexcept {
         collider.tag.shape != nullptr
             ? patchOf({placed.a_m, placed.b_m, placed.radius_m}, collider, reach_m)
             : findPatch(hand_.object(capsule), hand_.form(capsule), *collider.object, collider.form,
-                        reach_m);
+                        reach_m, normalOf(pair));
     if (pair != nullptr && passedThrough(*pair, patch)) {
       pair->refreshContactPoints(hand_.object(capsule).getWorldTransform(),
                                  collider.object->getWorldTransform());
@@ -376,25 +445,36 @@ ContactPatch ColliderPairs::patchOf(const Round& round, const Collider& collider
   return patch;
 }
 
+ColliderPairs::Round ColliderPairs::roundOf(const btCollisionObject& object,
+                                            const Shape& form) noexcept {
+  const btTransform& at = object.getWorldTransform();
+  const btVector3 half_m = at.getBasis().getColumn(2) * (0.5 * form.length_m);
+  return {toEigen(at.getOrigin() - half_m), toEigen(at.getOrigin() + half_m), form.radius_m};
+}
+
 /// Largest gap of a contact point: what two bodies may close in a step is within.
 double ColliderPairs::reach(const Collider& a, const Collider* b) const noexcept {
   btVector3 velocity = a.tag.rigid->getLinearVelocity();
-  if (b != nullptr) velocity -= b->tag.rigid->getLinearVelocity();
-  return threshold_m_ + velocity.length() * step_s_;
+  double turning_m_s = turningSpeed(a);
+  if (b != nullptr) {
+    velocity -= b->tag.rigid->getLinearVelocity();
+    turning_m_s += turningSpeed(*b);
+  }
+  return threshold_m_ + (velocity.length() + turning_m_s) * step_s_;
 }
 
 void ColliderPairs::meet(Collider& a, Collider& b, Pair& pair) noexcept {
   if (passes(*a.tag.rigid, *b.tag.rigid)) return drop(pair);
   const double reach_m = reach(a, &b);
   const bool closed_form = a.tag.shape != nullptr && b.tag.shape != nullptr;
-  if (closed_form && (isBall(a) || isBall(b))) {
-    Collider& ball = isBall(a) ? a : b;
-    Collider& other = isBall(a) ? b : a;
-    const Eigen::Vector3d at_m = toEigen(ball.object->getWorldTransform().getOrigin());
-    return keep(patchOf({at_m, at_m, ball.form.radius_m}, other, reach_m), *ball.object,
+  if (closed_form && (isRound(a) || isRound(b))) {
+    Collider& round = isRound(a) ? a : b;
+    Collider& other = isRound(a) ? b : a;
+    return keep(patchOf(roundOf(*round.object, round.form), other, reach_m), *round.object,
                 *other.object, pair);
   }
-  keep(findPatch(*a.object, a.form, *b.object, b.form, reach_m), *a.object, *b.object, pair);
+  keep(findPatch(*a.object, a.form, *b.object, b.form, reach_m, normalOf(pair)), *a.object,
+       *b.object, pair);
 }
 
 void ColliderPairs::keep(const ContactPatch& patch, const btCollisionObject& first,

@@ -16,7 +16,7 @@ namespace wholehand::bullet {
 /// list of those around it, which is renewed when the hand leaves the enlarged box of its last
 /// list. For pairs of bodies it sweeps bounding boxes along x, and compares pairs whose boxes
 /// overlap; of two bodies at least one must be awake. A resting body wakes when
-/// the hand or an awake body comes near. contactDistance() handles a capsule of the hand, or a
+/// the hand or an awake body comes near. contactDistance() handles a capsule, or a
 /// ball, against a box, sphere, cylinder or capsule; findPatch() handles all other pairs. Every
 /// step finds the points anew and keeps their impulses. Points as far apart as two bodies may close
 /// in a step are among them, so that nothing passes through. Real-time safe except for
@@ -77,12 +77,15 @@ class ColliderPairs {
   void listAround() noexcept;
   void findOfHand(Target& target) noexcept;
   void removeInnerEdges() noexcept;
+  void removeInnerEdgesOfBodies() noexcept;
   [[nodiscard]] bool ofOneSurface(int a, int b) const noexcept;
   void disturbNear() noexcept;
   void listOverlaps() noexcept;
   [[nodiscard]] BoxSweep::Part partOf(int collider) const noexcept;
   void follow() noexcept;
   [[nodiscard]] bool awake(int collider) const noexcept;
+  /// Of a ball or capsule.
+  [[nodiscard]] static Round roundOf(const btCollisionObject& object, const Shape& form) noexcept;
   [[nodiscard]] static ContactPatch patchOf(const Round& round, const Collider& collider,
                                             double reach_m) noexcept;
   [[nodiscard]] double reach(const Collider& a, const Collider* b) const noexcept;
@@ -110,6 +113,7 @@ class ColliderPairs {
   std::vector<BoxSweep::Part> parts_;         ///< of every collider, at a version of resting_
   unsigned parts_version_ = ~0U;
   std::vector<BodyPair> body_pairs_, before_;  ///< kept pairs, ascending
+  std::vector<BodyPair> met_;  ///< of each collider those with pieces, ascending by it
   std::vector<RestingBodies::Near> near_;
   int dropped_ = 0;
   unsigned version_ = 0;

@@ -6,9 +6,7 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
-#include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
-#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
-#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +22,13 @@ constexpr double kAlike = 0.98;     // cosine: two directions are nearly one
 constexpr double kUpright = 1e-7;   // sine of a cylinder's tilt below which it stands
 constexpr double kTie_m = 1e-7;
 constexpr double kLevel_m = 1e-9;
-constexpr double kSame_m = 1e-6;   // corners nearer than this are one
-constexpr double kLine_m2 = 1e-9;  // twice the area of a triangle that is taken for a line
+constexpr double kSame_m = 1e-6;     // corners nearer than this are one
+constexpr double kLine_m2 = 1e-9;    // twice the area of a triangle that is taken for a line
+constexpr double kCoreGap_m = 1e-7;  // nearer points give no direction
+constexpr double kSure_m = 1e-5;
+constexpr double kHeldApart_m = 1e-4;
+constexpr double kSameTurn = 1e-9;  // sine
+constexpr int kMostTurns = 6;
 constexpr double kAsBefore_m = 5e-3;
 constexpr int kMostCorners = 64;
 
@@ -279,31 +282,101 @@ Outline commonOf(const Outline& a, const Outline& b) {
   return out;
 }
 
-/// What Bullet says of the nearest points.
-struct Nearest final : btDiscreteCollisionDetectorInterface::Result {
+/// How far two shapes are apart along a direction from b to a; negative where they overlap.
+double gapAlong(const Convex& a, const Convex& b, const btVector3& n) {
+  return (a.at.getOrigin() - b.at.getOrigin()).dot(n) - reachAlong(a, -n * a.at.getBasis()) -
+         reachAlong(b, n * b.at.getBasis());
+}
+
+/// Of the normals of all faces, and the line of the centres, the direction along which two shapes
+/// overlap least.
+btVector3 leastOverlap(const Convex& a, const Convex& b) {
+  btVector3 best = a.at.getOrigin() - b.at.getOrigin();
+  best = best.length2() > 0.0 ? best.normalized() : btVector3(0.0, 0.0, 1.0);
+  double most_m = gapAlong(a, b, best);
+  const auto try_one = [&](const btVector3& n) {
+    const double gap_m = gapAlong(a, b, n);
+    if (gap_m <= most_m) return;
+    most_m = gap_m;
+    best = n;
+  };
+  const auto try_faces = [&](const Convex& of, double sign) {
+    for (const Eigen::Vector3i& t : of.form.triangles) {
+      const btVector3& p = of.points[t[0]];
+      const btVector3 across = (of.points[t[1]] - p).cross(of.points[t[2]] - p);
+      try_one(of.at.getBasis() * (sign * across.normalized()));
+    }
+    if (of.point_count > 0) return;
+    for (int i = 0; i < 3; ++i) {
+      for (const double side : {1.0, -1.0}) try_one(side * of.at.getBasis().getColumn(i));
+    }
+  };
+  try_faces(a, -1.0);
+  try_faces(b, 1.0);
+  return best;
+}
+
+struct Nearest {
   ContactPatch::Point point;
   bool found = false;
-  void setShapeIdentifiersA(int /*part*/, int /*index*/) override {}
-  void setShapeIdentifiersB(int /*part*/, int /*index*/) override {}
-  void addContactPoint(const btVector3& normal, const btVector3& on_b, btScalar depth) override {
-    point = {on_b, normal, depth};
-    found = true;
-  }
 };
 
-Nearest nearest(const btCollisionObject& a, const btCollisionObject& b, double reach_m) {
-  const auto& shape_a = static_cast<const btConvexShape&>(*a.getCollisionShape());
-  const auto& shape_b = static_cast<const btConvexShape&>(*b.getCollisionShape());
-  btVoronoiSimplexSolver simplex;
-  btGjkEpaPenetrationDepthSolver depth;
-  btGjkPairDetector detector(&shape_a, &shape_b, &simplex, &depth);
-  btGjkPairDetector::ClosestPointInput input;
-  input.m_transformA = a.getWorldTransform();
-  input.m_transformB = b.getWorldTransform();
-  const double reach = shape_a.getMargin() + shape_b.getMargin() + reach_m;
-  input.m_maximumDistanceSquared = reach * reach;
+/// Two shapes that may be held apart.
+class NearestPoints {
+ public:
+  NearestPoints(const btCollisionObject& a, const btCollisionObject& b)
+      : shape_a_(static_cast<const btConvexShape&>(*a.getCollisionShape())),
+        shape_b_(static_cast<const btConvexShape&>(*b.getCollisionShape())),
+        at_a_(a.getWorldTransform()),
+        at_b_(b.getWorldTransform()) {}
+
+  /// Of shapes that do not overlap with a held off by `away_m`; exact where both have corners.
+  [[nodiscard]] Nearest apart(const btVector3& away_m) const {
+    btTransform held = at_a_;
+    held.getOrigin() += away_m;
+    btGjkEpaSolver2::sResults is;
+    const btVector3 towards = held.getOrigin() - at_b_.getOrigin();
+    if (!btGjkEpaSolver2::Distance(&shape_a_, held, &shape_b_, at_b_, towards, is)) return {};
+    if (is.distance < kCoreGap_m) return {};
+    // The solver's own normal is in the frame of a.
+    const btVector3 normal = (is.witnesses[0] - is.witnesses[1]) / is.distance;
+    const double margin_b = shape_b_.getMargin();
+    const double gap_m = is.distance - shape_a_.getMargin() - margin_b;
+    return {{is.witnesses[1] + normal * margin_b, normal, gap_m}, true};
+  }
+
+ private:
+  const btConvexShape &shape_a_, &shape_b_;
+  const btTransform &at_a_, &at_b_;
+};
+
+/// The nearest points. Of shapes that overlap the direction is one in which they are nearest when
+/// they are held apart along it: that of the last step, if there is one, leads to it.
+Nearest nearest(const btCollisionObject& object_a, const btCollisionObject& object_b,
+                const Convex& a, const Convex& b, const btVector3* before) {
+  const NearestPoints points(object_a, object_b);
+  const Nearest as_they_are = points.apart({0.0, 0.0, 0.0});
+  // Of points that nearly coincide the direction is lost: the shapes are not apart along it.
+  if (as_they_are.found &&
+      gapAlong(a, b, as_they_are.point.normal) > as_they_are.point.gap_m - kSure_m) {
+    return as_they_are;
+  }
+  btVector3 along = before != nullptr ? *before : leastOverlap(a, b);
+  double gap_m = gapAlong(a, b, along);
   Nearest out;
-  detector.getClosestPoints(input, out, nullptr);
+  for (int i = 0; i < kMostTurns; ++i) {
+    const Nearest held = points.apart((kHeldApart_m - gap_m) * along);
+    if (!held.found) break;
+    if (!out.found) out = held, out.point.normal = along;
+    const btVector3& normal = held.point.normal;
+    const double is_m = gapAlong(a, b, normal);
+    const bool done = (normal - along).length2() < kSameTurn * kSameTurn;
+    if (done || is_m <= gap_m) break;
+    along = normal;
+    gap_m = is_m;
+    out = held;
+  }
+  out.point.gap_m = gap_m;
   return out;
 }
 
@@ -351,18 +424,18 @@ struct Flush {
 Flush findFlush(const Convex& a, const Convex& b, double reach_m) {
   Flush out;
   double best = -kSunk_m;
+  // Of one face the other body must lie on the plane, not only near it.
+  const auto across = [&](const btVector3& n, double gap) {
+    return std::min(gap, best) >= -kFlush_m && std::max(gap, best) <= reach_m &&
+           std::min(gap, best) <= kFlush_m && std::abs(n.dot(out.normal)) < kAcross;
+  };
   const auto judge = [&](const btVector3& n, double gap) {
-    if (gap > reach_m || gap < best + kTie_m) {
-      const bool across =
-          gap >= -kFlush_m && gap <= reach_m && std::abs(n.dot(out.normal)) < kAcross;
-      if (across) out.kind = Flush::Kind::kAcross;
-      return;
-    }
     if (out.kind == Flush::Kind::kAcross) return;
-    if (best >= -kFlush_m && std::abs(n.dot(out.normal)) < kAcross) {
+    if (out.kind == Flush::Kind::kOne && across(n, gap)) {
       out.kind = Flush::Kind::kAcross;
       return;
     }
+    if (gap > reach_m || gap < best + kTie_m) return;
     best = gap;
     out = {Flush::Kind::kOne, n, gap < -kFlush_m};
   };
@@ -430,8 +503,8 @@ ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& norma
 }  // namespace
 
 ContactPatch findPatch(const btCollisionObject& object_a, const Shape& form_a,
-                       const btCollisionObject& object_b, const Shape& form_b,
-                       double reach_m) noexcept {
+                       const btCollisionObject& object_b, const Shape& form_b, double reach_m,
+                       const btVector3* before) noexcept {
   const Convex a(object_a, form_a), b(object_b, form_b);
   const Flush flush = findFlush(a, b, reach_m);
   if (flush.kind == Flush::Kind::kAcross) return {};
@@ -439,7 +512,7 @@ ContactPatch findPatch(const btCollisionObject& object_a, const Shape& form_a,
     const ContactPatch patch = patchAlong(a, b, flush.normal, reach_m);
     if (patch.count > 0) return patch;
   }
-  const Nearest near = nearest(object_a, object_b, reach_m);
+  const Nearest near = nearest(object_a, object_b, a, b, before);
   if (!near.found || near.point.gap_m > reach_m) return {};
   // Beside that face an edge is met: between the two directions only rounding lies.
   if (flush.kind == Flush::Kind::kOne && !flush.sunk &&

@@ -39,10 +39,10 @@ struct ContactPatch {
 /// A collider that overlaps the extension of another's face by less than kFlush_m is taken to lie
 /// on it: an edge between two flush pieces stops nothing.
 /// @param a, b with convex shapes @param form_a, form_b the same shapes @param reach_m largest gap
-/// of a point. Real-time safe.
+/// of a point @param before direction of the last step; null: none. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT ContactPatch findPatch(const btCollisionObject& a, const Shape& form_a,
                                                   const btCollisionObject& b, const Shape& form_b,
-                                                  double reach_m) noexcept;
+                                                  double reach_m, const btVector3* before) noexcept;
 
 /// Replaces the points of a manifold. A new point takes the impulses and the drift of the nearest
 /// point before. Real-time safe.
