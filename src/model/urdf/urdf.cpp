@@ -52,8 +52,8 @@ class UrdfFaults {
   /// Exactly `count` finite numbers separated by blanks; zeros, with a fault, otherwise.
   std::vector<double> numbers(const XMLElement& e, const char* attribute, const std::string& key,
                               std::size_t count);
-  /// A mass > 0; 1, with a fault, otherwise.
-  double mass_kg(const XMLElement& e, const std::string& key);
+  /// A mass > 0, of a link that a joint moves or not; 1, with a fault, otherwise.
+  double mass_kg(const XMLElement& e, const std::string& key, bool moves);
   /// A dimension in [0.001, 10] m.
   double length_m(const XMLElement& e, const char* attribute, const std::string& key);
   /// Pose of an element's `<origin xyz rpy>`; identity without one.
@@ -173,13 +173,14 @@ std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribu
   return zeros;
 }
 
-double UrdfFaults::mass_kg(const XMLElement& e, const std::string& key) {
+double UrdfFaults::mass_kg(const XMLElement& e, const std::string& key, bool moves) {
   const std::size_t before = all_.size();
   const double value = numbers(e, "value", key, 1).front();
   if (all_.size() > before) return 1.0;
   if (value > 0.0) return value;
   add(&e, key + ".value", e.Attribute("value"), "is not positive",
-      "must be > 0; of a body that never moves, set fixed = true in the scene");
+      moves ? "must be > 0: a joint moves this link; or make that joint fixed"
+            : "must be > 0; of a body that never moves, set fixed = true in the scene");
   return 1.0;
 }
 
@@ -245,7 +246,13 @@ fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& trie
   }
   if (name.starts_with(kFile)) name.remove_prefix(kFile.size());
   tried = folder / fs::path(name);
-  return known(tried) ? tried : fs::path{};
+  // Some programs name meshes from the folder of all their objects.
+  const bool climbs = name.find("..") != name.npos;
+  for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
+    if (known(up / name)) return up / name;
+    if (climbs) break;
+  }
+  return {};
 }
 
 /// Resolves a URDF's mesh name; the unresolved path if nothing is found, so that the mesh reader's
@@ -564,7 +571,9 @@ class Reader {
     return value != nullptr && parseNumbers(value) == std::vector<double>{0.0};
   }
 
-  std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key) {
+  /// @param moves a joint moves the link
+  std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key,
+                                             bool moves) {
     const XMLElement* mass = e.FirstChildElement("mass");
     const XMLElement* inertia = e.FirstChildElement("inertia");
     if (mass == nullptr || (inertia == nullptr && !use_.uniform_density)) {
@@ -577,7 +586,7 @@ class Reader {
     }
     const std::size_t before = faults_.all().size();
     MassProperties m;
-    m.mass_kg = faults_.mass_kg(*mass, key + ".mass");
+    m.mass_kg = faults_.mass_kg(*mass, key + ".mass", moves);
     if (use_.uniform_density) {
       if (faults_.all().size() > before) return std::nullopt;
       return m;
@@ -711,8 +720,8 @@ class Reader {
       }
       const bool moves = carrierOf(linkIndex(link.name)) >= 0;
       if (link.inertial_element != nullptr && (moves || !stands)) {
-        link.inertial =
-            readInertial(*link.inertial_element, fmt::format("link[{}].inertial", link.name));
+        link.inertial = readInertial(*link.inertial_element,
+                                     fmt::format("link[{}].inertial", link.name), moves);
       }
     }
   }
