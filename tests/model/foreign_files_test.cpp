@@ -278,6 +278,7 @@ TEST(ForeignMesh, EveryLineOfAnObj_IsUnderstood) {
       {"slashes", slashes},
       {"quads", quads},
       {"faces first", objFaces() + objCorners(boxCorners())},
+      {"extensions", "t crease 2/1/0 1 2 4.7\n" + kBoxObj + "vw 0 0 0.25 1 0.75\n"},
       {"no line end", kBoxObj.substr(0, kBoxObj.size() - 1)},
   };
   for (const auto& c : cases) {
@@ -679,6 +680,25 @@ TEST(ForeignUrdf, FlatMesh_IsLeftOutOfABodyThatHasMore) {
   EXPECT_TRUE(says(format(scene.notices), "it encloses no volume; it is left out"));
   EXPECT_TRUE(says(format(sceneOf(folder, "<link name=\"b\">" + flat + "</link>").errors()),
                    "encloses no volume"));
+}
+
+TEST(ForeignUrdf, Density_FillsTheLinksColliders) {
+  const Folder folder;
+  const auto dense = [&](const std::string& value) {
+    return loadUrdf(
+        folder.write("cube.urdf",
+                     R"(<robot name="r"><link name="a"><collision><origin xyz="0.3 0 0"/><geometry>
+<box size="0.1 0.1 0.2"/></geometry></collision><inertial><density value=")" +
+                         value + R"("/></inertial></link></robot>)"));
+  };
+  const MassProperties m = orThrow(dense("500")).inertial.value();
+  EXPECT_NEAR(m.mass_kg, 1.0, 1e-12);  // 500 kg/m3 x 2 l
+  EXPECT_LT((m.com_m - Vector3d(0.3, 0.0, 0.0)).norm(), 1e-12);
+  // A twelfth of the mass times the squares of two edges.
+  const Vector3d diagonal_kg_m2 = Vector3d(0.01 + 0.04, 0.01 + 0.04, 0.01 + 0.01) / 12.0;
+  EXPECT_LT((m.inertia_kg_m2 - Eigen::Matrix3d(diagonal_kg_m2.asDiagonal())).norm(), 1e-12);
+  EXPECT_TRUE(
+      says(format(dense("0").errors()), "link[a].inertial.density.value = 0: gives no mass"));
 }
 
 TEST(ForeignUrdf, MasslessLinkOnAJoint_IsNamedWithWhatHelps) {

@@ -571,10 +571,25 @@ class Reader {
     return value != nullptr && parseNumbers(value) == std::vector<double>{0.0};
   }
 
-  /// @param moves a joint moves the link
-  std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key,
-                                             bool moves) {
+  /// An inertial of Isaac Gym: its density fills the link's colliders.
+  std::optional<MassProperties> readDensity(const XMLElement& density, const std::string& key,
+                                            const std::vector<Shape>& shapes) {
+    const std::size_t before = faults_.all().size();
+    const double value = faults_.numbers(density, "value", key + ".density", 1).front();
+    if (faults_.all().size() > before) return std::nullopt;
+    double volume_m3 = 0.0;
+    for (const Shape& shape : shapes) volume_m3 += moments(shape).volume_m3;
+    if (value > 0.0 && volume_m3 > 0.0) return uniformDensity(shapes, value * volume_m3);
+    faults_.add(&density, key + ".density.value", density.Attribute("value"), "gives no mass",
+                "must be > 0 kg/m3, of a link with a <collision>; or give <mass> and <inertia>");
+    return std::nullopt;
+  }
+
+  std::optional<MassProperties> readInertial(const XMLElement& e, const Link& link, bool moves) {
+    const std::string key = fmt::format("link[{}].inertial", link.name);
     const XMLElement* mass = e.FirstChildElement("mass");
+    const XMLElement* density = e.FirstChildElement("density");
+    if (mass == nullptr && density != nullptr) return readDensity(*density, key, link.shapes);
     const XMLElement* inertia = e.FirstChildElement("inertia");
     if (mass == nullptr || (inertia == nullptr && !use_.uniform_density)) {
       faults_.add(&e, key, "", fmt::format("has no <{}>", mass == nullptr ? "mass" : "inertia"),
@@ -720,8 +735,7 @@ class Reader {
       }
       const bool moves = carrierOf(linkIndex(link.name)) >= 0;
       if (link.inertial_element != nullptr && (moves || !stands)) {
-        link.inertial = readInertial(*link.inertial_element,
-                                     fmt::format("link[{}].inertial", link.name), moves);
+        link.inertial = readInertial(*link.inertial_element, link, moves);
       }
     }
   }
