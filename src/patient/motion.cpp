@@ -131,7 +131,7 @@ bool isDividedOtherwise(const std::vector<Cell>& names) {
 std::string noHeader(const std::vector<Cell>& names) {
   const bool any = std::any_of(names.begin(), names.end(),
                                [](const Cell& cell) { return isOfMotion(cell.text); });
-  return any ? "" : "is not a motion: its first line names no columns";
+  return any ? "" : "is not a motion: its first line names neither a time nor an axis";
 }
 
 /// Kind of the device's axis of that name, else of the usual one.

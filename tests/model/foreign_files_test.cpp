@@ -682,6 +682,42 @@ TEST(ForeignUrdf, FlatMesh_IsLeftOutOfABodyThatHasMore) {
                    "encloses no volume"));
 }
 
+TEST(ForeignUrdf, Origins_AreInRadOrQuaternions) {
+  const Folder folder;
+  const auto turned = [&](const std::string& origin) {
+    return loadUrdf(folder.write(
+        "t.urdf",
+        R"(<robot name="r"><link name="a"><collision><origin )" + origin +
+            R"(/><geometry><box size="0.1 0.1 0.2"/></geometry></collision></link></robot>)"));
+  };
+  // A quarter turn about x, then 60 degrees about z: its half angles are 45 and 30 degrees.
+  const UrdfBody by_angles = orThrow(turned(R"(rpy="1.5707963267948966 0 1.0471975511965976")"));
+  const UrdfBody by_quaternion = orThrow(turned(
+      R"(quat_xyzw="0.6123724356957945 0.3535533905932738 0.3535533905932738 0.6123724356957945")"));
+  EXPECT_LT((by_angles.shapes.at(0).in_body.rotation - by_quaternion.shapes.at(0).in_body.rotation)
+                .norm(),
+            1e-12);
+  EXPECT_TRUE(says(format(turned(R"(rpy="0 0 90")").errors()),
+                   "origin.rpy = 0 0 90: is beyond two turns (4π rad); must be in rad"));
+}
+
+TEST(ForeignUrdf, TextInUtf16_IsNamed) {
+  const Folder folder;
+  const std::string path = folder.write("u.urdf", "\xFF\xFE<");
+  EXPECT_TRUE(says(format(loadUrdf(path).errors()), "is a text in UTF-16; save it as UTF-8"));
+}
+
+TEST(ForeignUrdf, Scale_IsNamedOnce) {
+  const Folder folder;
+  folder.write("box.obj", kBoxObj);
+  const std::string path =
+      folder.write("s.urdf", R"(<robot name="r"><link name="a"><collision><geometry>
+<mesh filename="box.obj" scale="1,1,1"/></geometry></collision></link></robot>)");
+  const Diagnostics faults = loadUrdf(path).errors();
+  ASSERT_EQ(faults.size(), 1U) << format(faults);
+  EXPECT_TRUE(says(format(faults), "mesh.scale = 1,1,1: cannot be read"));
+}
+
 TEST(ForeignUrdf, Density_FillsTheLinksColliders) {
   const Folder folder;
   const auto dense = [&](const std::string& value) {

@@ -8,6 +8,7 @@
 #include "model/mesh/mesh_file.hpp"
 #include "model/scene/scene_model.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
@@ -19,6 +20,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -56,7 +58,7 @@ class UrdfFaults {
   double mass_kg(const XMLElement& e, const std::string& key, bool moves);
   /// A dimension in [0.001, 10] m.
   double length_m(const XMLElement& e, const char* attribute, const std::string& key);
-  /// Pose of an element's `<origin xyz rpy>`; identity without one.
+  /// Pose of an element's `<origin xyz rpy>` or `<origin xyz quat_xyzw>`; identity without one.
   Pose origin(const XMLElement& parent, const std::string& key);
 
  private:
@@ -202,8 +204,17 @@ Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
     const std::vector<double> xyz = numbers(*e, "xyz", key + ".origin", 3);
     pose.translation_m = {xyz[0], xyz[1], xyz[2]};
   }
-  if (e->Attribute("rpy") != nullptr) {
+  if (e->Attribute("quat_xyzw") != nullptr) {
+    const std::vector<double> q = numbers(*e, "quat_xyzw", key + ".origin", 4);
+    const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+    if (turn.norm() > 0.0) pose.rotation = turn.normalized().toRotationMatrix();
+  } else if (e->Attribute("rpy") != nullptr) {
+    constexpr double kMostTurn_rad = 4.0 * std::numbers::pi;
     const std::vector<double> rpy = numbers(*e, "rpy", key + ".origin", 3);
+    if (Eigen::Vector3d(rpy.data()).cwiseAbs().maxCoeff() > kMostTurn_rad) {
+      add(e, key + ".origin.rpy", e->Attribute("rpy"), "is beyond two turns (4π rad)",
+          "must be in rad: multiply degrees by π / 180");
+    }
     pose.rotation = rotationFromRpy(rpy[0], rpy[1], rpy[2]);
   }
   return pose;
@@ -287,13 +298,14 @@ std::vector<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFau
                             UrdfMeshes& meshes) {
   const std::string name = faults.text(e, "filename", key);
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  const std::size_t before = faults.all().size();
   if (const char* const text = e.Attribute("scale"); text != nullptr) {
     const auto one = parseNumbers(text);
     const bool even = one && one->size() == 1;
     const std::vector<double> s = faults.numbers(e, "scale", key, even ? 1 : 3);
     scale = {s.front(), s[even ? 0 : 1], s.back()};
   }
-  if (name.empty()) return {};
+  if (name.empty() || faults.all().size() > before) return {};
   meshes.files.push_back(meshPath(name, faults.file()).string());
   if (meshes.time->isOver()) return {};  // with a fault at the mesh before
   Expected<MeshCollider> mesh = loadMeshCollider(meshes.files.back(), scale, *meshes.time);
@@ -465,6 +477,8 @@ class Reader {
     std::error_code error;
     if (fs::file_size(faults_.file(), error) == 0) {
       faults_.addAtLine(0, "is empty", "give a URDF with at least one <link>");
+    } else if (isUtf16()) {
+      faults_.addAtLine(0, "is a text in UTF-16", "save it as UTF-8");
     } else if (no_xml) {
       faults_.addAtLine(0, "is no URDF: it holds no XML",
                         "give a URDF: XML that starts <robot ...>");
@@ -477,6 +491,14 @@ class Reader {
           fmt::format("is not well-formed XML: {} ({})", xmlProblem(code), document_.ErrorName()),
           "correct it at or above this line");
     }
+  }
+
+  /// True for a byte order mark of UTF-16.
+  [[nodiscard]] bool isUtf16() const {
+    std::array<char, 2> head{};
+    std::ifstream(faults_.file(), std::ios::binary).read(head.data(), head.size());
+    const std::string_view mark(head.data(), head.size());
+    return mark == "\xFF\xFE" || mark == "\xFE\xFF";
   }
 
   [[nodiscard]] int linkIndex(const std::string& name) const {
