@@ -180,6 +180,8 @@ class Reader {
   void checkValues();
   void checkPace();
   void fault(std::string key, std::string_view value, std::string problem, std::string remedy);
+  /// Adds a fault, up to kMostFaults of them.
+  void keep(Diagnostic fault);
 
   const DeviceModel* device_;
   MotionFile motion_;
@@ -197,12 +199,15 @@ class Reader {
 
 void Reader::fault(std::string key, std::string_view value, std::string problem,
                    std::string remedy) {
+  keep({motion_.path, line_, std::move(key), shown(value), std::move(problem), std::move(remedy)});
+}
+
+void Reader::keep(Diagnostic fault) {
   if (faults_.size() == kMostFaults) {
     ++unreported_;
-    return;
+  } else {
+    faults_.push_back(std::move(fault));
   }
-  faults_.push_back(
-      {motion_.path, line_, std::move(key), shown(value), std::move(problem), std::move(remedy)});
 }
 
 void Reader::refuse(const std::string& problem, const char* remedy) {
@@ -276,11 +281,17 @@ bool Reader::header(std::string_view line) {
   const bool none = motion_.columns.empty();
   for (Diagnostic& column : ignored_) {
     if (none) {
-      faults_.push_back(std::move(column));
-    } else {
+      keep(std::move(column));
+    } else if (motion_.notices.size() < kMostFaults) {
       column.problem += " and is ignored";
       motion_.notices.push_back(std::move(column));
     }
+  }
+  if (!none && ignored_.size() > kMostFaults) {
+    const std::size_t more = ignored_.size() - kMostFaults;
+    motion_.notices.push_back({motion_.path, line_, "", "",
+                               "has " + counted(more, "more column") + " that no axis has, ignored",
+                               "name those that shall move in _m or _rad"});
   }
   if (faults_.empty() && none) {
     fault("", "", "has no axis column", "add a column such as x_m or finger_flexion_rad");

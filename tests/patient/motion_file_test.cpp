@@ -189,6 +189,19 @@ TEST(MotionFile, ColumnsOfNoKnownAxis_AreIgnoredAndNamed) {
   EXPECT_EQ(noticesOf("time_s,x_m\n0,0\n1,1\n"), "");
 }
 
+TEST(MotionFile, ManyColumnsOfNoAxis_AreNamedUpToTwentyAndCounted) {
+  std::string names, values;
+  for (int i = 0; i < 23; ++i) {
+    names += ",field.position" + std::to_string(i);
+    values += ",0";
+  }
+  const std::string faults = faultsOf("time_s" + names + "\n0" + values + "\n1" + values + "\n");
+  EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 20) << faults;
+  EXPECT_SAYS(faults, "has 3 more faults");
+  const std::string notices = noticesOf("time_s,x_m" + names + "\n0,0" + values + "\n1,0" + values);
+  EXPECT_SAYS(notices, "has 3 more columns that no axis has, ignored");
+}
+
 TEST(MotionFile, TimeWithoutItsUnit_IsNamed) {
   EXPECT_SAYS(faultsOf("time,x\n0,0\n1,0.1\n"),
               "time_s: is missing: the column time does not say its unit");
