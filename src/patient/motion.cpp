@@ -109,21 +109,29 @@ constexpr const char* kGiveMotion =
 
 /// Names that other programs give to the time.
 bool isTime(std::string_view name) {
-  constexpr std::array<std::string_view, 8> kNames = {"time",  "t",         "Time",    "timestamp",
-                                                      "%time", "time_msec", "time_ms", "stamp"};
+  constexpr std::array<std::string_view, 9> kNames = {
+      "time", "t", "Time", "timestamp", "%time", "__time", "time_msec", "time_ms", "stamp"};
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+}
+
+bool isOfMotion(std::string_view name) {
+  return name == "time_s" || isTime(name) || name.ends_with("_m") || name.ends_with("_rad");
+}
+
+/// True for a single cell that other marks than commas divide.
+bool isDividedOtherwise(const std::vector<Cell>& names) {
+  if (names.size() != 1) return false;
+  const std::string& text = names.front().text;
+  const std::size_t blank = text.find(' ');
+  return text.find_first_of(";\t") != text.npos ||
+         (blank != text.npos && isOfMotion(text.substr(0, blank)));
 }
 
 /// Why a first line is no header of a motion; empty if it is one.
 std::string noHeader(const std::vector<Cell>& names) {
-  const bool any = std::any_of(names.begin(), names.end(), [](const Cell& cell) {
-    const std::string& name = cell.text;
-    return name == "time_s" || isTime(name) || name.ends_with("_m") || name.ends_with("_rad");
-  });
-  if (names.size() == 1 && names.front().text.find_first_of(";\t") != std::string::npos) {
-    return "is not a CSV file of commas: its columns are divided by something else";
-  }
-  return any ? "" : "is not a motion: its first line names no columns";
+  const bool any = std::any_of(names.begin(), names.end(),
+                               [](const Cell& cell) { return isOfMotion(cell.text); });
+  return any ? "" : "is not a motion: its first line names neither a time nor an axis";
 }
 
 /// Kind of the device's axis of that name, else of the usual one.
@@ -167,11 +175,13 @@ class Reader {
   std::optional<double> number(const std::string& cell, std::size_t place);
   void checkTime(double time_s, std::string_view cell);
   /// Refuses what is no motion, as what it is where that is known.
-  void refuse(const std::string& problem);
+  void refuse(const std::string& problem, const char* remedy = kGiveMotion);
   void checkWhole();
   void checkValues();
   void checkPace();
   void fault(std::string key, std::string_view value, std::string problem, std::string remedy);
+  /// Adds a fault, up to kMostFaults of them.
+  void keep(Diagnostic fault);
 
   const DeviceModel* device_;
   MotionFile motion_;
@@ -189,17 +199,20 @@ class Reader {
 
 void Reader::fault(std::string key, std::string_view value, std::string problem,
                    std::string remedy) {
-  if (faults_.size() == kMostFaults) {
-    ++unreported_;
-    return;
-  }
-  faults_.push_back(
-      {motion_.path, line_, std::move(key), shown(value), std::move(problem), std::move(remedy)});
+  keep({motion_.path, line_, std::move(key), shown(value), std::move(problem), std::move(remedy)});
 }
 
-void Reader::refuse(const std::string& problem) {
+void Reader::keep(Diagnostic fault) {
+  if (faults_.size() == kMostFaults) {
+    ++unreported_;
+  } else {
+    faults_.push_back(std::move(fault));
+  }
+}
+
+void Reader::refuse(const std::string& problem, const char* remedy) {
   const auto foreign = foreignFileAt(motion_.path);
-  fault("", "", foreign ? foreign->problem : problem, foreign ? foreign->remedy : kGiveMotion);
+  fault("", "", foreign ? foreign->problem : problem, foreign ? foreign->remedy : remedy);
 }
 
 void Reader::column(const std::string& name, std::size_t place) {
@@ -241,6 +254,11 @@ void Reader::column(const std::string& name, std::size_t place) {
 
 bool Reader::header(std::string_view line) {
   const std::vector<Cell> names = cells(line);
+  if (isDividedOtherwise(names)) {
+    refuse("is not a CSV file of commas: its columns are divided by something else",
+           "divide the columns by commas, and write numbers with a point: 0.125");
+    return false;
+  }
   if (std::string why = noHeader(names); !why.empty()) {
     refuse(why);
     return false;
@@ -263,11 +281,17 @@ bool Reader::header(std::string_view line) {
   const bool none = motion_.columns.empty();
   for (Diagnostic& column : ignored_) {
     if (none) {
-      faults_.push_back(std::move(column));
-    } else {
+      keep(std::move(column));
+    } else if (motion_.notices.size() < kMostFaults) {
       column.problem += " and is ignored";
       motion_.notices.push_back(std::move(column));
     }
+  }
+  if (!none && ignored_.size() > kMostFaults) {
+    const std::size_t more = ignored_.size() - kMostFaults;
+    motion_.notices.push_back({motion_.path, line_, "", "",
+                               "has " + counted(more, "more column") + " that no axis has, ignored",
+                               "name those that shall move in _m or _rad"});
   }
   if (faults_.empty() && none) {
     fault("", "", "has no axis column", "add a column such as x_m or finger_flexion_rad");
@@ -276,6 +300,10 @@ bool Reader::header(std::string_view line) {
 }
 
 bool Reader::line(std::string_view text) {
+  if (line_ == 1 && (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))) {
+    refuse("is a text in UTF-16", "save it as UTF-8");
+    return false;
+  }
   if (holdsControl(text)) {
     refuse("is not a CSV text: it holds bytes that no text has");
     return false;
@@ -440,12 +468,16 @@ Expected<MotionFile> Reader::read() {
     return faults_;
   }
   for (std::string whole; std::getline(file, whole);) {
-    ++line_;
-    std::string_view text = whole;
-    if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark
-    text = trimmed(text);
-    if (text.empty() || text.starts_with('#')) continue;
-    if (!line(text)) return faults_;
+    if (whole.ends_with('\r')) whole.pop_back();
+    for (std::size_t begin = 0, end = 0; end != whole.npos; begin = end + 1) {
+      end = whole.find('\r', begin);  // alone, it ends a line, too
+      ++line_;
+      std::string_view text = std::string_view(whole).substr(begin, end - begin);
+      if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+      text = trimmed(text);
+      if (text.empty() || text.starts_with('#')) continue;
+      if (!line(text)) return faults_;
+    }
   }
   checkWhole();
   if (unreported_ > 0) {

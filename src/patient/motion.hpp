@@ -25,9 +25,9 @@ struct MotionFile {
 /// With `device`: no value farther from the first than ten times its axis's range, no step faster
 /// than ten times its speed. Known axes are the nine usual ones and, with `device`, its own; their
 /// unit must be that of the device's axis; columns of other names are ignored, with a notice.
-/// Values may be quoted (RFC 4180), and a first column without a name numbers the rows. Empty lines
-/// and lines that start with # are skipped. Reports every fault at once (the first 20). Not
-/// real-time safe.
+/// Values may be quoted (RFC 4180), and a first column without a name numbers the rows. Lines end
+/// in \n, \r\n or \r; empty ones and those that start with # are skipped. Reports every fault at
+/// once (the first 20). Not real-time safe.
 [[nodiscard]] Expected<MotionFile> loadMotionFile(const std::string& path,
                                                   const DeviceModel* device = nullptr);
 

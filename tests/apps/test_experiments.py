@@ -172,6 +172,9 @@ class Admission(AppTest):
 
     def test_bad_input_is_refused(self):
         self.expect_refused(self.run_app("validate", "--admit", "no-such.toml"), "no-such.toml")
+        alone = self.run_app("validate", "--admit", CONFIG / "scenes/drawer.toml")  # its exercise begins elsewhere
+        self.expect_refused(alone, "drawer", "inside the hand",
+                            f"wholehand validate --admit {CONFIG / 'exercises/drawer.toml'}")
 
     def test_admits_an_exercise_by_the_bodies_of_its_game_or_names_the_budget_slow(self):
         game = CONFIG / "exercises/game-scene.toml"

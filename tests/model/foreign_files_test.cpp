@@ -212,6 +212,25 @@ TEST(ForeignMesh, TextureThatCannotBeRead_IsNoFault) {
             Affine3d::Identity(), 1e-9);
 }
 
+TEST(ForeignMesh, DaeAsWritersLeaveIt_IsRead) {
+  const Folder folder;
+  const std::string plain = dae("<node>" + kInstance + "</node>");
+  std::string comments = plain, unit = plain, names = plain;
+  for (const std::string_view element : {"<p>", "count=\"24\">"}) {
+    const std::size_t begin = comments.find(element) + element.size();
+    comments.insert(comments.find(' ', begin + 4) + 1, "<!-- a remark -->");
+  }
+  expectBox(folder.write("c.dae", comments), Affine3d::Identity(), 1e-9);
+  unit.replace(unit.find("meter=\"1\""), 9, "meter=\"0,5\"");  // a decimal comma
+  expectBox(folder.write("c.dae", unit), Affine3d(Eigen::Scaling(0.5)), 1e-9);
+  names.replace(names.find("\"X\""), 3, "\"Y\"").replace(names.rfind("\"Y\""), 3, "\"X\"");
+  Affine3d swapped = Affine3d::Identity();
+  swapped.linear() << 0, 1, 0, 1, 0, 0, 0, 0, 1;  // which turns the box inside out
+  const ShapeMoments m = moments(orThrow(load(folder, "c.dae", names)).shapes[0]);
+  EXPECT_NEAR(m.volume_m3, kBox_m3, 1e-15);
+  EXPECT_LT((m.center_m - swapped * (kBox_m / 2.0)).norm(), 1e-12);
+}
+
 TEST(ForeignMesh, EveryLineOfAnObj_IsUnderstood) {
   const Folder folder;
   std::string crlf, blanks, colours, weights, no_zero, comments, joined;
@@ -259,6 +278,7 @@ TEST(ForeignMesh, EveryLineOfAnObj_IsUnderstood) {
       {"slashes", slashes},
       {"quads", quads},
       {"faces first", objFaces() + objCorners(boxCorners())},
+      {"extensions", "t crease 2/1/0 1 2 4.7\n" + kBoxObj + "vw 0 0 0.25 1 0.75\n"},
       {"no line end", kBoxObj.substr(0, kBoxObj.size() - 1)},
   };
   for (const auto& c : cases) {
@@ -332,6 +352,30 @@ TEST(ForeignMesh, ConvexObjectsOrGroupsOfOneObj_ArePieces) {
   EXPECT_EQ(two.shapes.size(), 2U);
 }
 
+// A box beside one whose top is a hollow pyramid: of 48 cm3, a third of its base times its depth is
+// missing.
+TEST(ForeignMesh, NearlyConvexParts_ArePieces) {
+  const Folder folder;
+  const auto dented = [&](double depth_m) {
+    std::string faces;
+    for (const Eigen::Vector3i& t : kBoxFaces) {
+      const bool top = t[0] % 2 + t[1] % 2 + t[2] % 2 == 3;
+      if (!top) faces += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    }
+    const std::string beside = objCorners(boxCorners({0.1, 0, 0}, {0.16, 0.04, 0.02}));
+    return orThrow(load(folder, "d.obj",
+                        "o dented\n" + objCorners(boxCorners()) + faces +
+                            fmt::format("v 0.03 0.02 {}\n", 0.02 - depth_m) +
+                            "f 2 6 9\nf 6 8 9\nf 8 4 9\nf 4 2 9\no box\n" + beside + objFaces(10)));
+  };
+  const MeshCollider two = dented(1.8e-3);  // 1.44 cm3 of it: its hull is 3.1 % larger
+  ASSERT_EQ(two.shapes.size(), 2U);
+  EXPECT_NEAR(moments(two.shapes[0]).volume_m3, kBox_m3, 1e-15);
+  EXPECT_TRUE(says(format(two.notices), "has 2 parts whose convex hulls take their place, 1.52 %"))
+      << format(two.notices);
+  EXPECT_EQ(dented(3.6e-3).shapes.size(), 1U);  // 6.4 %
+}
+
 TEST(ForeignMesh, FlatPartOfPieces_IsLeftOutAndNamed) {
   const Folder folder;
   const std::string flat = "o flat\nv 0 0 1\nv 0.1 0 1\nv 0 0.1 1\nf -3 -2 -1\n";
@@ -379,6 +423,10 @@ TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
   expectBox(folder.write("c.stl", binary + "by some program\n"), Affine3d::Identity(), 1e-6);
   expectBox(folder.write("c.stl", named), Affine3d::Identity(), 1e-6);
   expectBox(folder.write("c.stl", uncounted), Affine3d::Identity(), 1e-6);
+  std::string bare = "SOLID facet vertex\n" + facets + "ENDSOLID\n";
+  expectBox(folder.write("c.stl", bare + std::string(16, '\0')), Affine3d::Identity(), 1e-9);
+  std::replace(bare.begin(), bare.end(), '\n', '\r');
+  expectBox(folder.write("c.stl", bare), Affine3d::Identity(), 1e-9);
   EXPECT_TRUE(says(refusalOf(folder, "c.stl", binary.substr(0, binary.size() - 60)),
                    "announces 12 triangles and holds 10"));
 }
@@ -398,6 +446,104 @@ TEST(ForeignMesh, PlyWithMoreValuesThanItsHeadNames_IsReadByLines) {
   expectBox(path, Affine3d::Identity(), 1e-9);
   EXPECT_TRUE(says(format(orThrow(loadMeshCollider(path, Vector3d::Ones())).notices),
                    "has more values in line 10 than its head names"));
+}
+
+std::string plyHead(const std::string& remark, const std::string& end = "\n") {
+  std::string head = "ply\nformat ascii 1.0\n" + remark +
+                     "element vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+                     "element face 12\nproperty list uchar int vertex_index\nend_header\n";
+  for (std::size_t at = head.find('\n'); at != head.npos; at = head.find('\n', at + end.size())) {
+    head.replace(at, 1, end);
+  }
+  return head;
+}
+
+TEST(ForeignMesh, PlyAsWritersLeaveIt_IsRead) {
+  const Folder folder;
+  std::string rows, values;
+  for (const Vector3d& p : boxCorners()) {
+    rows += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+    for (const double x : p) values += littleEndian(static_cast<float>(x));
+  }
+  for (const Eigen::Vector3i& t : kBoxFaces) {
+    rows += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
+    values += '\x03';
+    for (const int i : t) values += littleEndian(std::int32_t{i});
+  }
+  std::string bare = rows;
+  std::replace(bare.begin(), bare.end(), '\n', '\r');
+  std::string binary = plyHead("");
+  binary.replace(binary.find("ascii"), 5, "binary_little_endian");
+  std::string blank = binary;
+  blank.insert(blank.size() - 1, " ");
+  const struct {
+    const char* name;
+    std::string bytes;
+  } cases[] = {
+      {"byte order mark", "\xEF\xBB\xBF" + plyHead("") + rows},
+      {"CR alone", plyHead("", "\r") + bare},
+      {"blank behind the head", blank + values},
+      {"remark without \"comment\"", plyHead("Created by a program\n") + rows},
+  };
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.name);
+    expectBox(folder.write("c.ply", c.bytes), Affine3d::Identity(), 1e-6);
+  }
+  const MeshCollider remark = orThrow(load(folder, "c.ply", cases[3].bytes));
+  EXPECT_TRUE(
+      says(format(remark.notices), "has \"Created\" in line 3 of its head, which is ignored"));
+  std::string other = plyHead("") + rows;
+  other.replace(other.find("vertex_index"), 12, "corners");
+  EXPECT_TRUE(says(refusalOf(folder, "c.ply", other), "faces without a list \"vertex_indices\""));
+  std::string cloud = plyHead("") + rows;
+  cloud.replace(cloud.find("face 12"), 7, "face 0");
+  EXPECT_TRUE(says(refusalOf(folder, "c.ply", cloud), "holds 8 points and no triangle"));
+}
+
+TEST(ForeignMesh, CornersOfNoFace_DoNotCount) {
+  const Folder folder;
+  for (const char* spare : {"v 99 0 0\n", "v nan nan nan\n"}) {
+    const std::string path = folder.write("c.obj", kBoxObj + spare);
+    expectBox(path, Affine3d::Identity(), 1e-9);
+    EXPECT_TRUE(orThrow(loadMeshCollider(path, Vector3d::Ones())).notices.empty());
+  }
+}
+
+// A box in a box, half as wide: 48 and 6 cm3.
+TEST(ForeignMesh, PartInsideAnother_IsLeftOutAndAHollowIsNone) {
+  const Folder folder;
+  const std::string inner = objCorners(boxCorners(kBox_m / 4.0, 0.75 * kBox_m));
+  const MeshCollider solid =
+      orThrow(load(folder, "in.obj", "o a\n" + kBoxObj + "o b\n" + inner + objFaces(9)));
+  ASSERT_EQ(solid.shapes.size(), 1U);
+  EXPECT_NEAR(moments(solid.shapes[0]).volume_m3, kBox_m3, 1e-15);
+  EXPECT_TRUE(says(format(solid.notices), "has 1 part inside another")) << format(solid.notices);
+  std::string hollow = kBoxObj + inner;
+  for (const Eigen::Vector3i& t : kBoxFaces) {
+    hollow += fmt::format("f {} {} {}\n", t[2] + 9, t[1] + 9, t[0] + 9);
+  }
+  const MeshCollider filled = orThrow(load(folder, "hollow.obj", hollow));
+  ASSERT_EQ(filled.shapes.size(), 1U);
+  EXPECT_NEAR(moments(filled.shapes[0]).volume_m3, kBox_m3, 1e-15);
+  EXPECT_TRUE(says(format(filled.notices), "14.3 % larger in volume"));  // 48 / (48 - 6)
+}
+
+TEST(ForeignMesh, SurfaceClosedToRounding_HasAVolume) {
+  const Folder folder;
+  // The U of one object, as an STL of doubles: the corners of each triangle are rounded apart.
+  std::string stl = "solid u\n";
+  const MeshSurface u = orThrow(readMesh(folder.write("u.obj", letterU("o all\n", false)))).surface;
+  double apart_m = 1e-9;
+  for (const Eigen::Vector3i& t : u.triangles) {
+    stl += "facet normal 0 0 0 outer loop\n";
+    for (const int corner : t) {
+      const Vector3d p = u.points[corner].array() + (apart_m = -apart_m);
+      stl += fmt::format("vertex {} {} {}\n", p.x(), p.y(), p.z());
+    }
+    stl += "endloop endfacet\n";
+  }
+  const MeshCollider mesh = orThrow(load(folder, "u.stl", stl + "endsolid\n"));
+  EXPECT_TRUE(says(format(mesh.notices), "125 % larger in volume")) << format(mesh.notices);
 }
 
 TEST(ForeignMesh, Polygons_AreFansOrCutAtTheirEars) {
@@ -420,6 +566,26 @@ TEST(ForeignMesh, Polygons_AreFansOrCutAtTheirEars) {
       orThrow(readMesh(folder.write("b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 1\nv 0 1 0\nf 1 2 3 4\n")))
           .surface;
   EXPECT_EQ(bent.triangles, (std::vector<Eigen::Vector3i>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST(ForeignMesh, GlbWithMoreThanItsGeometry_IsReadAndNamed) {
+  const Folder folder;
+  const std::string plain = glb(R"({"mesh":0})");
+  expectBox(folder.write("t.glb", plain + "a tail"), Affine3d::Identity(), 1e-6);
+  EXPECT_TRUE(says(refusalOf(folder, "t.glb", plain.substr(0, plain.size() - 4)),
+                   fmt::format("announces {} bytes and holds {}", plain.size(), plain.size() - 4)));
+  const auto with = [&](std::string_view before, std::string_view more) {
+    std::string json = plain.substr(20, plain.find("BIN") - 24);
+    json.insert(json.find(before) + before.size(), more);
+    return glbOf(json, plain.substr(plain.find("BIN") + 4));
+  };
+  const std::string extended =
+      with("{", R"("extensionsRequired":["KHR_materials_unlit","EXT_bent_space"],)");
+  const std::string said = format(orThrow(load(folder, "e.glb", extended)).notices);
+  EXPECT_TRUE(says(said, "requires the extension EXT_bent_space, which is not known")) << said;
+  EXPECT_FALSE(says(said, "KHR_materials_unlit")) << said;
+  const std::string text = with(R"("buffers":[{)", R"("uri":"data:;base64,AAAA",)");
+  EXPECT_TRUE(says(refusalOf(folder, "d.glb", text), "keeps its geometry as text in its JSON"));
 }
 
 TEST(ForeignMesh, QuantisedGlb_IsRead) {
@@ -516,13 +682,85 @@ TEST(ForeignUrdf, FlatMesh_IsLeftOutOfABodyThatHasMore) {
                    "encloses no volume"));
 }
 
+TEST(ForeignUrdf, Origins_AreInRadOrQuaternions) {
+  const Folder folder;
+  const auto turned = [&](const std::string& origin) {
+    return loadUrdf(folder.write(
+        "t.urdf",
+        R"(<robot name="r"><link name="a"><collision><origin )" + origin +
+            R"(/><geometry><box size="0.1 0.1 0.2"/></geometry></collision></link></robot>)"));
+  };
+  // A quarter turn about x, then 60 degrees about z: its half angles are 45 and 30 degrees.
+  const UrdfBody by_angles = orThrow(turned(R"(rpy="1.5707963267948966 0 1.0471975511965976")"));
+  const UrdfBody by_quaternion = orThrow(turned(
+      R"(quat_xyzw="0.6123724356957945 0.3535533905932738 0.3535533905932738 0.6123724356957945")"));
+  EXPECT_LT((by_angles.shapes.at(0).in_body.rotation - by_quaternion.shapes.at(0).in_body.rotation)
+                .norm(),
+            1e-12);
+  EXPECT_TRUE(says(format(turned(R"(rpy="0 0 90")").errors()),
+                   "origin.rpy = 0 0 90: is beyond two turns (4π rad); must be in rad"));
+}
+
+TEST(ForeignUrdf, TextInUtf16_IsNamed) {
+  const Folder folder;
+  const std::string path = folder.write("u.urdf", "\xFF\xFE<");
+  EXPECT_TRUE(says(format(loadUrdf(path).errors()), "is a text in UTF-16; save it as UTF-8"));
+}
+
+TEST(ForeignUrdf, Scale_IsNamedOnce) {
+  const Folder folder;
+  folder.write("box.obj", kBoxObj);
+  const std::string path =
+      folder.write("s.urdf", R"(<robot name="r"><link name="a"><collision><geometry>
+<mesh filename="box.obj" scale="1,1,1"/></geometry></collision></link></robot>)");
+  const Diagnostics faults = loadUrdf(path).errors();
+  ASSERT_EQ(faults.size(), 1U) << format(faults);
+  EXPECT_TRUE(says(format(faults), "mesh.scale = 1,1,1: cannot be read"));
+}
+
+TEST(ForeignUrdf, Density_FillsTheLinksColliders) {
+  const Folder folder;
+  const auto dense = [&](const std::string& value) {
+    return loadUrdf(
+        folder.write("cube.urdf",
+                     R"(<robot name="r"><link name="a"><collision><origin xyz="0.3 0 0"/><geometry>
+<box size="0.1 0.1 0.2"/></geometry></collision><inertial><density value=")" +
+                         value + R"("/></inertial></link></robot>)"));
+  };
+  const MassProperties m = orThrow(dense("500")).inertial.value();
+  EXPECT_NEAR(m.mass_kg, 1.0, 1e-12);  // 500 kg/m3 x 2 l
+  EXPECT_LT((m.com_m - Vector3d(0.3, 0.0, 0.0)).norm(), 1e-12);
+  // A twelfth of the mass times the squares of two edges.
+  const Vector3d diagonal_kg_m2 = Vector3d(0.01 + 0.04, 0.01 + 0.04, 0.01 + 0.01) / 12.0;
+  EXPECT_LT((m.inertia_kg_m2 - Eigen::Matrix3d(diagonal_kg_m2.asDiagonal())).norm(), 1e-12);
+  EXPECT_TRUE(
+      says(format(dense("0").errors()), "link[a].inertial.density.value = 0: gives no mass"));
+}
+
+TEST(ForeignUrdf, MasslessLinkOnAJoint_IsNamedWithWhatHelps) {
+  const Folder folder;
+  const std::string link =
+      R"(<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>)";
+  const std::string door = folder.write(
+      "door.urdf", R"(<robot name="r"><link name="a">)" + link + R"(</link><link name="b">)" +
+                       link +
+                       R"(<inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0"/></inertial>
+</link><joint name="j" type="prismatic"><parent link="a"/><child link="b"/><limit lower="0"
+upper="1"/></joint></robot>)");
+  MeshLoadTime time;
+  EXPECT_TRUE(says(format(loadUrdf(door, time, {.fixed = true}).errors()),
+                   "link[b].inertial.mass.value = 0: is not positive; must be > 0: a joint moves "
+                   "this link"));
+}
+
 TEST(ForeignUrdf, MeshNamesOfEveryForm_AreFound) {
   const Folder folder;
   folder.write("my cups/meshes/a cup.obj", kBoxObj);
   for (const char* name :
        {"../meshes/a%20cup.obj", "../meshes/a cup.obj", "..\\meshes\\a cup.obj",
         "..\\meshes\\a%20cup.obj", "package://my cups/meshes/a%20cup.obj",
-        "package://my%20cups/meshes/a%20cup.obj", "model://my cups/meshes/a cup.obj"}) {
+        "package://my%20cups/meshes/a%20cup.obj", "model://my cups/meshes/a cup.obj",
+        "my cups/meshes/a cup.obj", "meshes/a cup.obj"}) {
     const UrdfBody body = orThrow(loadUrdf(folder.write(
         "my cups/urdf/c.urdf",
         R"(<robot name="r"><link name="a"><collision><geometry><mesh filename=")" +

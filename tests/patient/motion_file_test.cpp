@@ -87,7 +87,12 @@ TEST(MotionFile, SomethingElse_IsSaidOnce) {
   EXPECT_SAYS(once("# A scene.\nkind = \"scene\"\nversion = 1\nsize_m = [1, 2, 3]\n"),
               ":2: is not a motion");
   EXPECT_SAYS(once("0.0,0.1,0.2\n0.1,0.1,0.2\n"), ":1: is not a motion");  // no header
-  EXPECT_SAYS(once("time_s;x_m\n0;0\n1;1\n"), "divided by something else");
+  EXPECT_SAYS(faultsOf("\xFF\xFEt"), "is a text in UTF-16; save it as UTF-8");
+  for (const char divider : {';', '\t', ' '}) {
+    std::string table = "time_s,x_m\n0,0\n1,1\n";
+    std::replace(table.begin(), table.end(), ',', divider);
+    EXPECT_SAYS(faultsOf(table), "divided by something else; divide the columns by commas");
+  }
   EXPECT_SAYS(once("time_s,x_m\n0,0\n1,\x01\n2,\x01\n"), ":3: is not a CSV text");
   EXPECT_SAYS(format(loadMotionFile("/dev/zero").errors()), "is not a file");
 }
@@ -165,6 +170,7 @@ TEST(MotionFile, TablesOfOtherPrograms_AreRead) {
         "\"\",\"time_s\",\"x_m\"\n\"1\",0,1\n\"2\",0.5,2\n",             // R: write.csv
         "\"time_s\",\"x_m\"\n\"1\",0,1\n\"2\",0.5,2\n",                  // R: write.table
         ",time_s,x_m\n0,0,1\n1,0.5,2\n",                                 // pandas
+        "time_s,x_m\r0,1\r0.5,2",                                        // \r alone, Excel for Mac
         "time_s,frame_id,x_m\n0,\"base, link \"\"1\"\"\",1\n0.5,,2\n"})  // ROS
   {
     const MotionFile motion = orThrow(loadMotionFile(written(content)));
@@ -183,10 +189,24 @@ TEST(MotionFile, ColumnsOfNoKnownAxis_AreIgnoredAndNamed) {
   EXPECT_EQ(noticesOf("time_s,x_m\n0,0\n1,1\n"), "");
 }
 
+TEST(MotionFile, ManyColumnsOfNoAxis_AreNamedUpToTwentyAndCounted) {
+  std::string names, values;
+  for (int i = 0; i < 23; ++i) {
+    names += ",field.position" + std::to_string(i);
+    values += ",0";
+  }
+  const std::string faults = faultsOf("time_s" + names + "\n0" + values + "\n1" + values + "\n");
+  EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 20) << faults;
+  EXPECT_SAYS(faults, "has 3 more faults");
+  const std::string notices = noticesOf("time_s,x_m" + names + "\n0,0" + values + "\n1,0" + values);
+  EXPECT_SAYS(notices, "has 3 more columns that no axis has, ignored");
+}
+
 TEST(MotionFile, TimeWithoutItsUnit_IsNamed) {
   EXPECT_SAYS(faultsOf("time,x\n0,0\n1,0.1\n"),
               "time_s: is missing: the column time does not say its unit");
   EXPECT_SAYS(faultsOf("time,x\n0,0\n1,0.1\n"), "column 2 = x: has no known unit");
+  EXPECT_SAYS(faultsOf("__time,x_m\n0,0\n1,0.1\n"), "the column __time does not say its unit");
   EXPECT_SAYS(faultsOf("%time,x_m\n0,0\n1,0.1\n"), "the column %time does not say its unit");
 }
 

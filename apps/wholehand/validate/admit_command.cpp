@@ -10,6 +10,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -23,6 +27,33 @@ std::string listOf(const std::vector<std::string>& names) {
   }
   if (names.size() > kNamed) text += fmt::format(" and {} more", names.size() - kNamed);
   return text;
+}
+
+/// The exercise of the folder `exercises` beside the scene's that plays the scene; empty: none
+/// does.
+std::string exerciseOf(const std::string& scene) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::vector<fs::path> found;
+  const fs::path folder = (fs::path(scene).parent_path() / "../exercises").lexically_normal();
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->path().extension() != ".toml") continue;
+    TomlFile file(at->path().string(), "exercise");
+    if (!file.readable()) continue;
+    std::error_code none;
+    if (fs::equivalent(folder / file.root().text("scene"), scene, none)) found.push_back(*at);
+  }
+  return found.empty() ? "" : std::min_element(found.begin(), found.end())->string();
+}
+
+/// Faults of a scene by itself. An exercise may begin it elsewhere than at the device's rest.
+Diagnostics withExercise(Diagnostics faults, const std::string& scene) {
+  const std::string exercise = scene.empty() ? "" : exerciseOf(scene);
+  if (exercise.empty()) return faults;
+  for (Diagnostic& fault : faults) {
+    fault.remedy += "; an exercise plays it: wholehand validate --admit " + printable(exercise);
+  }
+  return faults;
 }
 
 /// @param too_slow of the bodies of a game, if they are
@@ -72,7 +103,7 @@ int admitCommand(const AdmitOptions& options) {
     std::printf("measuring %s\n", what.c_str());
     std::fflush(stdout);
   });
-  if (!admission) return refuse(admission.errors());
+  if (!admission) return refuse(withExercise(admission.errors(), files.scene));
   const Diagnostic too_slow =
       admission->pool ? poolTooSlow(*admission->pool, *models) : Diagnostic{};
   print(*admission, options, too_slow);

@@ -93,26 +93,15 @@ std::optional<Diagnostic> holeFault(const WeldedMesh& mesh) {
   return std::nullopt;
 }
 
-/// The same number for corners at exactly the same place: STL stores them for each triangle.
-std::vector<int> samePlaces(const std::vector<Vector3d>& points_m) {
-  const auto before = [&](int i, int j) {
-    return std::lexicographical_compare(points_m[i].begin(), points_m[i].end(), points_m[j].begin(),
-                                        points_m[j].end());
-  };
-  std::vector<int> sorted(points_m.size()), same(points_m.size());
-  std::iota(sorted.begin(), sorted.end(), 0);
-  std::sort(sorted.begin(), sorted.end(), before);
-  for (std::size_t k = 0; k < sorted.size(); ++k) {
-    const bool repeated = k > 0 && !before(sorted[k - 1], sorted[k]);
-    same[sorted[k]] = repeated ? same[sorted[k - 1]] : sorted[k];
-  }
-  return same;
+std::vector<int> welded(const MeshSurface& mesh) {
+  return weld(mesh.points, kWeldShare * diagonal(mesh.points));
 }
 
-/// Volume that a surface encloses [m³], by the divergence theorem. Empty when it is not closed or
-/// not wound one way: some edge is then not passed as often in one direction as in the other.
+/// Volume that a surface encloses [m³], by the divergence theorem; negative where it is wound
+/// inwards. Empty when it is not closed or not wound one way: some edge is then not passed as often
+/// in one direction as in the other.
 std::optional<double> enclosedVolume(const MeshSurface& mesh) {
-  const std::vector<int> same = samePlaces(mesh.points);
+  const std::vector<int> same = welded(mesh);
   std::map<std::pair<int, int>, int> passes;  // upwards less downwards
   const Vector3d inside = mean(mesh.points);
   double volume_m3 = 0.0;
@@ -126,7 +115,7 @@ std::optional<double> enclosedVolume(const MeshSurface& mesh) {
   }
   const bool closed =
       std::all_of(passes.begin(), passes.end(), [](const auto& edge) { return edge.second == 0; });
-  return closed ? std::optional<double>(std::abs(volume_m3)) : std::nullopt;
+  return closed ? std::optional<double>(volume_m3) : std::nullopt;
 }
 
 /// Of many points, those that lie farthest in one of kMaxMeshPoints directions, which are spread
@@ -199,7 +188,8 @@ Expected<StandIn> standIn(const MeshSurface& mesh) {
   Expected<Shape> shape = convexMesh(hull->points, hull->triangles);
   if (!shape) return shape.errors();
   found.shape = std::move(*shape);
-  const std::optional<double> enclosed_m3 = enclosedVolume(mesh);
+  std::optional<double> enclosed_m3 = enclosedVolume(mesh);
+  if (enclosed_m3) enclosed_m3 = std::abs(*enclosed_m3);
   // A surface that overlaps itself counts some space twice; one that is double counts all against
   // itself.
   if (enclosed_m3 && *enclosed_m3 > kConvexShare * found.hull_m3 &&
@@ -238,7 +228,7 @@ Diagnostic hullNotice(std::string why, const StandIn& hull) {
 }
 
 constexpr int kMostParts = 256;         ///< of one mesh
-constexpr double kNearlyConvex = 1.01;  ///< a part whose hull is larger is not convex
+constexpr double kNearlyConvex = 1.05;  ///< a part whose hull is larger is not convex
 
 /// The triangles of each part as a surface with its own corners. Empty: more than kMostParts.
 std::vector<MeshSurface> divided(const MeshSurface& mesh, const std::vector<int>& part) {
@@ -261,38 +251,87 @@ std::vector<MeshSurface> divided(const MeshSurface& mesh, const std::vector<int>
   return all;
 }
 
+/// A convex part.
+struct ConvexPart {
+  Shape shape;
+  double enclosed_m3 = 0.0;  ///< by the part itself; of a convex one: the shape's volume
+  bool inward = false;       ///< wound inwards
+};
+
+/// True when every corner of `inner` lies in `outer`.
+bool liesIn(const Shape& inner, const Shape& outer) {
+  const double near_m = kWeldShare * diagonal(outer.points_m);
+  return std::all_of(inner.points_m.begin(), inner.points_m.end(),
+                     [&](const Vector3d& p) { return signedDistance(outer, p) <= near_m; });
+}
+
+/// Takes away the parts inside another, of which nothing is felt. False when one is a hollow: it is
+/// wound the other way.
+bool dropInner(std::vector<ConvexPart>& parts) {
+  for (std::size_t outer = 0; outer < parts.size(); ++outer) {
+    for (std::size_t inner = parts.size(); inner-- > 0;) {
+      if (inner == outer || !liesIn(parts[inner].shape, parts[outer].shape)) continue;
+      if (parts[inner].inward != parts[outer].inward) return false;
+      parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(inner));
+      if (inner < outer) --outer;
+    }
+  }
+  return true;
+}
+
+/// The part as itself, or its hull; an error when it has no volume, or is smaller than a collider
+/// may be. Of a part that is not convex within kNearlyConvex, `enclosed_m3` is 0.
+Expected<ConvexPart> convexPart(const MeshSurface& mesh) {
+  ConvexPart part;
+  part.inward = enclosedVolume(mesh).value_or(0.0) < 0.0;
+  if (Expected<Shape> itself = convexMesh(mesh.points, mesh.triangles)) {
+    part.shape = std::move(*itself);
+    part.enclosed_m3 = moments(part.shape).volume_m3;
+    return part;
+  }
+  Expected<StandIn> hull = standIn(mesh);
+  if (!hull) return hull.errors();
+  const double enclosed_m3 = hull->enclosed_m3.value_or(0.0);
+  if (hull->hull_m3 <= kNearlyConvex * enclosed_m3) part.enclosed_m3 = enclosed_m3;
+  part.shape = std::move(hull->shape);
+  return part;
+}
+
 /// The colliders of parts that are convex, each within kNearlyConvex; empty when one is not, or
-/// there is but one. Parts without volume, or smaller than a collider may be, are left out, with a
-/// notice.
+/// there is but one, or one is a hollow of another. Parts without volume, smaller than a collider
+/// may be, or inside another are left out, with a notice.
 std::optional<MeshCollider> convexParts(const MeshSurface& mesh, const std::vector<int>& part) {
   const std::vector<MeshSurface> parts = divided(mesh, part);
   if (parts.size() < 2) return std::nullopt;
+  std::vector<ConvexPart> convex;
+  for (const MeshSurface& one : parts) {
+    Expected<ConvexPart> found = convexPart(one);
+    if (!found) continue;
+    if (!(found->enclosed_m3 > 0.0)) return {};
+    convex.push_back(std::move(*found));
+  }
+  const std::size_t with_volume = convex.size();
+  if (convex.empty() || !dropInner(convex)) return std::nullopt;
   MeshCollider found;
   double is_m3 = 0.0, was_m3 = 0.0;
-  std::size_t left_out = 0;
-  for (const MeshSurface& one : parts) {
-    if (Expected<Shape> itself = convexMesh(one.points, one.triangles)) {
-      is_m3 += moments(*itself).volume_m3;
-      was_m3 += moments(*itself).volume_m3;
-      found.shapes.push_back(std::move(*itself));
-      continue;
-    }
-    Expected<StandIn> hull = standIn(one);
-    if (!hull) {
-      ++left_out;
-      continue;
-    }
-    if (!hull->enclosed_m3 || hull->hull_m3 > kNearlyConvex * *hull->enclosed_m3) return {};
-    is_m3 += moments(hull->shape).volume_m3;
-    was_m3 += *hull->enclosed_m3;
-    found.shapes.push_back(std::move(hull->shape));
+  for (ConvexPart& one : convex) {
+    is_m3 += moments(one.shape).volume_m3;
+    was_m3 += one.enclosed_m3;
+    found.shapes.push_back(std::move(one.shape));
   }
-  if (found.shapes.empty()) return std::nullopt;
   if (std::abs(is_m3 / was_m3 - 1.0) > kConvexShare) {
     found.notices.push_back(
         meshFault(fmt::format("has {} parts whose convex hulls take their place, {}",
                               found.shapes.size(), volumeChange(is_m3, was_m3)),
                   "where this is too much, give convex parts"));
+  }
+  const std::size_t inner = with_volume - found.shapes.size(),
+                    left_out = parts.size() - with_volume;
+  if (inner > 0) {
+    found.notices.push_back(
+        meshFault(fmt::format("has {} part{} inside another, left out of {}", inner, plural(inner),
+                              parts.size()),
+                  "nothing of them is felt; of a hollow, turn the faces the other way"));
   }
   if (left_out > 0) {
     found.notices.push_back(
@@ -305,7 +344,7 @@ std::optional<MeshCollider> convexParts(const MeshSurface& mesh, const std::vect
 
 /// Numbers of the connected components: triangles of one part that share a corner's place.
 std::vector<int> components(const MeshSurface& mesh, const std::vector<int>& part) {
-  const std::vector<int> same = samePlaces(mesh.points);
+  const std::vector<int> same = welded(mesh);
   std::map<std::pair<int, int>, int> node;  // of a part's place
   std::vector<int> parent;
   const auto root = [&](int i) {

@@ -38,10 +38,11 @@ struct MeshCollider {
 };
 
 /// As convexMesh(). A mesh that is not convex becomes one shape for each part, when every part (an
-/// object, group or solid of the file; else every connected piece) is convex; a hull 1 % larger
-/// than its part is, too. Otherwise its convex hull (convexHull()) takes its place. Of a hull
-/// beyond 2 kMaxMeshPoints triangles, kMaxMeshPoints corners are kept. Notices say how much the
-/// volume differs.
+/// object, group or solid of the file; else every connected piece) is convex; a hull 5 % larger
+/// than its part is, too. A part inside another is left out; if it is wound the other way, it is a
+/// hollow, and the mesh not convex. Otherwise its convex hull (convexHull()) takes its place. Of a
+/// hull beyond 2 kMaxMeshPoints triangles, kMaxMeshPoints corners are kept. Notices say how much
+/// the volume differs.
 ///
 /// @return the collider, or one Diagnostic with problem and remedy: no faces, no volume, not 0.001
 /// to 10 m across, more than kMaxMeshTriangles.

@@ -107,6 +107,32 @@ Expected<MeshCollider> loadCollider(const std::string& path, const Eigen::Vector
   return collider;
 }
 
+UnreadableMesh withoutTriangles(const MeshSurface& surface) {
+  const std::size_t points = surface.points.size();
+  if (points == 0) return {"holds no triangle", kExport};
+  return {fmt::format("holds {} point{} and no triangle: a cloud of points, or lines", points,
+                      plural(points)),
+          "make a surface of them (MeshLab), or give their convex hull"};
+}
+
+/// Takes away the points that belong to no triangle.
+void dropUnused(MeshSurface& surface) {
+  std::vector<int> index(surface.points.size(), -1);
+  for (const Eigen::Vector3i& t : surface.triangles) {
+    for (const int corner : t) index[corner] = 0;
+  }
+  int used = 0;
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    if (index[i] < 0) continue;
+    surface.points[used] = surface.points[i];
+    index[i] = used++;
+  }
+  surface.points.resize(used);
+  for (Eigen::Vector3i& t : surface.triangles) {
+    for (int& corner : t) corner = index[corner];
+  }
+}
+
 constexpr const char* kProgram = "wholehand-read-mesh";
 constexpr std::uint32_t kSurface = 0x31534857, kRefusal = 0x31524857;  // "WHS1", "WHR1"
 
@@ -234,7 +260,8 @@ Expected<MeshFile> readMeshHere(const std::string& path) {
   const std::string name = "the mesh file " + printable(path) + " ";
   try {
     MeshFile file = readerOf(endingOf(path))(bytes.view());
-    if (file.surface.triangles.empty()) throw UnreadableMesh{"holds no triangle", kExport};
+    if (file.surface.triangles.empty()) throw withoutTriangles(file.surface);
+    dropUnused(file.surface);
     file.part.resize(file.surface.triangles.size());  // one part where the kind has none
     std::sort(file.notices.begin(), file.notices.end());
     file.notices.erase(std::unique(file.notices.begin(), file.notices.end()), file.notices.end());

@@ -75,7 +75,9 @@ std::optional<double> meshNumber(std::string_view word) {
 
 std::string_view MeshWords::next() {
   for (; at_ < text_.size() && kWordEnds.find(text_[at_]) != kWordEnds.npos; ++at_) {
-    if (text_[at_] == '\n') ++line_;
+    // A carriage return alone ends a line, too.
+    if (text_[at_] == '\n' || (text_[at_] == '\r' && !text_.substr(at_).starts_with("\r\n")))
+      ++line_;
   }
   const std::size_t begin = at_;
   at_ = std::min(text_.find_first_of(kWordEnds, begin), text_.size());
@@ -83,7 +85,7 @@ std::string_view MeshWords::next() {
 }
 
 std::string_view MeshWords::restOfLine() {
-  const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+  const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
   std::string_view rest = text_.substr(at_, end - at_);
   at_ = end;
   rest.remove_prefix(std::min(rest.find_first_not_of(kWordEnds), rest.size()));

@@ -36,10 +36,19 @@ std::string attribute(const XMLElement& e, const char* name) {
   throw UnreadableMesh{fmt::format("{}, in line {}", problem, at.GetLineNum()), "export it again"};
 }
 
+/// The text of an element: of all its pieces, for comments divide it.
+std::string textOf(const XMLElement& e) {
+  std::string text;
+  for (const auto* node = e.FirstChild(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToText() != nullptr) text += node->Value();
+  }
+  return text;
+}
+
 std::vector<double> numbersOf(const XMLElement& e) {
   std::vector<double> numbers;
-  if (e.GetText() == nullptr) return numbers;
-  MeshWords words(e.GetText());
+  const std::string text = textOf(e);
+  MeshWords words(text);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     const auto number = meshNumber(word);
     if (!number) {
@@ -136,7 +145,9 @@ class DaeReader {
     if (asset == nullptr) return;
     if (const XMLElement* unit = asset->FirstChildElement("unit");
         unit != nullptr && unit->Attribute("meter") != nullptr) {
-      const auto metres = meshNumber(unit->Attribute("meter"));
+      std::string text = attribute(*unit, "meter");
+      std::replace(text.begin(), text.end(), ',', '.');  // as some locales write it
+      const auto metres = meshNumber(text);
       if (!metres || !(*metres > 0.0) || !std::isfinite(*metres)) {
         failDae(*unit, "has a <unit> that is no length");
       }
@@ -213,7 +224,8 @@ class DaeReader {
     return surface;
   }
 
-  /// The points of a source: its accessor picks the first three named numbers of each stride.
+  /// The points of a source: its accessor picks of each stride the numbers named X, Y and Z, else
+  /// the first three that have a name.
   std::vector<Vector3d> pointsOf(const XMLElement& source) {
     const XMLElement* common = source.FirstChildElement("technique_common");
     const XMLElement* accessor =
@@ -223,13 +235,20 @@ class DaeReader {
     const int stride = accessor->IntAttribute("stride", 1),
               offset = accessor->IntAttribute("offset");
     std::vector<int> places;
+    std::array<int, 3> named = {-1, -1, -1};
     int place = 0;
     eachChild(*accessor, "param", [&](const XMLElement& param) {
-      if (!attribute(param, "name").empty()) places.push_back(place);
+      const std::string name = attribute(param, "name");
+      if (!name.empty()) places.push_back(place);
+      if (name == "X" || name == "Y" || name == "Z") named[name[0] - 'X'] = place;
       ++place;
     });
+    if (std::none_of(named.begin(), named.end(), [](int at) { return at < 0; })) {
+      places.assign(named.begin(), named.end());
+    }
     if (place == 0 || (places.empty() && place == 3)) places = {0, 1, 2};
-    if (stride < 3 || stride > 1000 || offset < 0 || places.size() < 3 || places[2] >= stride) {
+    if (stride < 3 || stride > 1000 || offset < 0 || places.size() < 3 ||
+        *std::max_element(places.begin(), places.begin() + 3) >= stride) {
       failDae(*accessor, "has an <accessor> that gives no three coordinates");
     }
     std::vector<Vector3d> points;

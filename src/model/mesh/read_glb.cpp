@@ -25,6 +25,14 @@ using Json = nlohmann::json;
 constexpr std::array<std::string_view, 2> kCompressed = {"KHR_draco_mesh_compression",
                                                          "EXT_meshopt_compression"};
 
+/// True for an extension that is read, or is of the looks alone.
+bool isKnown(std::string_view extension) {
+  constexpr std::array<std::string_view, 4> kBegins = {"KHR_mesh_quantization", "KHR_materials_",
+                                                       "KHR_texture_", "EXT_texture_"};
+  return std::any_of(kBegins.begin(), kBegins.end(),
+                     [&](std::string_view begin) { return extension.starts_with(begin); });
+}
+
 class GlbReader {
  public:
   explicit GlbReader(std::string_view bytes) {
@@ -33,6 +41,12 @@ class GlbReader {
     }
     if (const std::uint32_t version = word(bytes, 4); version != 2) {
       failGlb(fmt::format("is GLB of version {}, not 2", version));
+    }
+    if (const std::size_t length = word(bytes, 8); length < bytes.size()) {
+      bytes = bytes.substr(0, length);
+    } else if (length > bytes.size()) {
+      failGlb(fmt::format("is cut off: it announces {} bytes and holds {}", length, bytes.size()),
+              "copy or export it again");
     }
     for (std::size_t at = 12; at + 8 <= bytes.size();) {
       const std::size_t length = word(bytes, at);
@@ -53,6 +67,11 @@ class GlbReader {
           failGlb(fmt::format("has compressed geometry ({})", compressed),
                   "export it again without compression");
         }
+      }
+      if (name.is_string() && !isKnown(name.get<std::string>())) {
+        file_.notices.push_back(
+            fmt::format("requires the extension {}, which is not known and ignored",
+                        printable(name.get<std::string>(), 60)));
       }
     }
     for (const Json& name : list(json_, "extensionsUsed")) {
@@ -223,7 +242,11 @@ class GlbReader {
   std::string_view view(std::size_t which, std::size_t& stride) {
     const Json& found = at(list(json_, "bufferViews"), which, "bufferView");
     const Json& buffer = at(list(json_, "buffers"), index(found, "buffer", 0), "buffer");
-    if (buffer.contains("uri")) {
+    if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
+      if (uri->is_string() && uri->get<std::string>().starts_with("data:")) {
+        failGlb("keeps its geometry as text in its JSON",
+                "make it binary: npx @gltf-transform/cli copy in.glb out.glb");
+      }
       failGlb("keeps its geometry in another file", "export it as one GLB file");
     }
     const std::size_t offset = index(found, "byteOffset", 0),

@@ -15,10 +15,11 @@ namespace {
 constexpr std::string_view kObjBlanks = " \t\r\v\f";
 
 // What has no part in a surface of polygons. Of curved surfaces, which are not read, too: "cstype"
-// starts them.
-constexpr std::array<std::string_view, 18> kObjLooks = {
-    "vt",    "vn",  "l",  "p",  "s",        "usemtl",   "mtllib",     "usemap",    "maplib",
-    "bevel", "lod", "mg", "vp", "c_interp", "d_interp", "shadow_obj", "trace_obj", "call"};
+// starts them. "t" and "vw" are of subdivision and of skins, in extensions of others.
+constexpr std::array<std::string_view, 20> kObjLooks = {
+    "t",      "vw",       "vt",       "vn",         "l",         "p",   "s",
+    "usemtl", "mtllib",   "usemap",   "maplib",     "bevel",     "lod", "mg",
+    "vp",     "c_interp", "d_interp", "shadow_obj", "trace_obj", "call"};
 
 class ObjReader {
  public:

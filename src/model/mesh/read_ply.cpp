@@ -46,19 +46,32 @@ struct PlyElement {
 
 class PlyReader {
  public:
-  explicit PlyReader(std::string_view bytes) : bytes_(bytes), words_(bytes) {}
+  explicit PlyReader(std::string_view bytes)
+      : bytes_(withoutByteOrderMark(bytes)), words_(bytes_) {}
 
   MeshFile read() {
     readHeader();
     for (const PlyElement& element : elements_) {
       // Each costs a byte at least: a small file cannot announce a long loop.
       if (element.properties.empty()) continue;
+      checkFaces(element);
       for (std::int64_t i = 0; i < element.count; ++i) readRow(element);
     }
     return std::move(file_);
   }
 
  private:
+  static bool namesCorners(const PlyProperty& p) {
+    return p.name == "vertex_indices" || p.name == "vertex_index";
+  }
+
+  static void checkFaces(const PlyElement& element) {
+    if (element.name != "face" || element.count == 0) return;
+    if (std::none_of(element.properties.begin(), element.properties.end(), namesCorners)) {
+      failPly("has faces without a list \"vertex_indices\"");
+    }
+  }
+
   const PlyType& type(std::string_view name) {
     for (const PlyType& t : kPlyTypes) {
       if (name == t.name || name == t.other_name) return t;
@@ -96,6 +109,11 @@ class PlyReader {
         property.value = &type(word);
         property.name = words_.next();
         elements_.back().properties.push_back(std::move(property));
+      } else if (!key.empty() && elements_.empty()) {
+        // A remark without "comment", as Blender 2.4 wrote it.
+        file_.notices.push_back(fmt::format("has \"{}\" in line {} of its head, which is ignored",
+                                            printable(key, 40), words_.line()));
+        words_.restOfLine();
       } else {
         failPly(fmt::format(
             "has {} in line {} of its head",
@@ -105,8 +123,14 @@ class PlyReader {
     }
     if (!format) failPly("names no format in its head");
     at_ = words_.position();
-    if (bytes_.substr(at_).starts_with("\r\n")) ++at_;
-    ++at_;  // the end of the line
+    if (const std::size_t end = bytes_.find_first_not_of(" \t", at_);
+        end != bytes_.npos && (bytes_[end] == '\r' || bytes_[end] == '\n')) {
+      at_ = end;
+    }
+    // Where lines end in \r alone, a \n is the first byte of the values.
+    const bool bare = bytes_.substr(0, 5).starts_with("ply\r") && bytes_.substr(4, 1) != "\n";
+    if (!bare && bytes_.substr(at_).starts_with("\r\n")) ++at_;
+    ++at_;
   }
 
   template <class T>
@@ -146,13 +170,14 @@ class PlyReader {
       if (!(count >= 0.0) || count > 1e8) failPly(fmt::format("has a list of {:g} values", count));
       list_.clear();
       for (int i = 0; i < static_cast<int>(count); ++i) list_.push_back(value(*p.value));
-      const bool indices = p.name == "vertex_indices" || p.name == "vertex_index";
+      const bool indices = namesCorners(p);
       if (indices && element.name == "face") addPolygon(file_.surface, corners());
       if (indices && element.name == "tristrips") addStrips();
     }
     if (element.name == "vertex") file_.surface.points.push_back(corner);
     // In text, each row has a line of its own.
-    if (format_ == PlyFormat::kText && !words_.restOfLine().empty() && file_.notices.empty()) {
+    if (format_ == PlyFormat::kText && !words_.restOfLine().empty() && !more_) {
+      more_ = true;
       file_.notices.push_back(fmt::format(
           "has more values in line {} than its head names, which are ignored", words_.line()));
     }
@@ -191,6 +216,7 @@ class PlyReader {
   std::vector<PlyElement> elements_;
   std::size_t at_ = 0;
   std::vector<double> list_;
+  bool more_ = false;  ///< a row has more values than the head names
   MeshFile file_;
 };
 

@@ -97,7 +97,9 @@ MeshFile readStl(std::string_view bytes) {
   if (bytes.size() >= kStlHead_bytes) std::memcpy(&count, bytes.data() + 80, sizeof count);
   const bool exact = bytes.size() == kStlHead_bytes + std::size_t{count} * kStlTriangle_bytes;
   // Some writers start a binary file with "solid", too: it holds bytes 0, a text does not.
-  const std::string_view text = withoutByteOrderMark(bytes);
+  // Bytes 0 at the end of a text are padding.
+  std::string_view text = withoutByteOrderMark(bytes);
+  text = text.substr(0, text.find_last_not_of('\0') + 1);
   if (!(exact && count > 0) && lowerCase(MeshWords(text.substr(0, 200)).next()) == "solid" &&
       text.find('\0') == text.npos) {
     return readStlText(text);

@@ -8,6 +8,7 @@
 #include "model/mesh/mesh_file.hpp"
 #include "model/scene/scene_model.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
@@ -19,6 +20,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,11 +54,11 @@ class UrdfFaults {
   /// Exactly `count` finite numbers separated by blanks; zeros, with a fault, otherwise.
   std::vector<double> numbers(const XMLElement& e, const char* attribute, const std::string& key,
                               std::size_t count);
-  /// A mass > 0; 1, with a fault, otherwise.
-  double mass_kg(const XMLElement& e, const std::string& key);
+  /// A mass > 0, of a link that a joint moves or not; 1, with a fault, otherwise.
+  double mass_kg(const XMLElement& e, const std::string& key, bool moves);
   /// A dimension in [0.001, 10] m.
   double length_m(const XMLElement& e, const char* attribute, const std::string& key);
-  /// Pose of an element's `<origin xyz rpy>`; identity without one.
+  /// Pose of an element's `<origin xyz rpy>` or `<origin xyz quat_xyzw>`; identity without one.
   Pose origin(const XMLElement& parent, const std::string& key);
 
  private:
@@ -173,13 +175,14 @@ std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribu
   return zeros;
 }
 
-double UrdfFaults::mass_kg(const XMLElement& e, const std::string& key) {
+double UrdfFaults::mass_kg(const XMLElement& e, const std::string& key, bool moves) {
   const std::size_t before = all_.size();
   const double value = numbers(e, "value", key, 1).front();
   if (all_.size() > before) return 1.0;
   if (value > 0.0) return value;
   add(&e, key + ".value", e.Attribute("value"), "is not positive",
-      "must be > 0; of a body that never moves, set fixed = true in the scene");
+      moves ? "must be > 0: a joint moves this link; or make that joint fixed"
+            : "must be > 0; of a body that never moves, set fixed = true in the scene");
   return 1.0;
 }
 
@@ -201,8 +204,17 @@ Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
     const std::vector<double> xyz = numbers(*e, "xyz", key + ".origin", 3);
     pose.translation_m = {xyz[0], xyz[1], xyz[2]};
   }
-  if (e->Attribute("rpy") != nullptr) {
+  if (e->Attribute("quat_xyzw") != nullptr) {
+    const std::vector<double> q = numbers(*e, "quat_xyzw", key + ".origin", 4);
+    const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+    if (turn.norm() > 0.0) pose.rotation = turn.normalized().toRotationMatrix();
+  } else if (e->Attribute("rpy") != nullptr) {
+    constexpr double kMostTurn_rad = 4.0 * std::numbers::pi;
     const std::vector<double> rpy = numbers(*e, "rpy", key + ".origin", 3);
+    if (Eigen::Vector3d(rpy.data()).cwiseAbs().maxCoeff() > kMostTurn_rad) {
+      add(e, key + ".origin.rpy", e->Attribute("rpy"), "is beyond two turns (4π rad)",
+          "must be in rad: multiply degrees by π / 180");
+    }
     pose.rotation = rotationFromRpy(rpy[0], rpy[1], rpy[2]);
   }
   return pose;
@@ -245,7 +257,13 @@ fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& trie
   }
   if (name.starts_with(kFile)) name.remove_prefix(kFile.size());
   tried = folder / fs::path(name);
-  return known(tried) ? tried : fs::path{};
+  // Some programs name meshes from the folder of all their objects.
+  const bool climbs = name.find("..") != name.npos;
+  for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
+    if (known(up / name)) return up / name;
+    if (climbs) break;
+  }
+  return {};
 }
 
 /// Resolves a URDF's mesh name; the unresolved path if nothing is found, so that the mesh reader's
@@ -280,13 +298,14 @@ std::vector<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFau
                             UrdfMeshes& meshes) {
   const std::string name = faults.text(e, "filename", key);
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  const std::size_t before = faults.all().size();
   if (const char* const text = e.Attribute("scale"); text != nullptr) {
     const auto one = parseNumbers(text);
     const bool even = one && one->size() == 1;
     const std::vector<double> s = faults.numbers(e, "scale", key, even ? 1 : 3);
     scale = {s.front(), s[even ? 0 : 1], s.back()};
   }
-  if (name.empty()) return {};
+  if (name.empty() || faults.all().size() > before) return {};
   meshes.files.push_back(meshPath(name, faults.file()).string());
   if (meshes.time->isOver()) return {};  // with a fault at the mesh before
   Expected<MeshCollider> mesh = loadMeshCollider(meshes.files.back(), scale, *meshes.time);
@@ -458,6 +477,8 @@ class Reader {
     std::error_code error;
     if (fs::file_size(faults_.file(), error) == 0) {
       faults_.addAtLine(0, "is empty", "give a URDF with at least one <link>");
+    } else if (isUtf16()) {
+      faults_.addAtLine(0, "is a text in UTF-16", "save it as UTF-8");
     } else if (no_xml) {
       faults_.addAtLine(0, "is no URDF: it holds no XML",
                         "give a URDF: XML that starts <robot ...>");
@@ -470,6 +491,14 @@ class Reader {
           fmt::format("is not well-formed XML: {} ({})", xmlProblem(code), document_.ErrorName()),
           "correct it at or above this line");
     }
+  }
+
+  /// True for a byte order mark of UTF-16.
+  [[nodiscard]] bool isUtf16() const {
+    std::array<char, 2> head{};
+    std::ifstream(faults_.file(), std::ios::binary).read(head.data(), head.size());
+    const std::string_view mark(head.data(), head.size());
+    return mark == "\xFF\xFE" || mark == "\xFE\xFF";
   }
 
   [[nodiscard]] int linkIndex(const std::string& name) const {
@@ -564,8 +593,25 @@ class Reader {
     return value != nullptr && parseNumbers(value) == std::vector<double>{0.0};
   }
 
-  std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key) {
+  /// An inertial of Isaac Gym: its density fills the link's colliders.
+  std::optional<MassProperties> readDensity(const XMLElement& density, const std::string& key,
+                                            const std::vector<Shape>& shapes) {
+    const std::size_t before = faults_.all().size();
+    const double value = faults_.numbers(density, "value", key + ".density", 1).front();
+    if (faults_.all().size() > before) return std::nullopt;
+    double volume_m3 = 0.0;
+    for (const Shape& shape : shapes) volume_m3 += moments(shape).volume_m3;
+    if (value > 0.0 && volume_m3 > 0.0) return uniformDensity(shapes, value * volume_m3);
+    faults_.add(&density, key + ".density.value", density.Attribute("value"), "gives no mass",
+                "must be > 0 kg/m3, of a link with a <collision>; or give <mass> and <inertia>");
+    return std::nullopt;
+  }
+
+  std::optional<MassProperties> readInertial(const XMLElement& e, const Link& link, bool moves) {
+    const std::string key = fmt::format("link[{}].inertial", link.name);
     const XMLElement* mass = e.FirstChildElement("mass");
+    const XMLElement* density = e.FirstChildElement("density");
+    if (mass == nullptr && density != nullptr) return readDensity(*density, key, link.shapes);
     const XMLElement* inertia = e.FirstChildElement("inertia");
     if (mass == nullptr || (inertia == nullptr && !use_.uniform_density)) {
       faults_.add(&e, key, "", fmt::format("has no <{}>", mass == nullptr ? "mass" : "inertia"),
@@ -577,7 +623,7 @@ class Reader {
     }
     const std::size_t before = faults_.all().size();
     MassProperties m;
-    m.mass_kg = faults_.mass_kg(*mass, key + ".mass");
+    m.mass_kg = faults_.mass_kg(*mass, key + ".mass", moves);
     if (use_.uniform_density) {
       if (faults_.all().size() > before) return std::nullopt;
       return m;
@@ -711,8 +757,7 @@ class Reader {
       }
       const bool moves = carrierOf(linkIndex(link.name)) >= 0;
       if (link.inertial_element != nullptr && (moves || !stands)) {
-        link.inertial =
-            readInertial(*link.inertial_element, fmt::format("link[{}].inertial", link.name));
+        link.inertial = readInertial(*link.inertial_element, link, moves);
       }
     }
   }

@@ -42,10 +42,10 @@ struct UrdfBody {
 
 /// Reads every `<collision>` of every link of a URDF (box, sphere, cylinder, capsule, mesh).
 /// Links connected by fixed joints become one rigid body. A capsule's length is between the centres
-/// of its caps. Mesh names are relative to the URDF, absolute, "file://", or "package://name/..."
-/// or "model://name/...", which are searched for in the folders above the URDF; with "%20" or
-/// backslashes, too. Links without a collider are frames; with an inertial, ballast.
-/// Revolute, continuous and prismatic joints at the root body carry bodies of their own.
+/// of its caps. Mesh names are absolute or "file://", or, searched for in the URDF's folder and
+/// those above it, relative (without ".."), "package://name/..." or "model://name/..."; with "%20"
+/// or backslashes, too. Links without a collider are frames; with an inertial, ballast. Revolute,
+/// continuous and prismatic joints at the root body carry bodies of their own.
 ///
 /// @return every fault at once, with line and element: joints of other types, joints at what
 /// another joint carries, no collider, impossible
