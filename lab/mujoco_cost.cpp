@@ -55,6 +55,8 @@ void soften(mjModel& m) {
 constexpr std::array kSettings{
     Setting{"engine bullet", "bullet", nullptr},
     Setting{"engine mujoco", "mujoco", nullptr},
+    Setting{"nothing collides", "mujoco", [](mjModel& m) { m.opt.disableflags |= mjDSBL_CONTACT; }},
+    Setting{"one iteration of Newton's method", "mujoco", [](mjModel& m) { m.opt.iterations = 1; }},
     Setting{"several points of hand and body", "mujoco",
             [](mjModel& m) { m.opt.enableflags |= mjENBL_MULTICCD; }},
     Setting{"contacts no 2 mm in advance", "mujoco", stopForeseeing},
