@@ -1,8 +1,8 @@
 #include "lab/mujoco/mujoco_engine.hpp"
 
+#include "lab/mujoco/collisions.hpp"
 #include "lab/mujoco/engine_errors.hpp"
 #include "lab/mujoco/model_text.hpp"
-#include "lab/mujoco/several_points.hpp"
 #include "physics/free_rotation.hpp"
 #include "physics/hand_overlaps.hpp"
 #include "physics/physics_world.hpp"
@@ -55,7 +55,7 @@ Expected<std::unique_ptr<MujocoEngine>> MujocoEngine::build(const HandModel& han
                                                             const SceneModel& scene,
                                                             const SolverSettings& settings) {
   takeErrors();
-  giveBodiesSeveralPoints();
+  refineCollisions();
   const std::string text = modelText(hand, scene, settings);
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
