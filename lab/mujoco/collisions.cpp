@@ -6,6 +6,7 @@
 
 #include <array>
 #include <mujoco/mujoco.h>
+#include <mutex>
 
 namespace wholehand::mujoco {
 namespace {
@@ -57,7 +58,7 @@ int collide(const mjModel* model, const mjData* data, mjContact* contacts, int a
   return count;
 }
 
-bool replaceTable() {
+void replaceTable() {
   for (std::size_t a = 0; a < stock.size(); ++a) {
     for (std::size_t b = 0; b < stock.size(); ++b) {
       mjfCollision& found = mjCOLLISIONFUNC[a][b];
@@ -65,14 +66,13 @@ bool replaceTable() {
       if (found != nullptr) found = collide;
     }
   }
-  return true;
 }
 
 }  // namespace
 
 void refineCollisions() {
-  static const bool replaced = replaceTable();
-  static_cast<void>(replaced);
+  static std::once_flag once;
+  std::call_once(once, replaceTable);
 }
 
 }  // namespace wholehand::mujoco
