@@ -3,8 +3,10 @@
 #include "experiments/grasp_script.hpp"
 #include "files/text_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -15,6 +17,33 @@ Intention clearOfTheTable(const DeviceModel& device) {
   if (const int x = device.axisIndex("x"); x >= 0) q[x] = -0.08;
   if (const int z = device.axisIndex("z"); z >= 0) q[z] = 0.11;
   return Intention::throughWaypoints({{0.0, q}});
+}
+
+/// The closed hand never rests again: every axis swings about the grip at a pace of its own, so
+/// that the grip firms, loosens and slides.
+Intention restlessGrip(const Models& models, double end_s) {
+  constexpr double kSwing_s = 0.4, kShift_m = 0.02, kBend_rad = 0.12;
+  const Intention grasp = graspIntention(comparedGrasp(), models);
+  std::vector<Waypoint> way;
+  AxisPosition q;
+  AxisVelocity qd;
+  for (const double at_s : {0.0, grasp_times::kApproached, grasp_times::kOpposed}) {
+    grasp.evaluate(at_s, q, qd);
+    way.push_back({at_s, q});
+  }
+  grasp.evaluate(grasp_times::kClosed, q, qd);
+  const AxisPosition closed = q;
+  double at_s = grasp_times::kClosed;
+  for (int swing = 0; at_s < end_s + kSwing_s; ++swing, at_s += kSwing_s) {
+    for (int a = 0; a < q.size(); ++a) {
+      const DeviceAxis& axis = models.device.axes[a];
+      const double size = axis.kind == AxisKind::kTranslation ? kShift_m : kBend_rad;
+      q[a] =
+          std::clamp(closed[a] + size * std::sin(swing * (1.0 + 0.3 * a)), axis.lower, axis.upper);
+    }
+    way.push_back({at_s, q});
+  }
+  return Intention::throughWaypoints(std::move(way));
 }
 
 Expected<Models> graspModels(EngineScene scene, const EnginePlan& plan) {
@@ -37,10 +66,17 @@ Expected<Models> graspModels(EngineScene scene, const EnginePlan& plan) {
   return models;
 }
 
+Intention intentionOf(EngineScene scene, const EnginePlan& plan, const Models& models) {
+  if (scene == EngineScene::kResting) return clearOfTheTable(models.device);
+  if (scene != EngineScene::kGripped) return graspIntention(comparedGrasp(), models);
+  return restlessGrip(models, static_cast<double>(plan.gripped_ticks) / plan.rate_hz);
+}
+
 }  // namespace
 
 const char* engineSceneName(EngineScene scene) {
-  constexpr std::array<const char*, kEngineScenes> kNames{"free", "fixed", "held", "resting"};
+  constexpr std::array<const char*, kEngineScenes> kNames{"free", "fixed", "held", "resting",
+                                                          "gripped"};
   return kNames.at(static_cast<std::size_t>(scene));
 }
 
@@ -51,11 +87,12 @@ GraspTrial comparedGrasp() {
   return {};
 }
 
-std::uint64_t ticksOf(EngineScene scene, double hold_s, double period_s) {
+std::uint64_t ticksOf(EngineScene scene, const EnginePlan& plan) {
+  if (scene == EngineScene::kGripped) return plan.gripped_ticks;
   double end_s = grasp_times::kLiftBegins;  // free and fixed: closed, and not yet lifting
-  if (scene == EngineScene::kHeld) end_s = grasp_times::kHoldBegins + hold_s;
-  if (scene == EngineScene::kResting) end_s = hold_s;
-  return static_cast<std::uint64_t>(std::llround(end_s / period_s));
+  if (scene == EngineScene::kHeld) end_s = grasp_times::kHoldBegins + plan.hold_s;
+  if (scene == EngineScene::kResting) end_s = plan.hold_s;
+  return static_cast<std::uint64_t>(std::llround(end_s * plan.rate_hz));
 }
 
 Expected<std::unique_ptr<Rig>> buildScene(EngineScene scene, const EnginePlan& plan,
@@ -65,8 +102,7 @@ Expected<std::unique_ptr<Rig>> buildScene(EngineScene scene, const EnginePlan& p
   const bool rests = scene == EngineScene::kResting;
   auto models = rests ? loadModels(resting) : graspModels(scene, plan);
   if (!models) return models.errors();
-  Intention intention =
-      rests ? clearOfTheTable(models->device) : graspIntention(comparedGrasp(), *models);
+  Intention intention = intentionOf(scene, plan, *models);
   RigOptions options;
   options.engine = engine;
   options.period_s = 1.0 / plan.rate_hz;

@@ -11,7 +11,7 @@ namespace wholehand {
 
 /// The grasp of all scenes except the resting one.
 [[nodiscard]] GraspTrial comparedGrasp();
-[[nodiscard]] std::uint64_t ticksOf(EngineScene scene, double hold_s, double period_s);
+[[nodiscard]] std::uint64_t ticksOf(EngineScene scene, const EnginePlan& plan);
 /// Builds and arms a rig in a scene.
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildScene(EngineScene scene, const EnginePlan& plan,
                                                         const std::string& engine);

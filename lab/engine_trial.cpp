@@ -17,6 +17,9 @@ namespace {
 /// From here on the closed hand is at rest: it closed at 2.8 s.
 constexpr double kPressed_s = 3.0;
 
+/// A grip: the thumb that swings by brushes with less.
+constexpr double kGrip_n = 1.0;
+
 /// Kinetic and potential energy of what can move [J].
 double energyOf(const SceneModel& scene, const TickRecord& r) {
   double energy_j = 0.0;
@@ -71,6 +74,8 @@ class Lane {
       figures_.held = !grasp.dropped;
       figures_.slip_m = grasp.slip_m;
       figures_.noise_n = grasp.force_noise_n;
+    } else if (scene_ == EngineScene::kGripped && !times_us_.empty()) {
+      figures_.gripped = gripped_ticks_ / static_cast<double>(times_us_.size());
     }
   }
 
@@ -81,6 +86,10 @@ class Lane {
       grasp_(r);
     } else if (scene_ == EngineScene::kFixed) {
       watchPressed(r);
+    } else if (scene_ == EngineScene::kGripped) {
+      double grip_n = 0.0;
+      for (int i = 0; i < r.contact_count; ++i) grip_n += r.contacts.at(i).force_n.eigen().norm();
+      gripped_ticks_ += grip_n > kGrip_n ? 1.0 : 0.0;
     } else if (scene_ == EngineScene::kResting) {
       const double energy_j = energyOf(rig_->models.scene, r);
       if (r.tick == 0) first_energy_j_ = energy_j;
@@ -106,20 +115,18 @@ class Lane {
   ArticulatedBody kinematics_;
   std::unique_ptr<TickRecord> record_;
   std::vector<double> times_us_;
-  double first_energy_j_ = 0.0;
+  double first_energy_j_ = 0.0, gripped_ticks_ = 0.0;
   EngineFigures& figures_;
 };
 
 Expected<Done> runScene(EngineScene scene, const EnginePlan& plan, EngineComparison& all) {
   std::vector<Lane> lanes;
-  double period_s = 1e-3;
   for (EngineFigures& figures : all.engines) {
     auto rig = buildScene(scene, plan, figures.engine);
     if (!rig) return rig.errors();
-    period_s = (*rig)->options.period_s;
     lanes.emplace_back(scene, std::move(*rig), plan.hold_s, figures);
   }
-  const std::uint64_t ticks = ticksOf(scene, plan.hold_s, period_s);
+  const std::uint64_t ticks = ticksOf(scene, plan);
   for (std::uint64_t k = 0; k < ticks && !InterruptScope::interrupted(); ++k) {
     // Who comes first changes, so that nobody always finds the other's caches.
     for (std::size_t i = 0; i < lanes.size(); ++i) lanes[(k + i) % lanes.size()].tick(k);

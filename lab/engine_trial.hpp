@@ -5,6 +5,7 @@
 #include "lab/stiffness_trial.hpp"
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ enum class EngineScene {
   kFixed,    ///< a hand closes on a fixed cylinder and keeps pressing
   kHeld,     ///< a free cylinder of 50 mm grasped, carried 20 cm and held
   kResting,  ///< bodies on a table, the hand away from them
+  kGripped,  ///< the free cylinder gripped while every joint moves: the paper's Fig. 6
   kCount
 };
 inline constexpr int kEngineScenes = static_cast<int>(EngineScene::kCount);
@@ -35,9 +37,10 @@ struct EngineFigures {
   double penetration_m = 0.0;       ///< deepest overlap with the fixed cylinder, pressed
   double virtual_work_error = 0.0;  ///< in the same scene: ContactBalance::driveError()
   double felt_error = 0.0;          ///< in the same scene: ContactBalance::feltError()
-  bool held = false;                ///< the free cylinder was held
-  double slip_m = 0.0;              ///< in the palm, over the hold
-  double noise_n = 0.0;             ///< felt effort during the hold; worst axis, rms
+  double gripped = 0.0;  ///< share of the ticks of kGripped with more than 1 N on the cylinder
+  bool held = false;     ///< the free cylinder was held
+  double slip_m = 0.0;   ///< in the palm, over the hold
+  double noise_n = 0.0;  ///< felt effort during the hold; worst axis, rms
   double coupling_error_rad = 0.0;  ///< largest of all steps and scenes, before correction
   double energy_drift_j = 0.0;      ///< largest energy change of the bodies on the table
   bool faulted = false;             ///< a fault stopped one of the scenes
@@ -53,11 +56,12 @@ struct EngineComparison {
 };
 
 struct EnginePlan {
-  ModelFiles files;          ///< hand, device, rendering, patient
-  std::string resting_file;  ///< scene of resting bodies
-  std::string folder;        ///< for the scene files
-  double hold_s = 2.0;       ///< duration of holding and of resting
-  double rate_hz = 1000.0;   ///< of the ticks
+  ModelFiles files;                      ///< hand, device, rendering, patient
+  std::string resting_file;              ///< scene of resting bodies
+  std::string folder;                    ///< for the scene files
+  double hold_s = 2.0;                   ///< duration of holding and of resting
+  double rate_hz = 1000.0;               ///< of the ticks
+  std::uint64_t gripped_ticks = 100000;  ///< of kGripped
   std::function<void(const char* scene)> status;
 };
 

@@ -50,6 +50,23 @@ const TickCost& costOf(const EngineFigures& e, int scene) {
   return e.cost.at(static_cast<std::size_t>(scene));
 }
 
+/// Upper bounds of the bins in which the paper's Fig. 6 is told [µs]; the last bin has none.
+constexpr std::array kFig6Bins_us{10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0};
+
+/// Ticks of each bin.
+std::array<std::size_t, kFig6Bins_us.size() + 1> binned(const std::vector<double>& sorted_us) {
+  std::array<std::size_t, kFig6Bins_us.size() + 1> counts{};
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < kFig6Bins_us.size(); ++i) {
+    const auto end = std::upper_bound(sorted_us.begin(), sorted_us.end(), kFig6Bins_us.at(i));
+    const auto below = static_cast<std::size_t>(end - sorted_us.begin());
+    counts.at(i) = below - before;
+    before = below;
+  }
+  counts.back() = sorted_us.size() - before;
+  return counts;
+}
+
 nlohmann::ordered_json engineJson(const EngineFigures& e) {
   nlohmann::ordered_json json;
   json["engine"] = e.engine;
@@ -58,6 +75,8 @@ nlohmann::ordered_json engineJson(const EngineFigures& e) {
                                                    {"p999", costOf(e, i).p999_us}};
   }
   for (const Row& row : kRows) json[row.key] = e.*row.value;
+  json["gripped_share"] = e.gripped;
+  json["gripped_counts"] = binned(costOf(e, static_cast<int>(EngineScene::kGripped)).times_us);
   json["held"] = e.held;
   json["faulted"] = e.faulted;
   if (e.stiffness.bound_n_m > 0.0) {
@@ -72,6 +91,7 @@ nlohmann::ordered_json engineJson(const EngineFigures& e) {
 nlohmann::ordered_json comparisonJson(const EngineComparison& all) {
   nlohmann::ordered_json json;
   json["rate_hz"] = all.rate_hz;
+  json["bins_us"] = kFig6Bins_us;
   json["engines"] = nlohmann::ordered_json::array();
   for (const EngineFigures& e : all.engines) json["engines"].push_back(engineJson(e));
   for (int i = 0; i < kEngineScenes; ++i) {
@@ -145,6 +165,11 @@ ChartTable figuresTable(const EngineComparison& all) {
     held.push_back(sentence(e.held ? "engines.yes" : "engines.no"));
   }
   table.rows.push_back(std::move(held));
+  std::vector<PageText> gripped{sentence("engines.gripped")};
+  for (const EngineFigures& e : all.engines) {
+    gripped.emplace_back(fmt::format("{:.1f}", 100.0 * e.gripped));
+  }
+  table.rows.push_back(std::move(gripped));
   std::vector<PageText> stiffness{sentence("engines.stiffness")};
   for (const EngineFigures& e : all.engines) stiffness.emplace_back(stiffnessWords(e));
   table.rows.push_back(std::move(stiffness));
@@ -188,10 +213,26 @@ void print(const EngineComparison& all) {
   }
 }
 
+/// The paper's Fig. 6: how many ticks took how long.
+void printDistribution(const EngineComparison& all) {
+  std::printf("ticks by CPU time while a cylinder is gripped and every joint moves\n");
+  std::printf("%-28s", "up to, µs");
+  for (const double bound_us : kFig6Bins_us) std::printf(" %8.0f", bound_us);
+  std::printf(" %8s %8s %8s\n", "above", "longest", "gripped");
+  for (const EngineFigures& e : all.engines) {
+    const std::vector<double>& times_us =
+        costOf(e, static_cast<int>(EngineScene::kGripped)).times_us;
+    std::printf("%-27s", e.engine.c_str());
+    for (const std::size_t count : binned(times_us)) std::printf(" %8zu", count);
+    std::printf(" %8.0f %6.1f %%\n", times_us.empty() ? 0.0 : times_us.back(), 100.0 * e.gripped);
+  }
+}
+
 EnginePlan enginePlan(const ExperimentOptions& options) {
   EnginePlan plan;
   plan.folder = options.folder;
   plan.hold_s = options.hold_s;
+  plan.gripped_ticks = options.ticks;
   for (std::string* file : {&plan.files.scene, &plan.files.hand, &plan.files.device,
                             &plan.files.rendering, &plan.files.patient}) {
     *file = shippedFile(*file);
@@ -223,7 +264,10 @@ int enginesCommand(const ExperimentOptions& options) {
   if (auto done = writeResults(jsonText(allJson(rates)), comparisonPage(rates), *files); !done) {
     return refuse(done.errors());
   }
-  for (const EngineComparison& at : rates) print(at);
+  for (const EngineComparison& at : rates) {
+    print(at);
+    printDistribution(at);
+  }
   std::fputs(listed(*files).c_str(), stdout);
   return exitCodeOf(false, false);
 }

@@ -13,6 +13,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -94,7 +95,7 @@ def measure_all(names):
 
 
 def draw_pictures(names):
-    """A command writes a page of charts; a browser without a screen draws it."""
+    """A command writes a page of charts, which a browser without a screen draws, or the picture itself."""
     listed = tomllib.loads(LIST.read_text(encoding="utf-8"))["picture"]
     unknown = set(names) - set(listed)
     if unknown:
@@ -105,6 +106,9 @@ def draw_pictures(names):
             command = [word.format(page=page, out=folder) for word in shlex.split(listed[name]["run"])]
             print(f"{name}: {listed[name]['run']} ...", flush=True)
             subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+            if "file" in listed[name]:
+                shutil.copyfile(Path(folder) / listed[name]["file"], ROOT / f"docs/images/{name}.png")
+                continue
             shot = f"{name}={page.as_uri()}?lang=en&theme=light state:shown only:.paper"
             subprocess.run(["node", "tools/shot.mjs", str(ROOT / "docs/images"), shot], cwd=ROOT / "web", check=True,
                            env=dict(os.environ, SCALE="1.5", SETTLE="0"))

@@ -11,7 +11,7 @@ namespace wholehand::mujoco {
 namespace {
 
 // Which geoms meet: one of the two names the other's kind among those it meets.
-constexpr int kOfBodies = 1, kOfPalm = 2, kOfDigits = 4;
+constexpr int kOfPalm = 2, kOfDigits = 4;
 /// A rotation of the base stops so far beyond the device's range, as in ADR 19.
 constexpr double kBeyondRange_rad = 0.1;
 /// Nearer to its end than this a joint is watched: 50 rad/s at 1 kHz.
@@ -76,8 +76,8 @@ class Writer {
     vector("gravity", scene_.gravity_m_s2);
     out_ << " integrator='Euler' cone='elliptic' solver='Newton' jacobian='dense' iterations='"
          << settings_.iterations << "' tolerance='" << settings_.tolerance << "' impratio='"
-         << settings_.friction_ratio << "'><flag multiccd='enable'/></option>\n<size nconmax='"
-         << settings_.most_contacts << "' njmax='" << rows << "' nstack='" << stackSize(rows)
+         << settings_.friction_ratio << "'/>\n<size nconmax='" << settings_.most_contacts
+         << "' njmax='" << rows << "' nstack='" << stackSize(rows)
          << "'/>\n<default><geom condim='3' margin='" << settings_.foresight_m << "' solimp='"
          << settings_.impedance << ' ' << settings_.impedance << " 0.001'/><joint solimplimit='"
          << settings_.impedance << ' ' << settings_.impedance << " 0.001' margin='" << kNearEnd_rad

@@ -8,6 +8,9 @@
 
 namespace wholehand::mujoco {
 
+/// Kind (contype) of the geoms of a scene's bodies.
+inline constexpr int kOfBodies = 1;
+
 /// Names of the parts in the compiled model.
 [[nodiscard]] std::string linkName(int link);
 [[nodiscard]] std::string jointName(int joint);

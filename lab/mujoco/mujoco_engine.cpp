@@ -1,5 +1,6 @@
 #include "lab/mujoco/mujoco_engine.hpp"
 
+#include "lab/mujoco/collisions.hpp"
 #include "lab/mujoco/engine_errors.hpp"
 #include "lab/mujoco/model_text.hpp"
 #include "physics/free_rotation.hpp"
@@ -54,6 +55,7 @@ Expected<std::unique_ptr<MujocoEngine>> MujocoEngine::build(const HandModel& han
                                                             const SceneModel& scene,
                                                             const SolverSettings& settings) {
   takeErrors();
+  refineCollisions();
   const std::string text = modelText(hand, scene, settings);
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());

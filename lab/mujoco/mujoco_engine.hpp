@@ -40,6 +40,9 @@ class MujocoEngine {
   [[nodiscard]] int bodyCount() const noexcept { return static_cast<int>(bodies_.size()); }
   [[nodiscard]] const std::vector<std::string>& bodyNames() const noexcept { return body_names_; }
   [[nodiscard]] const std::string& scenePath() const noexcept { return scene_path_; }
+  /// For measuring what a setting costs.
+  [[nodiscard]] mjModel& model() noexcept { return *model_; }
+  [[nodiscard]] const mjData& data() const noexcept { return *data_; }
   /// Coordinates of the hand before the next step.
   AxisPosition q_s;
   AxisVelocity qd_s;

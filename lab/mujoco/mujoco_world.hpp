@@ -33,6 +33,9 @@ class MujocoWorld final : public PhysicsWorld {
   void contacts(ContactList& contacts) const noexcept override;
   void selfForces(SelfForces& forces) const noexcept override;
 
+  /// For measuring what a setting costs.
+  [[nodiscard]] mujoco::MujocoEngine& engine() noexcept { return *engine_; }
+
  private:
   explicit MujocoWorld(const HandModel& hand, std::unique_ptr<mujoco::MujocoEngine> engine);
 

@@ -1,11 +1,17 @@
 // What is MuJoCo's alone: its errors and warnings, its room, and what it lacks.
+#include "lab/mujoco/collisions.hpp"
 #include "lab/mujoco/engine_errors.hpp"
+#include "lab/mujoco/mujoco_engine.hpp"
 #include "lab/mujoco/mujoco_world.hpp"
+#include "physics/body_yard.hpp"
 #include "physics/engine_bench.hpp"
 #include "support/says.hpp"
+#include "support/seed.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <mujoco/mujoco.h>
 
 namespace wholehand::test {
@@ -59,6 +65,67 @@ TEST(MujocoContacts, BeyondItsRoom_AreCountedAsDropped) {
     dropped += bench.touching.dropped;
   }
   EXPECT_GT(dropped, 0);
+}
+
+/// Of a point from a solid of these half edges, in its frame [m]; 0 within.
+double fromBox(const Eigen::Vector3d& at, const Eigen::Vector3d& half) {
+  return (at.cwiseAbs() - half).cwiseMax(0.0).norm();
+}
+double fromCylinder(const Eigen::Vector3d& at, double radius_m, double half_length_m) {
+  return std::hypot(std::max(at.head<2>().norm() - radius_m, 0.0),
+                    std::max(std::abs(at.z()) - half_length_m, 0.0));
+}
+
+// Expected: the distance of the capsule's segment, point by point, from the solid's closed form.
+TEST(MujocoCollisions, OfPairsWhoseBoxesAreNear_AreAllFound) {
+  constexpr double kCapsule_m = 0.01, kHalf_m = 0.02, kMargin_m = 0.002, kClear_m = 1e-4;
+  const Eigen::Vector3d half(0.2, 0.03, 0.01);
+  const std::string text =
+      "<mujoco><default><geom margin='0.002' contype='2' conaffinity='0'/></default><worldbody>"
+      "<geom type='box' size='0.2 0.03 0.01' conaffinity='4'/>"
+      "<geom type='cylinder' size='0.03 0.1' pos='1 0 0' conaffinity='4'/>"
+      "<body><freejoint/><geom type='capsule' size='0.01 0.02' contype='4' mass='1'/></body>"
+      "</worldbody></mujoco>";
+  mujoco::refineCollisions();
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "pair.xml", static_cast<int>(text.size()));
+  std::copy(text.begin(), text.end(), static_cast<char*>(files->filedata[0]));
+  const std::unique_ptr<mjModel, mujoco::Deleter> model(
+      mj_loadXML("pair.xml", files.get(), nullptr, 0));
+  mj_deleteVFS(files.get());
+  ASSERT_NE(model, nullptr);
+  const std::unique_ptr<mjData, mujoco::Deleter> data(mj_makeData(model.get()));
+  std::mt19937_64 random = seededRandom(391);
+  int touching = 0, apart = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const bool box = k % 2 == 0;
+    const Eigen::Quaterniond turned = Eigen::Quaterniond(anyTurn(random));
+    const Eigen::Vector3d reach = (box ? half : Eigen::Vector3d(0.03, 0.03, 0.1)) +
+                                  Eigen::Vector3d::Constant(kHalf_m + 2.0 * kCapsule_m);
+    Eigen::Vector3d at;
+    for (int i = 0; i < 3; ++i) at[i] = uniform(random, -reach[i], reach[i]);
+    double nearest_m = 1.0;
+    constexpr int kPoints = 400;
+    for (int i = 0; i <= kPoints; ++i) {
+      const double along_m = kHalf_m * (2.0 * i / kPoints - 1.0);
+      const Eigen::Vector3d p = at + turned * Eigen::Vector3d(0.0, 0.0, along_m);
+      nearest_m = std::min(nearest_m, box ? fromBox(p, half) : fromCylinder(p, 0.03, 0.1));
+    }
+    const Eigen::Vector3d placed = at + Eigen::Vector3d(box ? 0.0 : 1.0, 0.0, 0.0);
+    std::copy_n(placed.data(), 3, data->qpos);
+    data->qpos[3] = turned.w(), data->qpos[4] = turned.x();
+    data->qpos[5] = turned.y(), data->qpos[6] = turned.z();
+    mj_kinematics(model.get(), data.get());
+    mj_comPos(model.get(), data.get());
+    mj_collision(model.get(), data.get());
+    const double gap_m = nearest_m - kCapsule_m - kMargin_m;
+    if (std::abs(gap_m) < kClear_m) continue;
+    EXPECT_EQ(data->ncon > 0, gap_m < 0.0) << (box ? "box" : "cylinder") << ", gap " << gap_m;
+    ++(gap_m < 0.0 ? touching : apart);
+  }
+  EXPECT_GT(touching, 400);
+  EXPECT_GT(apart, 400);
 }
 
 TEST(MujocoHand, WithAnAxisThatDrivesNoJointAlone_IsRefusedByName) {

@@ -51,9 +51,9 @@ class EveryEngine(AppTest):
 
 class Compared(AppTest):
     def test_keys_of_the_results_slow(self):
-        self.expect(self.run_app("experiment", "engines", "--hold", "0.2", "--rates-hz", "1000,2000", "--json", "e.json",
+        self.expect(self.run_app("experiment", "engines", "--hold", "0.2", "--ticks", "4000", "--rates-hz", "1000,2000", "--json", "e.json",
                                  "--out", "out"),
-                    DONE, "bullet's tick over bullet-paper's", "at 1000 Hz", "at 2000 Hz")
+                    DONE, "bullet's tick over bullet-paper's", "at 1000 Hz", "at 2000 Hz", "ticks by CPU time while a cylinder is gripped")
         results = json.loads((self.folder / "e.json").read_text())
         engines = {engine["engine"]: engine for engine in results["engines"]}
         self.assertEqual(next(iter(engines)), "bullet")
@@ -61,16 +61,21 @@ class Compared(AppTest):
         for name, engine in engines.items():
             if not name.startswith("bullet-paper"):  # its forces are not those that are felt: the safety chain may stop it
                 self.assertIs(engine["faulted"], False, name)
-            for scene in ("free", "fixed", "held", "resting"):
+            for scene in ("free", "fixed", "held", "resting", "gripped"):
                 cost = engine["cpu_us"][scene]
                 self.assertGreater(cost["p50"], 0.0)
                 self.assertLessEqual(cost["p50"], cost["p999"])
+            self.assertEqual(sum(engine["gripped_counts"]), 4000, name)
+            self.assertEqual(len(engine["gripped_counts"]), len(results["bins_us"]) + 1)
         bullet, paper = engines["bullet"], engines["bullet-paper"]
         for name in set(engines) - {"bullet-paper", "bullet-paper-gears"}:  # what docs/engines.md says of engines for persons
             self.assertIs(engines[name]["held"], True, name)
+            self.assertGreater(engines[name]["gripped_share"], 0.3, name)  # it closes at 2.8 s of 4
             self.assertLessEqual(engines[name]["virtual_work_error"], 0.01, name)
             self.assertLessEqual(engines[name]["felt_error"], 0.01, name)
             self.assertLessEqual(engines[name]["coupling_error_rad"], 1e-9, name)
+        # Things on a table stand: to what lifts 0.1 kg by the 10 µm of a contact.
+        self.assertLess(engines["mujoco"]["energy_drift_j"], 1e-5)
         # The paper's own way leaves the synergy under contact, and its forces are not those that are felt.
         self.assertGreater(paper["coupling_error_rad"], 1e-4)
         self.assertGreater(paper["virtual_work_error"], 10 * bullet["virtual_work_error"])
@@ -92,7 +97,7 @@ class Compared(AppTest):
             self.assertGreaterEqual(fast["stiffness"]["largest_stable_n_m"], 1.75 * found, name)
         page = report_data(self.folder / "out/engines.html")
         expect_known_sentences(self, page)
-        self.assertEqual(len(page["charts"]), 4)
+        self.assertEqual(len(page["charts"]), 5)
         self.assertEqual(len(page["tables"]), 2)
         for chart in page["charts"]:
             self.assertEqual([line["name"] for line in chart["lines"]], list(engines))

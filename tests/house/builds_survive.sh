@@ -11,7 +11,7 @@ source tests/house/wrong.sh
 # Enough of the tree to configure all of it. One small library is built.
 copy_tree() { # <to>
   mkdir -p "$1"
-  git ls-files -z -- CMakeLists.txt CMakePresets.json cmake protocol clients src include drivers experiments apps \
+  git ls-files -z -- CMakeLists.txt CMakePresets.json LICENSE cmake protocol clients src include drivers experiments apps \
     packaging data scripts start check | tar --null -T - -c | tar -x -C "$1"
 }
 target=wholehand_page

@@ -11,6 +11,12 @@ const WORDS = ['① bumps into it', '② approaches', '③ squeezes', '④ lets 
 /** The moment of a phase that shows it, as a share of it. */
 const SHARES = [0.05, 0.7, 0.4, 0.03];
 
+/** In the page: so many frames are drawn. */
+const framesPass = (count) => new Promise((resolve) => {
+  const next = () => { if (count-- > 0) requestAnimationFrame(next); else resolve(); };
+  next();
+});
+
 const replay = spawn(program, ['replay', `${folder}/exercise.h5`, '--web', '--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
 const address = await new Promise((resolve) => replay.stdout.on('data', (text) => {
   const found = /http:\/\/\S+/.exec(String(text));
@@ -33,6 +39,7 @@ try {
       await tab.getByRole('radio', { name: look }).or(tab.getByRole('button', { name: look, exact: true })).first().click();
       await tab.waitForFunction(() => window.wholehandReplay.exact);
       await tab.waitForTimeout(2000);  // the picture settles into its full quality
+      await tab.evaluate(framesPass, 10);  // on a busy machine two seconds are not one of them
       pictures.push({ i, look, at_s, png: (await view.screenshot()).toString('base64') });
     }
   }

@@ -134,6 +134,9 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
   compared->add_option("--hold", experiment.hold_s, "How long the cylinder is held")
       ->check(finiteBetween(0.1, 60, "seconds"))
       ->capture_default_str();
+  compared->add_option("--ticks", experiment.ticks, "Ticks in which the cylinder is gripped")
+      ->check(finiteBetween(1000, 1e6, "ticks"))
+      ->capture_default_str();
   compared->add_option("--rates-hz", experiment.rates_hz, "Ticks a second, one comparison each")
       ->check(finiteBetween(250, 8000, "Hz"))
       ->delimiter(',')

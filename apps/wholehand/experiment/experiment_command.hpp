@@ -21,7 +21,7 @@ struct ExperimentOptions {
   int jittered = 72;                      ///< grasping: jittered trials
   std::uint64_t seed = 1;                 ///< grasping: seed of the jitter
   std::string only;  ///< grasping, complexity: runs trials or kinds whose name contains this
-  std::uint64_t ticks = 100000;  ///< timing
+  std::uint64_t ticks = 100000;  ///< timing, and of engines with the cylinder gripped
   std::string scene;             ///< timing: replaces the bar; its first body is gripped
   bool simulated_clock = false;  ///< timing: run as fast as possible
   double hold_s = 2.0;           ///< engines: duration of holding and of resting
