@@ -101,11 +101,12 @@ bool hasFaces(ShapeType type) {
 
 /// How fast a collider's surface moves at most by its body's turning.
 double turningSpeed(const BulletBody::Collider& of) {
+  const bool ball = of.form.type == ShapeType::kSphere;
+  if (ball && of.in_rigid.getOrigin().fuzzyZero()) return 0.0;  // about its own middle
   const double turn_rad_s = of.tag.rigid->getAngularVelocity().length();
   if (turn_rad_s == 0.0) return 0.0;
   const Eigen::Vector3d middle_m = 0.5 * (of.box.low_m + of.box.high_m);
   const double off_m = (middle_m - toEigen(of.tag.rigid->getCenterOfMassPosition())).norm();
-  const bool ball = of.form.type == ShapeType::kSphere;
   return turn_rad_s * (ball ? off_m : off_m + 0.5 * (of.box.high_m - of.box.low_m).norm());
 }
 
