@@ -1,5 +1,6 @@
 #include "experiments/grasp_script.hpp"
 
+#include "core/geometry.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 
@@ -38,6 +39,10 @@ ShapeText shapeText(const std::string& shape, double size) {
   return {upright("disk", 0.04 * size, 0.02 * size), 0.01 * size};
 }
 
+std::string vectorText(const Eigen::Vector3d& v) {
+  return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
+}
+
 Eigen::Matrix3d palmRotation(const Models& models) {
   ArticulatedBody body(models.hand);
   JointPosition theta;
@@ -46,9 +51,14 @@ Eigen::Matrix3d palmRotation(const Models& models) {
   return body.linkPose(models.hand.palm_link).rotation;
 }
 
+Eigen::Matrix3d turnOf(const GraspTrial& trial) {
+  const Eigen::Vector3d& rpy = trial.turn_rpy_rad;
+  return rotationFromRpy(rpy.x(), rpy.y(), rpy.z());
+}
+
 /// Where the hand's base is when it closes: low and forward, so that the lift fits the workspace.
-Eigen::Vector3d graspBase() {
-  return {0.0, kApproach_m / 2.0, -kLift_m / 2.0};
+Eigen::Vector3d graspBase(const GraspTrial& trial) {
+  return turnOf(trial) * Eigen::Vector3d(0.0, kApproach_m / 2.0, -kLift_m / 2.0);
 }
 
 /// From where the hand comes, relative to that: along the palm's normal, thumb out of the way.
@@ -61,7 +71,7 @@ Eigen::Vector3d graspApproach(const Models& models) {
 Intention graspIntention(const GraspTrial& trial, const Models& models) {
   namespace at = grasp_times;
   const DeviceModel& device = models.device;
-  const Eigen::Vector3d base = graspBase();
+  const Eigen::Vector3d base = graspBase(trial);
   const auto pose = [&](const Eigen::Vector3d& p, double fingers, double circumduction,
                         double thumb) {
     AxisPosition q(device.axisCount());
@@ -79,7 +89,7 @@ Intention graspIntention(const GraspTrial& trial, const Models& models) {
   const double open = trial.fingers_open_rad;
   const double closed = trial.fingers_closed_rad;
   const double opposed = trial.circumduction_rad;
-  const Eigen::Vector3d lifted = base + kLift_m * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d lifted = base + kLift_m * turnOf(trial).col(2);
   return Intention::throughWaypoints(
       {{0.0, pose(base + graspApproach(models), open, kApproachCircumduction_rad, 0.0)},
        {at::kApproached, pose(base, open, kApproachCircumduction_rad, 0.0)},
@@ -90,24 +100,25 @@ Intention graspIntention(const GraspTrial& trial, const Models& models) {
 }
 
 std::string graspScene(const GraspTrial& trial, const Models& models) {
-  const Eigen::Vector3d center = graspBase() + palmRotation(models) * trial.center_m;
+  const Eigen::Vector3d center = graspBase(trial) + palmRotation(models) * trial.center_m;
+  const Eigen::Vector3d up = turnOf(trial).col(2);
+  const Eigen::Vector3d gravity = (trial.gravity ? -9.81 : 0.0) * up;
   const ShapeText shape = shapeText(trial.shape, trial.size);
+  const std::string turn = "orientation_rpy_rad = " + vectorText(trial.turn_rpy_rad);
   std::string text = fmt::format(
       "# Written by `wholehand experiment grasping`: {}.\n"
       "kind = \"scene\"\nversion = 1\nname = \"{}\"\n"
-      "gravity_m_s2 = [0.0, 0.0, {}]\nhand_friction = {}\n\n"
-      "[[bodies]]\nname = \"{}\"\n{}mass_kg = 0.1\nposition_m = [{:.17g}, {:.17g}, {:.17g}]\n"
+      "gravity_m_s2 = {}\nhand_friction = {}\n\n"
+      "[[bodies]]\nname = \"{}\"\n{}mass_kg = 0.1\nposition_m = {}\n{}\n"
       "friction = {}\nlinear_damping_per_s = {}\ncolor = \"#3B6FD1\"\n",
-      trial.name(), trial.name(), trial.gravity ? "-9.81" : "0.0", trial.friction, trial.shape,
-      shape.keys, center.x(), center.y(), center.z(), trial.friction,
-      trial.gravity ? "0.0" : "0.7");
+      trial.name(), trial.name(), vectorText(gravity), trial.friction, trial.shape, shape.keys,
+      vectorText(center), turn, trial.friction, trial.gravity ? "0.0" : "0.7");
   if (trial.gravity) {
     text += fmt::format(
         "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {1}]\nfixed = "
-        "true\n"
-        "position_m = [{2:.17g}, {3:.17g}, {4:.17g}]\nfriction = 0.8\ncolor = \"#765443\"\n",
-        kPedestalWidth_m, 2.0 * kPedestal_m, center.x(), center.y(),
-        center.z() - shape.half_height_m - kPedestal_m);
+        "true\nposition_m = {2}\n{3}\nfriction = 0.8\ncolor = \"#765443\"\n",
+        kPedestalWidth_m, 2.0 * kPedestal_m,
+        vectorText(center - (shape.half_height_m + kPedestal_m) * up), turn);
   }
   return text;
 }
