@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kVisitsPerBlock = 1 << 20;  // numbers stay below 2^53: JSON's integers
-constexpr std::int64_t kSecond_us = 1'000'000, kKept_us = 30 * 86'400 * kSecond_us;
 
 Diagnostic failed(const std::string& file, const std::string& problem, const std::string& remedy) {
   return {file, 0, "", "", problem, remedy};
@@ -267,7 +266,7 @@ void removeOldBackups(const std::string& folder, std::int64_t now_us) {
     struct stat file {};
     const bool ours = name.starts_with("clinic-") && name.ends_with(".db");
     if (!ours || ::stat(it->path().c_str(), &file) != 0) continue;
-    if (now_us - file.st_mtim.tv_sec * kSecond_us > kKept_us) old.push_back(it->path());
+    if (now_us - file.st_mtim.tv_sec * kSecond_us > kBackupsKept_us) old.push_back(it->path());
   }
   for (const fs::path& path : old) {
     fs::remove(path, error);

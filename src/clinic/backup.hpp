@@ -1,5 +1,6 @@
 #pragma once
 
+#include "clinic/clock.hpp"
 #include "clinic/database.hpp"
 #include "core/expected.hpp"
 
@@ -38,6 +39,8 @@ class FolderLock {
 /// Checks pages, references, migrations and key file. @return number of rows
 [[nodiscard]] Expected<std::int64_t> verifyClinic(const std::string& folder);
 
+/// How long a folder keeps its backups.
+inline constexpr std::int64_t kBackupsKept_us = 30 * kDay_us;
 /// Time of the newest backup of a folder [µs UTC]; 0: none.
 [[nodiscard]] std::int64_t newestBackup_us(const std::string& folder);
 /// Removes the folder's own backups that are older than 30 days.

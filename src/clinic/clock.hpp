@@ -4,6 +4,8 @@
 
 namespace wholehand::clinic {
 
+inline constexpr std::int64_t kSecond_us = 1'000'000, kDay_us = 86'400 * kSecond_us;
+
 /// The time of day, which may be set back, and a clock that only goes on. Any thread.
 class Clock {
  public:

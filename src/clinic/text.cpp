@@ -13,8 +13,6 @@
 namespace wholehand::clinic {
 namespace {
 
-constexpr std::int64_t kSecond_us = 1'000'000, kDay_us = 86'400 * kSecond_us;
-
 std::optional<int> digits(std::string_view text, std::size_t at, std::size_t count) {
   if (at + count > text.size()) return {};
   int value = 0;

@@ -11,12 +11,10 @@
 #include <filesystem>
 #include <sys/stat.h>
 
-/// Trials: the index of the recordings, made by comparing folder and table.
 namespace wholehand::clinic {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kSettled_us = 2 * kSecond_us;  // one that is written to changes more often
 /// What failed is tried again: the memory, the disk or the program may be there again.
 constexpr std::int64_t kAgain_us = 30 * kSecond_us, kLongestAgain_us = 3600 * kSecond_us;
@@ -102,7 +100,7 @@ Outcome judged(Database& db, const std::string& name, const Json& json) {
   return out;
 }
 
-void store(Database& db, const Found& file, const Outcome& out) {
+void insertOrUpdate(Database& db, const Found& file, const Outcome& out) {
   db.change(
       "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us, sha256,"
       " measures_version, measures) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
@@ -119,42 +117,42 @@ void store(Database& db, const Found& file, const Outcome& out) {
 
 }  // namespace
 
-void Clinic::storeMeasures(const std::string& name, const SeenFile& file,
-                           const std::optional<Json>& json, const std::string& why) {
-  const Lock lock(mutex_);
-  if (!db_) return;
-  Transaction transaction(*db_);
-  Outcome out = json ? judged(*db_, name, *json) : failed(*db_, name, why);
+void Trials::store(const std::string& name, const SeenFile& file, const std::optional<Json>& json,
+                   const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  if (!records_.isOpen()) return;
+  Transaction transaction(records_.db());
+  Outcome out = json ? judged(records_.db(), name, *json) : failed(records_.db(), name, why);
   if (!out.sha256.empty() && out.state != "ignored") {
     // The same recording under another name: renamed, or a copy.
-    Statement same = db_->query(
+    Statement same = records_.db().query(
         "SELECT id, recording, visit FROM trial WHERE sha256 = ? AND recording <> ? AND state <>"
         " 'ignored'",
         out.sha256, name);
     if (same.step()) {
       std::error_code error;
-      if (fs::exists(fs::path(options_.recordings) / same.text(1), error)) {
+      if (fs::exists(fs::path(records_.options().recordings) / same.text(1), error)) {
         out.state = "ignored";
         out.why = "is a copy of " + same.text(1);
         out.visit.reset();
       } else {
         if (!same.isNull(2)) out.visit = same.integer(2);
-        db_->change("DELETE FROM trial WHERE id = ?", same.integer(0));
+        records_.db().change("DELETE FROM trial WHERE id = ?", same.integer(0));
       }
     }
   }
-  store(*db_, {name, file.size, file.modified_ns}, out);
+  insertOrUpdate(records_.db(), {name, file.size, file.modified_ns}, out);
   transaction.commit();
 }
 
 /// Recordings that the table has and the folder has not.
-void Clinic::noteMissing(std::set<std::string> present) {
-  const Lock lock(mutex_);
+void Trials::noteMissing(std::set<std::string> present) {
+  const std::lock_guard lock(mutex_);
   if (present == present_) return;
-  Transaction transaction(*db_);
+  Transaction transaction(records_.db());
   std::vector<std::int64_t> gone;
   {
-    Statement rows = db_->query(
+    Statement rows = records_.db().query(
         "SELECT id, recording FROM trial WHERE visit IS NOT NULL AND why <> 'the recording is "
         "gone'");
     while (rows.step()) {
@@ -165,48 +163,48 @@ void Clinic::noteMissing(std::set<std::string> present) {
     }
   }
   for (const std::int64_t id : gone) {
-    db_->change(
+    records_.db().change(
         "UPDATE trial SET why = 'the recording is gone', state = CASE WHEN state ="
         " 'measured' THEN state ELSE 'failed' END WHERE id = ?",
         id);
   }
   std::vector<std::string> nobodys;
-  Statement rows = db_->query("SELECT recording FROM trial WHERE visit IS NULL");
+  Statement rows = records_.db().query("SELECT recording FROM trial WHERE visit IS NULL");
   while (rows.step()) {
     if (!present.contains(rows.text(0))) nobodys.push_back(rows.text(0));
   }
   for (const std::string& name : nobodys) {
-    db_->change("DELETE FROM trial WHERE recording = ?", name);
+    records_.db().change("DELETE FROM trial WHERE recording = ?", name);
     files_.erase(name);
   }
   transaction.commit();
   present_ = std::move(present);
 }
 
-void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()>& stop) {
-  if (options_.recordings.empty()) return;
+void Trials::look(const Measure& measure, const std::function<bool()>& stop) {
+  if (records_.options().recordings.empty()) return;
   try {
     {
-      const Lock lock(mutex_);
-      open();
+      const std::lock_guard lock(mutex_);
+      records_.open();
     }
-    const std::vector<Found> found = recordingsOf(options_.recordings);
+    const std::vector<Found> found = recordingsOf(records_.options().recordings);
     std::set<std::string> present;
     for (const Found& file : found) present.insert(file.name);
     const std::string written = fs::path(station_.scene().recording).filename().string();
     if (!written.empty()) present.insert(written);
     std::error_code error;
-    if (fs::is_directory(options_.recordings, error)) noteMissing(present);
+    if (fs::is_directory(records_.options().recordings, error)) noteMissing(present);
     for (const Found& file : found) {
       if (file.name == written) continue;
       SeenFile seen;
       {
-        const Lock lock(mutex_);
-        const std::int64_t now_us = clock_.steady_us();
+        const std::lock_guard lock(mutex_);
+        const std::int64_t now_us = records_.clock().steady_us();
         auto [at, is_new] = files_.try_emplace(file.name);
         SeenFile& known = at->second;
         if (is_new || known.size != file.size || known.modified_ns != file.modified_ns) {
-          Statement row = db_->query(
+          Statement row = records_.db().query(
               "SELECT 1 FROM trial WHERE recording = ? AND size = ? AND modified_ns = ? AND state "
               "IN ('measured', 'ignored') AND why <> 'the recording is gone'",
               file.name, file.size, file.modified_ns);
@@ -217,13 +215,14 @@ void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()
       }
       std::string why;
       const std::optional<Json> json =
-          measure((fs::path(options_.recordings) / file.name).string(), why);
+          measure((fs::path(records_.options().recordings) / file.name).string(), why);
       if (stop && stop()) return;
-      storeMeasures(file.name, seen, json, why);
-      const Lock lock(mutex_);
+      store(file.name, seen, json, why);
+      const std::lock_guard lock(mutex_);
       SeenFile& known = files_[file.name];
       known.known = json.has_value();
-      known.due_us = clock_.steady_us() + std::min(kAgain_us << known.failed, kLongestAgain_us);
+      known.due_us =
+          records_.clock().steady_us() + std::min(kAgain_us << known.failed, kLongestAgain_us);
       known.failed = std::min(known.failed + 1, kMostDoublings);
     }
   } catch (const DatabaseError&) {  // the next look finds what this one missed
@@ -272,7 +271,7 @@ Expected<std::string> rebuildTrials(const std::string& folder, const std::string
       const Outcome out = json ? judged(db, file.name, *json) : failed(db, file.name, why);
       ++(out.state == "measured" ? measured : others);
       Transaction transaction(db);
-      store(db, file, out);
+      insertOrUpdate(db, file, out);
       transaction.commit();
     }
     return fmt::format("{} recordings: {} are trials of this clinic's visits, {} are not",

@@ -20,7 +20,6 @@
 
 namespace wholehand::clinic {
 
-constexpr std::int64_t kSecond_us = 1'000'000, kDay_us = 86'400 * kSecond_us;
 constexpr std::int64_t kNoon_us = 1'795'867'200 * kSecond_us;  // 2026-11-28 12:00 UTC
 
 class FakeClock final : public Clock {

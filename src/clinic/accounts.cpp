@@ -1,0 +1,274 @@
+#include "clinic/accounts.hpp"
+
+#include "clinic/backup.hpp"
+#include "clinic/text.hpp"
+#include "core/sha256.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace wholehand::clinic {
+namespace {
+
+constexpr std::int64_t kHideAfter_us = 300 * kSecond_us;
+constexpr int kFreeTries = 5, kFirstWait_s = 30, kLongestWait_s = 3600;
+constexpr std::size_t kMostSessions = 64;
+constexpr std::size_t kLeastPhrase = 8, kMostPhrase = 200, kLeastPin = 4, kMostPin = 8;
+
+std::string pinOf(const Json& body, const std::string& field) {
+  std::string pin = textOf(body, "pin", field);
+  const bool digits =
+      std::all_of(pin.begin(), pin.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (!digits || pin.size() < kLeastPin || pin.size() > kMostPin) {
+    throw badValue(field, "a PIN has 4 to 8 digits");
+  }
+  return pin;
+}
+
+bool isColour(const std::string& text) {
+  return text.size() == 7 && text[0] == '#' &&
+         text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+}
+
+}  // namespace
+
+Json Accounts::tiles() {
+  Json tiles = Json::array();
+  if (!records_.key()) return tiles;
+  Statement rows = records_.db().query("SELECT id, name, colour FROM account ORDER BY id");
+  while (rows.step()) {
+    tiles.push_back({{"id", rows.integer(0)},
+                     {"name", records_.unseal("account", rows.text(1))},
+                     {"colour", rows.text(2)}});
+  }
+  return tiles;
+}
+
+void Accounts::admit(Call& call, Access access) {
+  if (access == Access::kAnyone) return;
+  if (!records_.key()) {
+    const bool is_new = records_.isNew();
+    throw Refused{423,
+                  "locked",
+                  is_new ? "this clinic has not begun; give it a pass phrase"
+                         : "the clinic is locked; give its pass phrase or recovery code",
+                  {}};
+  }
+  call.session_id = sha256(call.request.token);
+  const auto found = sessions_.find(call.session_id);
+  if (call.request.token.empty() || found == sessions_.end()) {
+    throw Refused{401, "not_signed_in", "nobody is signed in; choose a tile and type its PIN", {}};
+  }
+  Session& session = found->second;
+  const std::int64_t now_us = records_.clock().steady_us();
+  if (now_us - session.last_us >= kHideAfter_us) session.hidden = true;
+  if (call.request.path != "/api/visits/open") session.last_us = now_us;
+  call.session = session;
+  if (session.hidden && access == Access::kShown) {
+    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+  }
+}
+
+Json Accounts::init(Call& call) {
+  if (!records_.isNew()) {
+    throw Refused{409, "changed", "this clinic has begun already; unlock it", {}};
+  }
+  const std::string phrase = textOf(call.body, "pass_phrase", "pass_phrase");
+  if (phrase.size() < kLeastPhrase || phrase.size() > kMostPhrase) {
+    throw badValue("pass_phrase", "a pass phrase has 8 to 200 characters");
+  }
+  const Json tile = call.body.value("tile", Json::object());
+  Key key = Key::random();
+  const std::string code = newRecoveryCode();
+  const std::string clinic = randomHex(16);
+  const std::string path = records_.options().folder + "/keys";
+  const KeyFile keys{clinic, wrap(key, phrase, records_.options().cost),
+                     wrap(key, *checkedRecoveryCode(code), records_.options().cost)};
+  if (auto written = writeKeyFile(path, keys); !written) {
+    throw DatabaseError(format(written.errors()));
+  }
+  records_.begin(call);
+  records_.unlock(std::move(key));
+  try {
+    records_.db().change("INSERT INTO clinic VALUES (1, ?, ?)", clinic, drawnVisitNumber());
+    const std::int64_t account = insertAccount(tile, "tile.");
+    records_.log(account, "began the clinic");
+    call.transaction->commit();
+    call.transaction.reset();
+    Json signed_in = sessionOf(account);
+    signed_in["recovery_code"] = code;
+    return signed_in;
+  } catch (...) {
+    records_.lock();
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    throw;
+  }
+}
+
+Json Accounts::unlock(Call& call) {
+  if (records_.key()) return Json::object();
+  if (records_.isNew()) {
+    throw Refused{423, "locked", "this clinic has not begun; give it a pass phrase", {}};
+  }
+  Tries& tries = tries_[0];
+  refuseWhileWaiting(tries);
+  const auto keys = readKeyFile(records_.options().folder + "/keys");
+  if (!keys) throw DatabaseError(format(keys.errors()));
+  std::optional<Key> key;
+  if (call.body.contains("recovery_code")) {
+    const auto code = checkedRecoveryCode(textOf(call.body, "recovery_code", "recovery_code"));
+    if (!code) {
+      throw badValue("recovery_code",
+                     "the recovery code was mistyped: its check characters do not fit; compare it "
+                     "with the printed one, group by group");
+    }
+    key = unwrap(keys->by_recovery, *code);
+  } else {
+    key = unwrap(keys->by_phrase, textOf(call.body, "pass_phrase", "pass_phrase"));
+  }
+  if (!key) {
+    countFailure(tries);
+    throw Refused{401, "wrong_phrase", "this is not the clinic's pass phrase or recovery code", {}};
+  }
+  tries = {};
+  records_.unlock(std::move(*key));
+  return Json::object();
+}
+
+Json Accounts::lockClinic(Call&) {
+  records_.lock();
+  sessions_.clear();
+  return Json::object();
+}
+
+std::string Accounts::browserKey(std::int64_t account) const {
+  return records_.key()->derived(fmt::format("browser {}", account));
+}
+
+Json Accounts::sessionOf(std::int64_t account) {
+  return {
+      {"token", newSession(account)}, {"account", account}, {"browser_key", browserKey(account)}};
+}
+
+std::string Accounts::newSession(std::int64_t account) {
+  if (sessions_.size() >= kMostSessions) {
+    const auto oldest = std::min_element(
+        sessions_.begin(), sessions_.end(),
+        [](const auto& a, const auto& b) { return a.second.last_us < b.second.last_us; });
+    sessions_.erase(oldest);
+  }
+  std::string token = randomHex(32);
+  sessions_[sha256(token)] = {account, records_.clock().steady_us(), false, 0};
+  return token;
+}
+
+void Accounts::refuseWhileWaiting(const Tries& tries) const {
+  const std::int64_t left_us = tries.wait_until_us - records_.clock().steady_us();
+  if (left_us <= 0) return;
+  const std::int64_t wait_s = (left_us + kSecond_us - 1) / kSecond_us;
+  throw Refused{429,
+                "too_many_tries",
+                fmt::format("too many tries; wait {} s", wait_s),
+                {},
+                {{"wait_s", wait_s}}};
+}
+
+// After five wrong ones 30 s, then twice as long each time, up to an hour.
+void Accounts::countFailure(Tries& tries) const {
+  ++tries.failed;
+  if (tries.failed < kFreeTries) return;
+  const int doublings = std::min(tries.failed - kFreeTries, 10);
+  const std::int64_t wait_s = std::min(kFirstWait_s << doublings, kLongestWait_s);
+  tries.wait_until_us = records_.clock().steady_us() + wait_s * kSecond_us;
+}
+
+void Accounts::checkPin(std::int64_t account, const Json& body) {
+  Statement row = records_.db().query("SELECT pin, failed FROM account WHERE id = ?", account);
+  if (!row.step()) throw notFound(fmt::format("there is no account {}", account));
+  Tries& tries = tries_.try_emplace(account, Tries{static_cast<int>(row.integer(1))}).first->second;
+  refuseWhileWaiting(tries);
+  const auto pin = body.find("pin");
+  const bool right = pin != body.end() && pin->is_string() &&
+                     pinMatches(records_.unseal("pin", row.text(0)), pin->get<std::string>());
+  if (right && tries.failed == 0) return;
+  if (right) {
+    tries = {};
+  } else {
+    countFailure(tries);  // counts also where the database cannot be written
+  }
+  try {
+    records_.db().change("UPDATE account SET failed = ? WHERE id = ?", tries.failed, account);
+  } catch (const DatabaseError&) {  // a full disk keeps nobody out
+  }
+  if (right) return;
+  records_.tryToLog(account, "wrong PIN");
+  throw Refused{401,
+                "wrong_pin",
+                "this is not the tile's PIN",
+                {},
+                {{"tries_left", std::max(kFreeTries - tries.failed, 0)}}};
+}
+
+Json Accounts::signIn(Call& call) {
+  if (!records_.key())
+    throw Refused{423, "locked", "the clinic is locked; give its pass phrase", {}};
+  const auto account = call.body.find("account");
+  if (account == call.body.end() || !account->is_number_integer()) {
+    throw badValue("account", "account is no number of a tile");
+  }
+  const auto id = account->get<std::int64_t>();
+  checkPin(id, call.body);
+  records_.tryToLog(id, "signed in");
+  return sessionOf(id);
+}
+
+Json Accounts::signOut(Call& call) {
+  sessions_.erase(call.session_id);
+  return Json::object();
+}
+
+Json Accounts::hide(Call& call) {
+  sessions_[call.session_id].hidden = true;
+  return Json::object();
+}
+
+Json Accounts::show(Call& call) {
+  checkPin(call.session.account, call.body);
+  sessions_[call.session_id].hidden = false;
+  return {{"browser_key", browserKey(call.session.account)}};
+}
+
+std::int64_t Accounts::insertAccount(const Json& tile, const std::string& prefix) {
+  const std::string name = textOf(tile, "name", prefix + "name");
+  if (name.empty() || !isText(name, 60, false)) {
+    throw badValue(prefix + "name", "a tile's name has 1 to 60 characters");
+  }
+  const std::string colour = textOf(tile, "colour", prefix + "colour");
+  if (!isColour(colour)) throw badValue(prefix + "colour", "a colour is written #0d6b5a");
+  const std::string pin = hashPin(pinOf(tile, prefix + "pin"));
+  records_.db().change("INSERT INTO account (name, colour, pin) VALUES (?, ?, ?)",
+                       Blob{records_.seal("account", name)}, colour,
+                       Blob{records_.seal("pin", pin)});
+  return records_.db().lastId();
+}
+
+Json Accounts::addAccount(Call& call) {
+  const std::int64_t id = insertAccount(call.body, "");
+  records_.log(call.session.account, "added an account", 0, 0, std::to_string(id));
+  return {{"account", id}};
+}
+
+void Accounts::logOpened(const Call& call, std::int64_t patient) {
+  Session& session = sessions_[call.session_id];
+  if (session.opened_patient != patient &&
+      records_.tryToLog(call.session.account, "opened", patient)) {
+    session.opened_patient = patient;
+  }
+}
+
+}  // namespace wholehand::clinic

@@ -1,0 +1,439 @@
+#include "clinic/patients.hpp"
+
+#include "clinic/backup.hpp"
+#include "clinic/rows.hpp"
+#include "clinic/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace wholehand::clinic {
+namespace {
+
+constexpr std::size_t kLongestCode = 60, kLongestName = 120, kLongestWarnings = 2000;
+constexpr std::size_t kLongestKind = 20;
+constexpr double kShortestHand_m = 0.150, kLongestHand_m = 0.215;
+constexpr double kNarrowestHand_m = 0.050, kBroadestHand_m = 0.120;
+
+bool isCode(const std::string& code) {
+  return !code.empty() && code.size() <= kLongestCode &&
+         std::all_of(code.begin(), code.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                  c == '-' || c == '_';
+         });
+}
+
+Json readHand(const Json& hands, const std::string& side) {
+  const std::string field = "hands." + side;
+  if (!hands.is_object() || !hands.contains(side) || !hands[side].is_object()) {
+    throw badValue(field, "length and breadth of the " + side + " hand are missing");
+  }
+  const Json& hand = hands[side];
+  const double length_m = numberOf(hand.value("length_m", Json()), field + ".length_m",
+                                   kShortestHand_m, kLongestHand_m, "m");
+  const Json breadth = hand.value("breadth_m", Json());
+  if (breadth.is_number() && breadth.get<double>() >= length_m) {
+    throw badValue(field + ".breadth_m",
+                   fmt::format("{}.breadth_m = {}: is not less than the length, {} m", field,
+                               breadth.get<double>(), length_m));
+  }
+  const double breadth_m =
+      numberOf(breadth, field + ".breadth_m", kNarrowestHand_m, kBroadestHand_m, "m");
+  return {{"length_m", length_m}, {"breadth_m", breadth_m}};
+}
+
+}  // namespace
+
+struct Patients::Data {
+  std::string code, side, preset;
+  Json hands = Json::object(), secret;
+  Parameters parameters;
+  Plan plan;
+};
+
+Patients::Data Patients::read(const Json& body) const {
+  Data out;
+  const std::string name = textOr(body, "name", kLongestName);
+  if (name.find_first_not_of(' ') == std::string::npos) {
+    throw badValue("name", "a patient has a name of 1 to 120 characters");
+  }
+  const auto code = body.find("code");
+  if (code != body.end() && code->is_string()) out.code = code->get<std::string>();
+  if (!isCode(out.code)) throw badValue("code", "a code has 1 to 60 letters, digits, - and _");
+  const std::string born = textOr(body, "born", kLongestName);
+  if (!born.empty()) {
+    const auto day_us = dayOf(born);
+    if (!day_us || born < "1900") throw badValue("born", "born is no day like 1956-03-02");
+    // Where it is already tomorrow, a day more.
+    if (*day_us > records_.clock().now_us() + kDay_us) {
+      throw badValue("born", "the birth date is in the future");
+    }
+  }
+  out.side = textOr(body, "side", kLongestKind);
+  if (out.side != "right" && out.side != "left" && out.side != "both") {
+    throw badValue("side", "side must be right, left or both");
+  }
+  const Json hands = body.value("hands", Json());
+  for (const char* side : {"right", "left"}) {
+    const bool affected = out.side == side || out.side == "both";
+    const bool given = hands.is_object() && hands.contains(side) && !hands[side].is_null();
+    if (affected || given) out.hands[side] = readHand(hands, side);
+  }
+  out.preset = textOr(body, "preset", kLongestKind);
+  const ForcePreset* preset = records_.presets().forceOf(out.preset);
+  if (preset == nullptr) throw badValue("preset", "preset is not one of GET /api/presets");
+  out.parameters = plans_.readParameters(body.value("parameters", Json()), "parameters");
+  Parameters limits = out.parameters;
+  limits.insert(preset->parameters.begin(), preset->parameters.end());
+  out.plan = plans_.readPlan(body.value("plan", Json::array()), "plan", limits);
+  out.secret = {{"name", name},
+                {"born", born},
+                {"number", textOr(body, "number", kLongestCode)},
+                {"warnings", textOr(body, "warnings", kLongestWarnings, true)}};
+  return out;
+}
+
+Json Patients::rows(std::string_view find, std::int64_t only) {
+  Json rows = Json::array();
+  const std::string wanted = folded(find);
+  // Bare columns beside MAX() are those of the last visit.
+  Statement query = records_.db().query(
+      "SELECT p.id, p.code, p.side, p.secret,"
+      " (SELECT COUNT(*) FROM visit WHERE patient = p.id AND state <> 'no_show'),"
+      " v.id, v.state, MAX(v.began_us) FROM patient p"
+      " LEFT JOIN visit v ON v.patient = p.id AND v.state <> 'no_show'"
+      " WHERE p.id = ?1 OR ?1 = 0 GROUP BY p.id ORDER BY MAX(v.began_us) DESC, p.id DESC",
+      only);
+  while (query.step()) {
+    const std::string code = query.text(1);
+    const Json secret = Json::parse(records_.unseal("patient", query.text(3)));
+    const std::string name = secret.at("name");
+    if (folded(name).find(wanted) == std::string::npos &&
+        folded(code).find(wanted) == std::string::npos) {
+      continue;
+    }
+    const std::string state = query.text(6);
+    const bool shown = state == "open" || state == "unfinished";
+    rows.push_back({{"id", query.integer(0)},
+                    {"code", code},
+                    {"name", name},
+                    {"side", query.text(2)},
+                    {"visits", query.integer(4)},
+                    {"last_visit_us", query.integer(7)},
+                    {"state", shown ? state : ""},
+                    {"visit", shown ? query.integer(5) : 0}});
+  }
+  return rows;
+}
+
+Json Patients::list(Call& call) {
+  Json all = rows(call.request.find, 0), open = Json::array(), guests = Json::array();
+  for (const Json& row : all) {
+    if (!row["state"].get_ref<const std::string&>().empty()) open.push_back(row);
+  }
+  Statement query = records_.db().query(
+      "SELECT id FROM visit WHERE state = 'guest' AND patient IS NULL ORDER BY began_us");
+  while (query.step()) guests.push_back(visitJson(records_, query.integer(0), false));
+  return {{"open", open}, {"patients", all}, {"guests", guests}};
+}
+
+Json Patients::proposeCode(Call&) {
+  std::int64_t n = records_.db().number("SELECT MAX(id) FROM patient") + 1;
+  while (records_.db().number("SELECT COUNT(*) FROM patient WHERE code = ?",
+                              fmt::format("P-{:03}", n)) != 0) {
+    ++n;
+  }
+  return {{"code", fmt::format("P-{:03}", n)}};
+}
+
+Json Patients::add(Call& call) {
+  const Data data = read(call.body);
+  if (records_.db().number("SELECT COUNT(*) FROM patient WHERE code = ?", data.code) != 0) {
+    throw Refused{409, "code_exists", "another patient has the code " + data.code, "code"};
+  }
+  const std::int64_t now_us = records_.clock().now_us();
+  records_.db().change(
+      "INSERT INTO patient (mark, version, code, side, hands, preset, parameters, plan, plan_us,"
+      " created_us, secret) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      randomHex(16), data.code, data.side, data.hands.dump(), data.preset,
+      Json(data.parameters).dump(), clinic::toJson(data.plan).dump(), now_us, now_us,
+      Blob{records_.seal("patient", data.secret.dump())});
+  const std::int64_t id = records_.db().lastId();
+  records_.log(call.session.account, "added", id);
+  return toJson(id);
+}
+
+void Patients::check(std::int64_t id) {
+  if (records_.db().number("SELECT COUNT(*) FROM patient WHERE id = ?", id) == 0) {
+    throw notFound(fmt::format("there is no patient {}", id));
+  }
+}
+
+void Patients::checkNoOpenVisit(std::int64_t patient) {
+  const std::int64_t visit =
+      records_.db().number("SELECT id FROM visit WHERE patient = ? AND state = 'open'", patient);
+  if (visit != 0) {
+    throw Refused{409, "visit_open", "a visit of this patient is open; finish it first", {}};
+  }
+}
+
+Json Patients::change(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  check(id);
+  const Json version = call.body.value("version", Json());
+  Statement row = records_.db().query("SELECT version, plan FROM patient WHERE id = ?", id);
+  row.step();
+  if (!version.is_number_integer() || version.get<std::int64_t>() != row.integer(0)) {
+    throw changedMeanwhile("the patient was changed meanwhile; both texts are shown", toJson(id));
+  }
+  const Data data = read(call.body);
+  if (records_.db().number("SELECT COUNT(*) FROM patient WHERE code = ? AND id <> ?", data.code,
+                           id) != 0) {
+    throw Refused{409, "code_exists", "another patient has the code " + data.code, "code"};
+  }
+  const std::string plan = clinic::toJson(data.plan).dump();
+  if (plan != row.text(1)) {
+    records_.db().change("UPDATE patient SET plan = ?, plan_us = ? WHERE id = ?", plan,
+                         records_.clock().now_us(), id);
+  }
+  records_.db().change(
+      "UPDATE patient SET version = version + 1, code = ?, side = ?, hands = ?, preset = ?,"
+      " parameters = ?, secret = ? WHERE id = ?",
+      data.code, data.side, data.hands.dump(), data.preset, Json(data.parameters).dump(),
+      Blob{records_.seal("patient", data.secret.dump())}, id);
+  records_.log(call.session.account, "changed", id);
+  return toJson(id);
+}
+
+Json Patients::show(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  Json out = toJson(id);
+  accounts_.logOpened(call, id);
+  return out;
+}
+
+namespace {
+
+void addPoint(Json& curves, const std::string& name, const std::string& exercise,
+              const std::string& unit, std::int64_t at_us, double value) {
+  for (Json& curve : curves) {
+    if (curve["name"] != name || curve["exercise"] != exercise) continue;
+    Json& points = curve["points"];
+    if (points.back()[0] == at_us) points.erase(points.size() - 1);  // a visit's last trial counts
+    points.push_back({at_us, value});
+    return;
+  }
+  curves.push_back({{"name", name},
+                    {"exercise", exercise},
+                    {"unit", unit},
+                    {"points", Json::array({Json::array({at_us, value})})}});
+}
+
+/// Over visits, the oldest first: active minutes, and each result of each exercise's panel.
+Json curvesOf(const Json& visits) {
+  Json curves = Json::array();
+  for (auto visit = visits.rbegin(); visit != visits.rend(); ++visit) {
+    double active_s = 0.0;
+    bool measured = false;
+    const std::int64_t at_us = (*visit)["began_us"];
+    for (const Json& trial : (*visit)["trials"]) {
+      if (trial["state"] != "measured") continue;
+      measured = true;
+      if (trial["active_s"].is_number()) active_s += trial["active_s"].get<double>();
+    }
+    if (measured) addPoint(curves, "active_min", "", "min", at_us, active_s / 60.0);
+    for (const Json& trial : (*visit)["trials"]) {
+      if (trial["state"] != "measured") continue;
+      for (const Json& result : trial["results"]) {
+        if (!result["value"].is_number()) continue;
+        addPoint(curves, result["name"], trial["exercise"], result["unit"], at_us, result["value"]);
+      }
+    }
+  }
+  return curves;
+}
+
+}  // namespace
+
+Json Patients::toJson(std::int64_t id) {
+  Statement row = records_.db().query(
+      "SELECT version, code, side, hands, preset, parameters, plan, plan_us, secret FROM patient"
+      " WHERE id = ?",
+      id);
+  if (!row.step()) throw notFound(fmt::format("there is no patient {}", id));
+  Json out = Json::parse(records_.unseal("patient", row.text(8)));
+  out["id"] = id;
+  out["version"] = row.integer(0);
+  out["code"] = row.text(1);
+  out["side"] = row.text(2);
+  out["hands"] = Json::parse(row.text(3));
+  out["preset"] = row.text(4);
+  out["parameters"] = Json::parse(row.text(5));
+  out["plan"] = Json::parse(row.text(6));
+  Json visits = Json::array();
+  Json today = out["plan"];
+  bool found_last = false;
+  Statement rows = records_.db().query(
+      "SELECT id, began_us, plan FROM visit WHERE patient = ? ORDER BY began_us DESC, id "
+      "DESC",
+      id);
+  while (rows.step()) {
+    visits.push_back(visitJson(records_, rows.integer(0), false));
+    // The last visit's items, unless the plan was changed since. A no-show has none.
+    const Plan items = planFrom(rows.text(2));
+    if (found_last || items.empty()) continue;
+    found_last = true;
+    if (rows.integer(1) < row.integer(7)) continue;
+    const bool offered = records_.presets().forceOf(row.text(4)) != nullptr;
+    today = clinic::toJson(offered ? capped(items, plans_.limitsOf(id)) : items);
+  }
+  out["curves"] = curvesOf(visits);
+  out["visits"] = std::move(visits);
+  out["notes"] = notesOf(records_, "patient", id, false);
+  out["today"] = std::move(today);
+  return out;
+}
+
+Json Patients::remove(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  check(id);
+  if (records_.db().number("SELECT COUNT(*) FROM visit WHERE patient = ?", id) != 0) {
+    throw changedMeanwhile("the patient has visits: move them, or erase the patient", toJson(id));
+  }
+  records_.db().change("DELETE FROM patient WHERE id = ?", id);
+  records_.db().run("DELETE FROM answer");
+  records_.log(call.session.account, "deleted", id);
+  return Json::object();
+}
+
+Json Patients::merge(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  const Json from = call.body.value("from", Json());
+  if (!from.is_number_integer() || from == id) throw badValue("from", "from is no other patient");
+  const auto other = from.get<std::int64_t>();
+  check(id);
+  check(other);
+  checkNoOpenVisit(other);
+  // What the other's visits have changed is not this row's to give back.
+  records_.db().change("UPDATE visit SET patient = ?, before = '{}' WHERE patient = ?", id, other);
+  records_.db().change("UPDATE note SET patient = ? WHERE patient = ?", id, other);
+  records_.db().change("UPDATE patient SET version = version + 1 WHERE id = ?", id);
+  records_.db().change("DELETE FROM patient WHERE id = ?", other);
+  records_.log(call.session.account, "merged", id, 0, fmt::format("from {}", other));
+  return toJson(id);
+}
+
+Json Patients::erase(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  Statement row = records_.db().query("SELECT mark, code FROM patient WHERE id = ?", id);
+  if (!row.step()) throw notFound(fmt::format("there is no patient {}", id));
+  if (call.body.value("code", Json()) != row.text(1)) {
+    throw badValue("code", "type the patient's code to erase everything of this person");
+  }
+  checkNoOpenVisit(id);
+  listErased(records_.options().folder, records_.options().backups, row.text(0));
+  const ErasedFiles files = eraseRows(records_.db(), id);
+  records_.log(call.session.account, "erased", id);
+  call.after.emplace_back([this, &call, files] {
+    const auto left = removeFiles(records_.options().folder, records_.options().recordings, files);
+    records_.freeErased();
+    call.answer.body = Json({{"erased", true},
+                             {"recordings_left", left},
+                             {"gone_from_backups_us", records_.goneFromBackups_us()}})
+                           .dump();
+  });
+  return {{"erased", true}};
+}
+
+Json Patients::noShow(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  check(id);
+  const std::int64_t now_us = records_.clock().now_us();
+  const Json at = call.body.value("at_us", Json(now_us));
+  const std::int64_t at_us = at.is_number_integer() ? at.get<std::int64_t>() : -1;
+  if (at_us < 0 || at_us > now_us + kDay_us) {
+    throw badValue("at_us", "at_us is no time in microseconds until now");
+  }
+  const std::int64_t visit =
+      insertVisit(records_, id, call.session.account, "", at_us, at_us, "no_show");
+  records_.log(call.session.account, "noted a no-show", id, visit);
+  return visitJson(records_, visit, false);
+}
+
+Json Patients::note(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  check(id);
+  insertNote(records_, call, id, {});
+  records_.log(call.session.account, "wrote a note", id);
+  return toJson(id);
+}
+
+std::string csvOf(Database& db, std::int64_t patient) {
+  std::string out =
+      "code,visit,began,state,side,pain_before,pain_after,item,exercise,level,recording,measure,"
+      "value,unit\r\n";
+  Statement rows = db.query(
+      "SELECT p.code, v.id, v.began_us, v.offset_min, v.state, v.side, v.pain_before, v.pain_after,"
+      " t.item, t.recording, t.measures FROM visit v JOIN patient p ON p.id = v.patient"
+      " LEFT JOIN trial t ON t.visit = v.id AND t.state = 'measured'"
+      " WHERE p.id = ?1 OR ?1 = 0 ORDER BY p.code, v.began_us, v.id, t.began_us, t.id",
+      patient);
+  while (rows.step()) {
+    const auto pain = [&](int column) {
+      return rows.isNull(column) ? std::string{} : std::to_string(rows.integer(column));
+    };
+    const std::string visit =
+        fmt::format("{},{},{},{},{},{},{}", csvCell(rows.text(0)), rows.integer(1),
+                    isoTime(rows.integer(2), static_cast<int>(rows.integer(3))), rows.text(4),
+                    rows.text(5), pain(6), pain(7));
+    if (rows.isNull(9)) {
+      out += visit + ",,,,,,,\r\n";
+      continue;
+    }
+    const Json m = Json::parse(rows.text(10));
+    const std::string exercise = m.value("exercise", Json("")).get<std::string>();
+    const std::string trial =
+        fmt::format("{},{},{},{},{}", visit, rows.integer(8), csvCell(exercise),
+                    m.value("level", Json(0)).dump(), csvCell(rows.text(9)));
+    const auto line = [&](const std::string& name, const Json& value, const std::string& unit) {
+      if (!value.is_number()) return;
+      const std::string number = value.dump();  // may begin with -: a number, and stays one
+      out += fmt::format("{},{},{},{}\r\n", trial, csvCell(name), number, csvCell(unit));
+    };
+    for (const Json& result : m.value("results", Json::array())) {
+      line(result.value("name", ""), result.value("value", Json()), result.value("unit", ""));
+    }
+    line("active", m.value("active_s", Json()), "s");
+    line("helped_share", m.value("helped_share", Json()), "");
+    line("peak_speed", m.value("peak_speed_m_s", Json()), "m/s");
+    line("path_ratio", m.value("path_ratio", Json()), "");
+    line("reach", m.value("reach_s", Json()), "s");
+  }
+  return out;
+}
+
+Json Patients::exportOne(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  check(id);
+  Statement row = records_.db().query("SELECT code FROM patient WHERE id = ?", id);
+  row.step();
+  records_.begin(call);
+  records_.log(call.session.account, "exported", id);
+  call.answer.type = "text/csv; charset=utf-8";
+  call.answer.file = "patient-" + row.text(0) + ".csv";
+  call.answer.body = csvOf(records_.db(), id);
+  return {};
+}
+
+Json Patients::exportAll(Call& call) {
+  records_.begin(call);
+  records_.log(call.session.account, "exported all");
+  call.answer.type = "text/csv; charset=utf-8";
+  call.answer.file = "patients.csv";
+  call.answer.body = csvOf(records_.db(), 0);
+  return {};
+}
+
+}  // namespace wholehand::clinic

@@ -1,0 +1,145 @@
+#include "clinic/records.hpp"
+
+#include "clinic/backup.hpp"
+#include "clinic/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace wholehand::clinic {
+namespace fs = std::filesystem;
+
+// Lets go of a database whose file is gone: it may come back.
+void Records::closeLost() {
+  try {
+    if (db_) db_->checkFile();
+  } catch (const DatabaseError&) {
+    db_.reset();
+  }
+}
+
+// Opens what is not open yet: what hindered it may be gone by the next request.
+void Records::open() {
+  if (db_) return;
+  if (!presets_) {
+    auto presets = loadPresets(options_.config + "/clinic/presets.toml");
+    if (!presets) throw DatabaseError(format(presets.errors()));
+    auto hands = loadShippedHands(options_.config + "/hands");
+    if (!hands) throw DatabaseError(format(hands.errors()));
+    presets_ = std::move(*presets);
+    hands_ = std::move(*hands);
+  }
+  std::error_code error;
+  const std::string path = options_.folder + "/clinic.db", keys_path = options_.folder + "/keys";
+  if (!fs::exists(path, error) && (was_open_ || fs::exists(keys_path, error))) {
+    throw DatabaseError(path + ": is gone: put it back, or restore a backup");
+  }
+  fs::create_directories(options_.folder + "/hands", error);
+  if (error) throw DatabaseError(options_.folder + ": cannot be made: " + error.message());
+  fs::permissions(options_.folder, fs::perms::owner_all, error);
+  Database db(path, Database::Mode::kCreate);
+  migrate(db);
+  Statement clinic = db.query("SELECT id FROM clinic");
+  if (clinic.step()) {
+    const auto keys = readKeyFile(keys_path);
+    if (!keys) throw DatabaseError(format(keys.errors()));
+    if (keys->clinic != clinic.text(0)) {
+      throw DatabaseError(keys_path +
+                          ": belongs to another clinic than clinic.db; "
+                          "copy the file from beside a backup of this one");
+    }
+  } else if (fs::exists(keys_path, error)) {
+    throw DatabaseError(keys_path +
+                        ": is here, but clinic.db is empty: restore a backup; "
+                        "to begin anew, move the file keys away");
+  }
+  last_backup_us_ = newestBackup_us(options_.backups);
+  db_ = std::move(db);
+  was_open_ = true;
+}
+
+std::string Records::seal(std::string_view kind, std::string_view text) const {
+  return key_->seal(kind, text);
+}
+
+std::string Records::unseal(std::string_view kind, std::string_view sealed) const {
+  auto text = key_->open(kind, sealed);
+  if (!text) {
+    throw DatabaseError(options_.folder +
+                        "/clinic.db: a sealed text does not open with this "
+                        "clinic's key: the database is damaged, restore a backup");
+  }
+  return std::move(*text);
+}
+
+void Records::log(std::int64_t account, const std::string& what, std::int64_t patient,
+                  std::int64_t visit, const std::string& detail) {
+  db_->change(
+      "INSERT INTO log (at_us, account, what, patient, visit, detail) VALUES (?, ?, ?, ?, ?, ?)",
+      clock_.now_us(), account, what, patient, visit, detail);
+}
+
+bool Records::tryToLog(std::int64_t account, const std::string& what, std::int64_t patient) {
+  try {
+    Transaction transaction(*db_);
+    log(account, what, patient);
+    transaction.commit();
+    return true;
+  } catch (const DatabaseError&) {
+    return false;
+  }
+}
+
+// Erased rows are overwritten at once; the log beside the database has them until it is emptied.
+void Records::tryToCompact() {
+  if (!compact_due_ || !db_) return;
+  try {
+    compact(*db_);
+    compact_due_ = false;
+  } catch (const DatabaseError&) {  // the next minute tries again
+  }
+}
+
+void Records::backUpIfDue() {
+  const std::int64_t now_us = clock_.now_us();
+  tryToCompact();
+  if (options_.backups.empty() || !db_ || std::abs(now_us - last_backup_us_) < kDay_us) return;
+  try {
+    if (isNew()) return;
+    std::string name = isoTime(now_us);
+    std::erase_if(name, [](char c) { return c == '-' || c == ':'; });
+    const std::string path = options_.backups + "/clinic-" + name + ".db";
+    if (const auto done = backUp(options_.folder, path); !done) {
+      backup_problem_ = format(done.errors());
+      return;
+    }
+    backup_problem_.clear();
+    last_backup_us_ = now_us;
+    removeOldBackups(options_.backups, now_us);
+    log(0, "backed up");
+  } catch (const DatabaseError& error) {
+    backup_problem_ = error.what();
+  }
+}
+
+void Records::freeErased() {
+  compact_due_ = true;
+  tryToCompact();
+}
+
+Json Records::backupFacts() const {
+  Json facts = {{"last_us", last_backup_us_}, {"folder", options_.backups}};
+  if (!backup_problem_.empty()) facts["problem"] = backup_problem_;
+  return facts;
+}
+
+std::int64_t Records::goneFromBackups_us() const {
+  return last_backup_us_ == 0 ? 0 : last_backup_us_ + kBackupsKept_us;
+}
+
+}  // namespace wholehand::clinic

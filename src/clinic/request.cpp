@@ -1,0 +1,65 @@
+#include "clinic/request.hpp"
+
+#include "clinic/text.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+namespace wholehand::clinic {
+namespace {
+
+constexpr std::size_t kMostDepth = 16;
+
+}  // namespace
+
+std::string textOf(const Json& body, const char* key, const std::string& field) {
+  const auto found = body.find(key);
+  if (found == body.end() || !found->is_string()) throw badValue(field, field + " is no text");
+  return found->get<std::string>();
+}
+
+std::string textOr(const Json& body, const char* key, std::size_t most, bool lines) {
+  const auto found = body.find(key);
+  if (found == body.end() || found->is_null()) return {};
+  if (!found->is_string()) throw badValue(key, fmt::format("{} is no text", key));
+  std::string text = found->get<std::string>();
+  if (!isText(text, most, lines)) {
+    throw badValue(key,
+                   fmt::format("{} has more than {} characters, or control characters", key, most));
+  }
+  return text;
+}
+
+double numberOf(const Json& value, const std::string& field, double lower, double upper,
+                const std::string& unit) {
+  const double number =
+      value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+  if (!(number >= lower && number <= upper)) {
+    throw badValue(field, fmt::format("{} = {}: must be a number in [{}, {}]{}", field,
+                                      value.dump(-1, ' ', true, Json::error_handler_t::replace),
+                                      lower, upper, unit.empty() ? "" : " " + unit));
+  }
+  return number;
+}
+
+Json parsed(const std::string& body) {
+  if (body.empty()) return Json::object();
+  if (jsonDepth(body) > kMostDepth) {
+    throw badValue("", fmt::format("the JSON is nested {} deep; at most {} are read",
+                                   jsonDepth(body), kMostDepth));
+  }
+  Json json;
+  try {
+    json = Json::parse(body);
+  } catch (const Json::exception& error) {
+    const std::string why = error.what();
+    const bool utf8 = why.find("UTF-8") != std::string::npos;
+    // Not the parser's words: they quote what was sent.
+    throw badValue("", utf8 ? "the text is not UTF-8" : "the body is not JSON");
+  }
+  if (!json.is_object()) throw badValue("", "the body is no JSON object");
+  return json;
+}
+
+}  // namespace wholehand::clinic

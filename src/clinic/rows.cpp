@@ -1,0 +1,161 @@
+#include "clinic/rows.hpp"
+
+#include "clinic/plans.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace wholehand::clinic {
+namespace {
+
+constexpr std::size_t kLongestNote = 4000, kLongestNoteKind = 20;
+
+/// "right" or "left", the end of every hand's name; empty: another.
+std::string sideOfHand(const Json& measures) {
+  const std::string hand = measures.value("hand", "");
+  for (const char* side : {"right", "left"}) {
+    if (hand.ends_with(std::string("-") + side)) return side;
+  }
+  return {};
+}
+
+}  // namespace
+
+VisitRow visitRow(Database& db, std::int64_t id) {
+  Statement row = db.query(
+      "SELECT patient, account, side, hand, hand_file, began_us, ended_us, offset_min, state, plan,"
+      " item, pain_before, pain_after, in_force, changed, before FROM visit WHERE id = ?",
+      id);
+  if (!row.step()) throw notFound(fmt::format("there is no visit {}", id));
+  VisitRow visit;
+  visit.id = id;
+  if (!row.isNull(0)) visit.patient = row.integer(0);
+  visit.account = row.integer(1);
+  visit.side = row.text(2);
+  visit.hand = row.text(3);
+  visit.hand_file = row.text(4);
+  visit.began_us = row.integer(5);
+  visit.ended_us = row.integer(6);
+  visit.offset_min = static_cast<int>(row.integer(7));
+  visit.state = row.text(8);
+  visit.plan = planFrom(row.text(9));
+  visit.item = row.integer(10);
+  if (!row.isNull(11)) visit.pain_before = row.integer(11);
+  if (!row.isNull(12)) visit.pain_after = row.integer(12);
+  visit.in_force = Json::parse(row.text(13));
+  visit.changed = Json::parse(row.text(14));
+  visit.before = Json::parse(row.text(15));
+  return visit;
+}
+
+Json trialsIn(Statement rows, const Plan& plan) {
+  Json trials = Json::array();
+  while (rows.step()) {
+    const Json m = Json::parse(rows.text(5));
+    const auto item = static_cast<std::size_t>(rows.integer(0));
+    const bool planned = item < plan.size();
+    const Json recording = m.value("recording", Json::object());
+    trials.push_back({{"id", rows.integer(6)},
+                      {"item", item},
+                      {"exercise", m.value("exercise", Json(planned ? plan[item].exercise : ""))},
+                      {"level", m.value("level", Json(planned ? plan[item].level : 0))},
+                      {"recording", rows.text(1)},
+                      {"began_us", rows.integer(2)},
+                      {"duration_s", recording.value("duration_s", Json())},
+                      {"side", sideOfHand(m)},
+                      {"active_s", m.value("active_s", Json())},
+                      {"helped_share", m.value("helped_share", Json())},
+                      {"results", m.value("results", Json::array())},
+                      {"peak_speed_m_s", m.value("peak_speed_m_s", Json())},
+                      {"path_ratio", m.value("path_ratio", Json())},
+                      {"reach_s", m.value("reach_s", Json())},
+                      {"ended_by", m.value("ended_by", Json(""))},
+                      {"state", rows.text(3)},
+                      {"why", rows.text(4)}});
+  }
+  return trials;
+}
+
+Json notesOf(Records& records, const char* column, std::int64_t id, bool hidden) {
+  Json notes = Json::array();
+  Statement rows = records.db().query(
+      fmt::format("SELECT id, visit, at_us, account, kind, text FROM note WHERE {} = ? ORDER BY "
+                  "at_us, id",
+                  column),
+      id);
+  while (rows.step()) {
+    notes.push_back({{"id", rows.integer(0)},
+                     {"visit", rows.integer(1)},
+                     {"at_us", rows.integer(2)},
+                     {"account", rows.integer(3)},
+                     {"kind", rows.text(4)},
+                     {"text", hidden ? "" : records.unseal("note", rows.text(5))}});
+  }
+  return notes;
+}
+
+Json visitJson(Records& records, std::int64_t id, bool hidden) {
+  const VisitRow v = visitRow(records.db(), id);
+  return {{"id", v.id},
+          {"patient", v.patient ? Json(*v.patient) : Json()},
+          {"side", v.side},
+          {"began_us", v.began_us},
+          {"ended_us", v.ended_us},
+          {"offset_min", v.offset_min},
+          {"state", v.state},
+          {"account", v.account},
+          {"plan", toJson(v.plan)},
+          {"changed", v.changed},
+          {"item", v.item},
+          {"next_item", v.item + 1},
+          {"hand", v.hand.empty() ? v.hand_file : v.hand},
+          {"trials",
+           trialsIn(records.db().query(
+                        std::string(kTrialColumns) + " WHERE visit = ? ORDER BY began_us, id", id),
+                    v.plan)},
+          {"notes", notesOf(records, "visit", id, hidden)},
+          {"pain_before", v.pain_before},
+          {"pain_after", v.pain_after}};
+}
+
+std::int64_t takeVisitNumber(Database& db) {
+  db.run("UPDATE clinic SET next_visit = next_visit + 1");
+  return db.number("SELECT next_visit - 1 FROM clinic");
+}
+
+std::int64_t insertVisit(Records& records, std::int64_t patient, std::int64_t account,
+                         const std::string& side, std::int64_t began_us, std::int64_t ended_us,
+                         const std::string& state) {
+  const std::int64_t id = takeVisitNumber(records.db());
+  records.db().change(
+      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
+      " offset_min, state, plan, item) VALUES (?, ?, ?, ?, '', '', ?, ?, ?, ?, '[]', 0)",
+      id, patient, account, side, began_us, ended_us, records.clock().offset_min(began_us), state);
+  return id;
+}
+
+void insertNote(Records& records, Call& call, std::optional<std::int64_t> patient,
+                std::optional<std::int64_t> visit, std::optional<std::int64_t> id) {
+  const std::string text = textOr(call.body, "text", kLongestNote, true);
+  const std::string kind = call.body.contains("kind") ? textOr(call.body, "kind", kLongestNoteKind)
+                                                      : std::string("text");
+  const bool word = !kind.empty() && std::all_of(kind.begin(), kind.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || c == '_';
+  });
+  if (!word) throw badValue("kind", "kind is a word of at most 20 small letters and _");
+  if (kind == "text" && text.empty()) throw badValue("text", "the note is empty");
+  const std::int64_t now_us = records.clock().now_us();
+  const Json at = call.body.value("at_us", Json(now_us));
+  const std::int64_t at_us = at.is_number_integer() ? at.get<std::int64_t>() : -1;
+  if (at_us < 0 || at_us > now_us + 2 * kDay_us) {  // the clock may have been set back meanwhile
+    throw badValue("at_us", "at_us is no time in microseconds until now");
+  }
+  records.db().change(
+      "INSERT INTO note (id, patient, visit, account, at_us, kind, text) VALUES (?, ?, ?, ?, ?, ?,"
+      " ?)",
+      id, patient, visit, call.session.account, at_us, kind, Blob{records.seal("note", text)});
+}
+
+}  // namespace wholehand::clinic

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "clinic/records.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+/// Rows of visits, trials and notes, and how the pages have them.
+namespace wholehand::clinic {
+
+struct VisitRow {
+  std::int64_t id = 0, account = 0, began_us = 0, ended_us = 0, item = 0;
+  int offset_min = 0;
+  std::optional<std::int64_t> patient;
+  std::string side, hand, hand_file, state;
+  Plan plan;
+  Json pain_before, pain_after;
+  Json in_force = Json::object(), changed = Json::object(), before = Json::object();
+};
+[[nodiscard]] VisitRow visitRow(Database& db, std::int64_t id);
+[[nodiscard]] Json visitJson(Records& records, std::int64_t id, bool hidden);
+[[nodiscard]] std::int64_t takeVisitNumber(Database& db);
+/// A visit without a plan, which is over. @return its number
+std::int64_t insertVisit(Records& records, std::int64_t patient, std::int64_t account,
+                         const std::string& side, std::int64_t began_us, std::int64_t ended_us,
+                         const std::string& state);
+
+/// What trialsIn() reads.
+inline constexpr std::string_view kTrialColumns =
+    "SELECT item, recording, began_us, state, why, measures, id FROM trial";
+/// @param rows with the columns kTrialColumns
+[[nodiscard]] Json trialsIn(Statement rows, const Plan& plan);
+
+/// @param column whose id it is: "patient", "visit" or "id"
+[[nodiscard]] Json notesOf(Records& records, const char* column, std::int64_t id, bool hidden);
+/// @param id its number; empty: the next one
+void insertNote(Records& records, Call& call, std::optional<std::int64_t> patient,
+                std::optional<std::int64_t> visit, std::optional<std::int64_t> id = {});
+
+}  // namespace wholehand::clinic

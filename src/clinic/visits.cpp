@@ -1,0 +1,550 @@
+#include "clinic/visits.hpp"
+
+#include "clinic/backup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <limits>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace wholehand::clinic {
+namespace {
+
+/// So long a difference between station and database is an order on its way.
+constexpr std::int64_t kApart_us = 10 * kSecond_us;
+constexpr int kMostPain = 10;
+constexpr std::int64_t kLastNote = (std::int64_t{1} << 48) - 1;
+constexpr double kRounding = 1e-6;  // of single precision on the wire
+constexpr int kMostTrials = 100;
+
+std::string sideOf(const Json& body) {
+  const Json side = body.value("side", Json());
+  if (side != "right" && side != "left") throw badValue("side", "side must be right or left");
+  return side;
+}
+
+}  // namespace
+
+std::int64_t Visits::openOne() {
+  return records_.db().number("SELECT id FROM visit WHERE state = 'open'");
+}
+
+VisitRow Visits::visitFor(const Call& call, std::int64_t id) {
+  VisitRow visit = visitRow(records_.db(), id);
+  if (call.session.hidden && visit.state != "open") {
+    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+  }
+  return visit;
+}
+
+VisitOrder Visits::orderOf(const VisitRow& visit, std::int64_t item) {
+  const Parameters limits = plans_.limitsOf(visit.patient, visit.changed);
+  const PlanItem now = capped(visit.plan, limits).at(item);
+  const ExerciseFacts* facts = records_.presets().exercise(now.exercise);
+  if (facts == nullptr) throw badValue("item", now.exercise + " is no longer one of ours");
+  VisitOrder order{static_cast<std::uint64_t>(visit.id),
+                   static_cast<std::uint32_t>(item),
+                   now.exercise,
+                   now.level,
+                   visit.hand,
+                   visit.hand_file,
+                   now.help,
+                   {}};
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const auto& [name, value] : limits) {
+    if (has(records_.presets().device, name) || has(facts->parameters, name))
+      order.parameters[name] = value;
+  }
+  for (const auto& [name, value] : now.parameters) order.parameters[name] = value;
+  return order;
+}
+
+/// What the station will have: an item that follows raises no limit that was lowered.
+Json Visits::inForce(const VisitOrder& order) const {
+  Parameters values = order.parameters;
+  const StationScene scene = station_.scene();
+  for (auto& [name, value] : values) {
+    const auto now = scene.values.find(name);
+    const bool goes_on = scene.visit == order.visit && now != scene.values.end();
+    if (goes_on && isEffortLimit(name)) value = std::min(value, now->second);
+  }
+  return {{"parameters", values}, {"help", order.help}, {"level", order.level}};
+}
+
+/// Keeps with the open visit what was set at the station since the last look: the item's, where it
+/// names a parameter, else the person's.
+void Visits::keepSettings(VisitRow& visit) {
+  const StationScene scene = station_.scene();
+  const bool same = scene.visit == static_cast<std::uint64_t>(visit.id) && scene.item == visit.item;
+  if (!same || !visit.in_force.contains("parameters")) return;
+  PlanItem& item = visit.plan.at(visit.item);
+  const Parameters limits = plans_.limitsOf(visit.patient, visit.changed);
+  Json& known = visit.in_force["parameters"];
+  const Json before = visit.in_force;
+  for (const auto& [name, value] : scene.values) {
+    const auto first = scene.initial.find(name);
+    if (first == scene.initial.end() || !records_.presets().bounds.contains(name)) continue;
+    const double was = known.value(name, first->second);
+    if (std::abs(value - was) <= kRounding * std::abs(was)) continue;
+    known[name] = value;
+    const auto limit = limits.find(name);
+    const bool above = isEffortLimit(name) && limit != limits.end() && value > limit->second;
+    const bool items = item.parameters.contains(name);
+    if (items) item.parameters[name] = value;
+    if (!items || above) visit.changed[name] = value;
+  }
+  if (scene.exercise == item.exercise) {
+    if (!scene.help.empty() && scene.help != visit.in_force["help"]) {
+      visit.in_force["help"] = item.help = scene.help;
+    }
+    if (scene.level != visit.in_force["level"]) {
+      visit.in_force["level"] = item.level = scene.level;
+    }
+  }
+  if (visit.in_force == before) return;
+  Transaction transaction(records_.db());
+  records_.db().change("UPDATE visit SET plan = ?, in_force = ?, changed = ? WHERE id = ?",
+                       toJson(visit.plan).dump(), visit.in_force.dump(), visit.changed.dump(),
+                       visit.id);
+  transaction.commit();
+}
+
+/// Ends a visit: what was set in it is the person's from now on.
+void Visits::close(std::int64_t account, VisitRow visit, const std::string& state) {
+  records_.db().change("UPDATE visit SET state = ?, ended_us = ? WHERE id = ?",
+                       visit.patient ? state : std::string("guest"),
+                       std::max(records_.clock().now_us(), visit.began_us), visit.id);
+  if (!visit.patient || visit.changed.empty()) return;
+  Statement row =
+      records_.db().query("SELECT parameters, plan FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  Json own = Json::parse(row.text(0));
+  for (const auto& [name, value] : visit.changed.items()) {
+    if (own.contains(name) && own[name] == value) continue;
+    if (!visit.before.contains(name)) visit.before[name] = own.value(name, Json());
+    own[name] = value;
+  }
+  records_.db().change("UPDATE visit SET before = ? WHERE id = ?", visit.before.dump(), visit.id);
+  records_.db().change("UPDATE patient SET parameters = ?, version = version + 1 WHERE id = ?",
+                       own.dump(), *visit.patient);
+  // An item above a limit that was lowered would be refused at the next change of the person.
+  records_.db().change("UPDATE patient SET plan = ? WHERE id = ?",
+                       toJson(capped(planFrom(row.text(1)), plans_.limitsOf(visit.patient))).dump(),
+                       *visit.patient);
+  records_.log(account, "kept settings", *visit.patient, visit.id, visit.changed.dump());
+}
+
+/// Gives the person back what the visit has changed, unless it was changed again: the visit was
+/// another's.
+void Visits::takeBackSettings(const VisitRow& visit) {
+  if (!visit.patient || visit.before.empty()) return;
+  Statement row =
+      records_.db().query("SELECT parameters FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  Json own = Json::parse(row.text(0));
+  for (const auto& [name, value] : visit.before.items()) {
+    if (own.value(name, Json()) != visit.changed.at(name)) continue;
+    own[name] = value;
+    if (value.is_null()) own.erase(name);
+  }
+  records_.db().change("UPDATE patient SET parameters = ?, version = version + 1 WHERE id = ?",
+                       own.dump(), *visit.patient);
+}
+
+/// A shipped hand of this size, or a file of the visit's own.
+void Visits::chooseHand(VisitRow& visit) {
+  visit.hand = "adult-median-" + visit.side;
+  if (!visit.patient) return;
+  Statement row = records_.db().query("SELECT hands FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  const Json hand = Json::parse(row.text(0)).value(visit.side, Json());
+  const std::string field = "hands." + visit.side;
+  if (hand.is_null()) throw badValue(field, "length and breadth of this hand are missing");
+  const double length_m = hand.at("length_m"), breadth_m = hand.at("breadth_m");
+  visit.hand = shippedHand(records_.hands(), visit.side, length_m, breadth_m);
+  if (!visit.hand.empty()) return;
+  const std::string name = fmt::format("visit-{}-{}", visit.id, visit.side);
+  visit.hand_file = name + ".toml";
+  const auto written = writeHandFile(records_.options().config + "/hands",
+                                     records_.options().folder + "/hands/" + visit.hand_file, name,
+                                     visit.side, length_m, breadth_m);
+  if (!written) throw Refused{503, "database", format(written.errors()), field};
+}
+
+void Visits::refuseWhileOpen() {
+  const std::int64_t open = openOne();
+  if (open == 0) return;
+  throw Refused{409,
+                "visit_open",
+                "another visit is open; finish it first",
+                {},
+                {{"now", visitJson(records_, open, false)}}};
+}
+
+/// Sends an order and waits for its reply; other requests go on meanwhile.
+void Visits::ask(Call& call, const std::function<StationReply()>& order) {
+  if (asking_) throw Refused{409, "busy", "the station is being asked already; try again", {}};
+  asking_ = true;
+  call.lock.unlock();
+  StationReply reply;
+  try {
+    reply = order();
+  } catch (const std::exception& error) {
+    reply.why = error.what();
+  }
+  call.lock.lock();
+  asking_ = false;
+  apart_since_us_ = 0;
+  if (reply.what == StationReply::What::kRefused) throw Refused{409, "station", reply.why, {}};
+  if (reply.what == StationReply::What::kSilent) {
+    throw Refused{504, "station_silent", reply.why, {}};
+  }
+}
+
+Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::string& side,
+                   const Plan& plan) {
+  if (plan.empty()) throw badValue("plan", "a visit has at least one item");
+  if (asking_) throw Refused{409, "busy", "the station is being asked already; try again", {}};
+  refuseWhileOpen();
+  VisitRow visit;
+  visit.patient = patient;
+  visit.side = side;
+  visit.plan = plan;
+  // The row is on the disk before the station knows its number: no recording is without one.
+  records_.begin(call);
+  visit.id = takeVisitNumber(records_.db());
+  chooseHand(visit);
+  const VisitOrder order = orderOf(visit, 0);
+  const std::int64_t now_us = records_.clock().now_us();
+  records_.db().change(
+      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
+      " offset_min, state, plan, item, in_force) VALUES (?, ?, ?, ?, ?, ?, ?, 0, ?, 'open', ?, 0,"
+      " ?)",
+      visit.id, patient, call.session.account, side, visit.hand, visit.hand_file, now_us,
+      records_.clock().offset_min(now_us), toJson(plan).dump(), inForce(order).dump());
+  records_.log(call.session.account, "asked for a visit", patient.value_or(0), visit.id);
+  call.transaction->commit();
+  call.transaction.reset();
+  try {
+    ask(call, [&] { return station_.open(order); });
+  } catch (const Refused& refused) {
+    Transaction transaction(records_.db());
+    records_.db().change("DELETE FROM visit WHERE id = ?", visit.id);
+    records_.log(call.session.account, "visit refused", patient.value_or(0), visit.id,
+                 refused.code);
+    transaction.commit();
+    std::error_code ignored;
+    if (!visit.hand_file.empty()) {
+      std::filesystem::remove(records_.options().folder + "/hands/" + visit.hand_file, ignored);
+    }
+    throw;
+  }
+  records_.begin(call);
+  records_.log(call.session.account, "began a visit", patient.value_or(0), visit.id);
+  return visitJson(records_, visit.id, call.session.hidden);
+}
+
+Json Visits::begin(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  patients_.check(id);
+  const std::string side = sideOf(call.body);
+  Statement row = records_.db().query("SELECT side FROM patient WHERE id = ?", id);
+  row.step();
+  if (row.text(0) != "both" && row.text(0) != side) {
+    throw badValue("side", "the patient's affected side is " + row.text(0) + ", not " + side);
+  }
+  return start(
+      call, id, side,
+      plans_.readPlan(call.body.value("plan", Json::array()), "plan", plans_.limitsOf(id)));
+}
+
+Json Visits::beginGuest(Call& call) {
+  return start(call, {}, sideOf(call.body), records_.presets().plans.front().items);
+}
+
+Json Visits::open(Call& call) {
+  const std::int64_t id = openOne();
+  if (id == 0) return {{"visit", nullptr}, {"patient", nullptr}};
+  Json row;
+  const VisitRow visit = visitRow(records_.db(), id);
+  if (!call.session.hidden && visit.patient) row = patients_.rows({}, *visit.patient).at(0);
+  return {{"visit", visitJson(records_, id, call.session.hidden)}, {"patient", row}};
+}
+
+Json Visits::nextItem(Call& call) {
+  VisitRow visit = visitOf(call);
+  if (visit.state != "open" && visit.state != "unfinished") {
+    throw changedMeanwhile("this visit was finished meanwhile",
+                           visitJson(records_, visit.id, call.session.hidden));
+  }
+  if (visit.state != "open") refuseWhileOpen();
+  const Json item = call.body.value("item", Json());
+  const auto items = static_cast<std::int64_t>(visit.plan.size());
+  if (!item.is_number_integer() || item < 0 || item >= items) {
+    throw badValue("item", fmt::format("item must be one of 0 to {}", items - 1));
+  }
+  const auto k = item.get<std::int64_t>();
+  keepSettings(visit);
+  const VisitOrder order = orderOf(visit, k);
+  const Json in_force = inForce(order);
+  ask(call, [&] { return station_.open(order); });
+  records_.begin(call);
+  // Another console may have finished it meanwhile: then nothing changes, and the station is told.
+  records_.db().change(
+      "UPDATE visit SET item = ?, in_force = ?, state = 'open', ended_us = 0 WHERE id = ? AND state"
+      " = ?",
+      k, in_force.dump(), visit.id, visit.state);
+  records_.log(call.session.account, "began an item", visit.patient.value_or(0), visit.id,
+               std::to_string(k));
+  return visitJson(records_, visit.id, call.session.hidden);
+}
+
+Json Visits::finish(Call& call) {
+  VisitRow visit = visitOf(call);
+  const Json state = call.body.value("state", Json());
+  if (state != "done" && state != "unfinished") {
+    throw badValue("state", "state must be done or unfinished");
+  }
+  if (visit.state != "open" && visit.state != "unfinished") {
+    throw changedMeanwhile("this visit was finished meanwhile",
+                           visitJson(records_, visit.id, call.session.hidden));
+  }
+  keepSettings(visit);
+  // A station that is not there has nothing open; lookAtStation() closes it when it comes back.
+  if (visit.state == "open" && station_.scene().heard) {
+    ask(call, [&] { return station_.close(static_cast<std::uint64_t>(visit.id)); });
+  }
+  records_.begin(call);
+  close(call.session.account, visit, state.get<std::string>());
+  records_.log(call.session.account, "finished a visit", visit.patient.value_or(0), visit.id,
+               state);
+  return visitJson(records_, visit.id, call.session.hidden);
+}
+
+Json Visits::note(Call& call) {
+  const VisitRow visit = visitOf(call);
+  insertNote(records_, call, {}, visit.id);
+  return visitJson(records_, visit.id, call.session.hidden);
+}
+
+/// A note whose number the page has drawn: new, or the same again with its text of now.
+Json Visits::putNote(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  const auto owner = [&](const char* key) -> std::optional<std::int64_t> {
+    const Json given = call.body.value(key, Json());
+    if (given.is_null()) return {};
+    if (!given.is_number_integer()) throw badValue(key, fmt::format("{} is no number", key));
+    return given.get<std::int64_t>();
+  };
+  std::optional<std::int64_t> patient = owner("patient"), visit = owner("visit");
+  if (id < 1 || id > kLastNote) throw badValue("", "a note has a number of 1 to 2^48 - 1");
+  if (patient && visit) throw badValue("visit", "a note is a visit's or a patient's, not both");
+  records_.begin(call);
+  Statement row =
+      records_.db().query("SELECT patient, visit, account, at_us, kind FROM note WHERE id = ?", id);
+  if (row.step()) {
+    const auto other = [&](int column, const std::optional<std::int64_t>& given) {
+      return given && (row.isNull(column) || row.integer(column) != *given);
+    };
+    if (other(0, patient) || other(1, visit) || row.integer(2) != call.session.account) {
+      throw Refused{
+          409, "changed", "this number is a note of another visit, patient or account", {}};
+    }
+    patient = visit = {};
+    if (!row.isNull(0)) patient = row.integer(0);
+    if (!row.isNull(1)) visit = row.integer(1);
+    call.body.emplace("at_us", row.integer(3));
+    call.body.emplace("kind", row.text(4));
+    records_.db().change("DELETE FROM note WHERE id = ?", id);
+  }
+  if (visit) {
+    (void)visitFor(call, *visit);
+  } else if (!patient) {
+    throw notFound(fmt::format("there is no note {}: name its visit or patient", id));
+  } else if (call.session.hidden) {
+    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+  } else {
+    patients_.check(*patient);
+  }
+  insertNote(records_, call, patient, visit, id);
+  return notesOf(records_, "id", id, call.session.hidden).at(0);
+}
+
+Json Visits::pain(Call& call) {
+  const VisitRow visit = visitOf(call);
+  const Json when = call.body.value("when", Json());
+  if (when != "before" && when != "after") throw badValue("when", "when must be before or after");
+  const Json value = call.body.value("value", Json());
+  const bool number = value.is_number_integer() && value >= 0 && value <= kMostPain;
+  if (!number && !value.is_null()) throw badValue("value", "pain is a whole number of 0 to 10");
+  std::optional<std::int64_t> pain;
+  if (number) pain = value.get<std::int64_t>();
+  records_.db().change(when == "before" ? "UPDATE visit SET pain_before = ? WHERE id = ?"
+                                        : "UPDATE visit SET pain_after = ? WHERE id = ?",
+                       pain, visit.id);
+  return visitJson(records_, visit.id, call.session.hidden);
+}
+
+Json Visits::move(Call& call) {
+  const VisitRow visit = visitOf(call);
+  if (visit.state == "open") {
+    throw Refused{409,
+                  "visit_open",
+                  "the limits in force are the other person's: finish the visit "
+                  "first",
+                  {}};
+  }
+  const Json to = call.body.value("patient", Json());
+  if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
+  const auto patient = to.get<std::int64_t>();
+  patients_.check(patient);
+  takeBackSettings(visit);
+  records_.db().change(
+      "UPDATE visit SET patient = ?, state = ?, changed = '{}', before = '{}' WHERE id = ?",
+      patient, visit.state == "guest" ? std::string("done") : visit.state, visit.id);
+  records_.log(call.session.account, "moved a visit", patient, visit.id,
+               fmt::format("from {}", visit.patient.value_or(0)));
+  return visitJson(records_, visit.id, false);
+}
+
+Json Visits::show(Call& call) {
+  const VisitRow visit = visitOf(call);
+  if (visit.patient && !call.session.hidden) accounts_.logOpened(call, *visit.patient);
+  return visitJson(records_, visit.id, call.session.hidden);
+}
+
+void Visits::removeRecordings(Call& call, std::vector<std::string> recordings) {
+  call.after.emplace_back([this, &call, files = ErasedFiles{std::move(recordings), {}}] {
+    const auto left = removeFiles(records_.options().folder, records_.options().recordings, files);
+    call.answer.body = Json({{"recordings_left", left}}).dump();
+  });
+}
+
+Json Visits::sessions(Call&) {
+  const std::int64_t all = records_.db().number("SELECT COUNT(*) FROM trial WHERE visit IS NULL");
+  return {
+      {"sessions", trialsIn(records_.db().query(
+                                std::string(kTrialColumns) +
+                                    " WHERE visit IS NULL ORDER BY began_us DESC, id DESC LIMIT ?",
+                                kMostTrials),
+                            {})},
+      {"more", std::max(all - kMostTrials, std::int64_t{0})}};
+}
+
+/// Makes sessions that were recorded outside of a visit the trials of a new one.
+Json Visits::giveSessions(Call& call) {
+  const Json to = call.body.value("patient", Json());
+  if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
+  const auto patient = to.get<std::int64_t>();
+  patients_.check(patient);
+  const Json ids = call.body.value("sessions", Json());
+  const bool numbers =
+      ids.is_array() && !ids.empty() && ids.size() <= kMostTrials &&
+      std::all_of(ids.begin(), ids.end(), [](const Json& id) { return id.is_number_integer(); });
+  if (!numbers) throw badValue("sessions", "sessions is no list of numbers of sessions");
+  std::int64_t began_us = std::numeric_limits<std::int64_t>::max(), ended_us = 0;
+  std::string side;
+  for (const Json& id : ids) {
+    const Json one =
+        trialsIn(records_.db().query(std::string(kTrialColumns) +
+                                         " WHERE id = ? AND visit IS NULL AND state = 'measured'",
+                                     id.get<std::int64_t>()),
+                 {});
+    if (one.empty()) {
+      throw Refused{409, "changed",
+                    fmt::format("session {} was given or deleted meanwhile", id.dump()),
+                    "sessions"};
+    }
+    const std::int64_t at_us = one[0]["began_us"];
+    began_us = std::min(began_us, at_us);
+    const Json lasted = one[0]["duration_s"];
+    const double lasted_s = lasted.is_number() ? lasted.get<double>() : 0.0;
+    ended_us = std::max(ended_us, at_us + static_cast<std::int64_t>(lasted_s * 1e6));
+    side = one[0]["side"];
+  }
+  const std::int64_t visit =
+      insertVisit(records_, patient, call.session.account, side, began_us, ended_us, "done");
+  for (const Json& id : ids) {
+    records_.db().change("UPDATE trial SET visit = ?, why = '' WHERE id = ?", visit,
+                         id.get<std::int64_t>());
+  }
+  records_.log(call.session.account, "gave sessions", patient, visit, ids.dump());
+  return visitJson(records_, visit, false);
+}
+
+Json Visits::deleteSession(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  Statement row =
+      records_.db().query("SELECT recording FROM trial WHERE id = ? AND visit IS NULL", id);
+  if (!row.step()) {
+    throw Refused{409, "changed", "this session was given or deleted meanwhile", {}};
+  }
+  removeRecordings(call, {row.text(0)});
+  records_.db().change("DELETE FROM trial WHERE id = ?", id);
+  records_.log(call.session.account, "deleted a session", 0, 0, row.text(0));
+  return Json::object();
+}
+
+Json Visits::remove(Call& call) {
+  const VisitRow visit = visitOf(call);
+  if (visit.patient) {
+    throw changedMeanwhile("only a guest's visit is deleted; move this one",
+                           visitJson(records_, visit.id, false));
+  }
+  if (visit.state == "open") refuseWhileOpen();
+  std::vector<std::string> recordings;
+  Statement rows = records_.db().query("SELECT recording FROM trial WHERE visit = ?", visit.id);
+  while (rows.step()) recordings.push_back(rows.text(0));
+  removeRecordings(call, std::move(recordings));
+  records_.db().change("DELETE FROM visit WHERE id = ?", visit.id);
+  records_.log(call.session.account, "deleted a guest visit", 0, visit.id);
+  return Json::object();
+}
+
+std::uint64_t Visits::compareWithStation(const StationScene& scene) {
+  if (!scene.heard || asking_) return 0;
+  const auto open = static_cast<std::uint64_t>(openOne());
+  if (scene.visit != 0 && scene.visit == open && !scene.recording.empty()) {
+    std::string name = scene.recording.substr(scene.recording.rfind('/') + 1);
+    if (records_.db().number("SELECT COUNT(*) FROM trial WHERE recording = ?", name) == 0) {
+      Transaction transaction(records_.db());
+      records_.db().change(
+          "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us,"
+          " sha256, measures_version, measures)"
+          " VALUES (?, 0, 0, 'waiting', '', ?, ?, ?, '', 0, '{}')",
+          name, static_cast<std::int64_t>(open), std::int64_t{scene.item},
+          records_.clock().now_us());
+      transaction.commit();
+    }
+  }
+  const std::int64_t now_us = records_.clock().steady_us();
+  if (scene.visit == open) {
+    apart_since_us_ = 0;
+    if (open != 0) {
+      VisitRow visit = visitRow(records_.db(), static_cast<std::int64_t>(open));
+      keepSettings(visit);
+    }
+  } else if (apart_since_us_ == 0) {
+    apart_since_us_ = std::max<std::int64_t>(now_us, 1);
+  } else if (now_us - apart_since_us_ >= kApart_us) {
+    apart_since_us_ = 0;
+    if (open != 0) {  // the station began anew, or the last change did not reach the disk
+      Transaction transaction(records_.db());
+      close(0, visitRow(records_.db(), static_cast<std::int64_t>(open)), "unfinished");
+      records_.log(0, "the station has this visit no longer", 0, static_cast<std::int64_t>(open));
+      transaction.commit();
+    }
+    return scene.visit;
+  }
+  return 0;
+}
+
+}  // namespace wholehand::clinic

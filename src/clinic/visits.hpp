@@ -1,0 +1,76 @@
+#pragma once
+
+#include "clinic/accounts.hpp"
+#include "clinic/patients.hpp"
+#include "clinic/plans.hpp"
+#include "clinic/records.hpp"
+#include "clinic/rows.hpp"
+#include "clinic/station.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wholehand::clinic {
+
+/// Visits: opened and closed on the station, noted, moved; recordings outside of a visit. One
+/// thread at a time.
+class Visits {
+ public:
+  Visits(Records& records, Accounts& accounts, Plans& plans, Patients& patients, Station& station)
+      : records_(records),
+        accounts_(accounts),
+        plans_(plans),
+        patients_(patients),
+        station_(station) {}
+
+  /// Compares what the station has open with the database.
+  /// @return the visit that the station is to close; 0: none
+  [[nodiscard]] std::uint64_t compareWithStation(const StationScene& scene);
+
+  [[nodiscard]] std::int64_t openOne();  ///< number of the visit that is open; 0: none
+
+  Json begin(Call& call);
+  Json beginGuest(Call& call);
+  Json open(Call& call);
+  Json nextItem(Call& call);
+  Json finish(Call& call);
+  Json note(Call& call);
+  Json putNote(Call& call);
+  Json pain(Call& call);
+  Json move(Call& call);
+  Json remove(Call& call);
+  Json show(Call& call);
+  Json sessions(Call& call);
+  Json giveSessions(Call& call);
+  Json deleteSession(Call& call);
+
+ private:
+  Json start(Call& call, std::optional<std::int64_t> patient, const std::string& side,
+             const Plan& plan);
+  /// The visit of a request. While names are hidden, only the one that is open.
+  [[nodiscard]] VisitRow visitOf(const Call& call) { return visitFor(call, call.ids.at(0)); }
+  [[nodiscard]] VisitRow visitFor(const Call& call, std::int64_t id);
+  [[nodiscard]] VisitOrder orderOf(const VisitRow& visit, std::int64_t item);
+  [[nodiscard]] Json inForce(const VisitOrder& order) const;
+  void keepSettings(VisitRow& visit);
+  void close(std::int64_t account, VisitRow visit, const std::string& state);
+  void takeBackSettings(const VisitRow& visit);
+  void chooseHand(VisitRow& visit);
+  void refuseWhileOpen();
+  void ask(Call& call, const std::function<StationReply()>& order);
+  /// Removes recordings once the change is committed; those that are left stand in the answer.
+  void removeRecordings(Call& call, std::vector<std::string> recordings);
+
+  Records& records_;
+  Accounts& accounts_;
+  Plans& plans_;
+  Patients& patients_;
+  Station& station_;
+  bool asking_ = false;              ///< an order to the station waits for its reply
+  std::int64_t apart_since_us_ = 0;  ///< steady clock: station and database differ; 0: they agree
+};
+
+}  // namespace wholehand::clinic
