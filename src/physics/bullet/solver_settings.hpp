@@ -11,7 +11,7 @@ inline constexpr int kUnevenSweeps = 200;
 
 /// Settings of Bullet's contact solver; ADR 3 explains the differences from stock.
 struct SolverSettings {
-  int iterations = 50;   ///< per step; 20 let one grasp slide, 100 bring slip to 0.05 mm
+  int iterations = 50;   ///< per step; 20 let one grasp slide
   bool at_once = false;  ///< the hand's contacts by Newton's method where that applies (ADR 39)
   NewtonSettings newton;
   /// Contacts of bodies that the hand does not touch are swept until an impulse changes by less
@@ -24,7 +24,7 @@ struct SolverSettings {
   double contact_stiffness_n_m = 2.5e6;
   double friction_anchor_erp = 0.2;  ///< fraction of a tangential drift removed per step
   double penetration_slop_m = 1e-5;
-  double warm_start = 0.9995;  ///< fraction of the last step's impulses of the hand to start from
+  double warm_start = 0.99995;  ///< fraction of the last step's impulses of the hand to start from
   /// The same of normal impulses against what no contact moves: of two that press the hand from
   /// opposite sides, the impulses add up in each sweep.
   double wall_warm_start = 0.996;
