@@ -3,6 +3,7 @@
 #include "clinic/backup.hpp"
 #include "clinic/text.hpp"
 #include "core/sha256.hpp"
+#include "core/tick_record.hpp"
 
 #include <fmt/format.h>
 
@@ -27,6 +28,15 @@ constexpr std::int64_t kAnswersKept_us = 2 * 86'400 * kSecond_us;
 constexpr int kFreeTries = 5, kFirstWait_s = 30, kLongestWait_s = 3600;
 constexpr std::size_t kMostSessions = 64, kMostDepth = 16;
 constexpr std::size_t kLeastPhrase = 8, kMostPhrase = 200, kLeastPin = 4, kMostPin = 8;
+
+Refused changed(std::string why) {
+  return {409, "changed", std::move(why), {}};
+}
+
+/// With what it is now.
+Refused changedTo(const Json& now, std::string why) {
+  return {409, "changed", std::move(why), {}, {{"now", now}}};
+}
 
 std::string textOf(const Json& body, const char* key, const std::string& field) {
   const auto found = body.find(key);
@@ -678,10 +688,6 @@ Plan planFrom(const std::string& json) {
   return plan;
 }
 
-bool isEffortLimit(const std::string& parameter) {
-  return parameter.starts_with("effort_limit_");
-}
-
 Plan capped(Plan plan, const Parameters& limits) {
   for (PlanItem& item : plan) {
     for (auto& [name, value] : item.parameters) {
@@ -1049,11 +1055,7 @@ Json Clinic::deletePatient(Call& call) {
   const std::int64_t id = call.ids.at(0);
   checkPatient(id);
   if (db_->number("SELECT COUNT(*) FROM visit WHERE patient = ?", id) != 0) {
-    throw Refused{409,
-                  "changed",
-                  "the patient has visits: move them, or erase the patient",
-                  {},
-                  {{"now", patientJson(id)}}};
+    throw changedTo(patientJson(id), "the patient has visits: move them, or erase the patient");
   }
   db_->change("DELETE FROM patient WHERE id = ?", id);
   db_->run("DELETE FROM answer");
@@ -1619,11 +1621,7 @@ Json Clinic::openVisit(Call& call) {
 Json Clinic::nextItem(Call& call) {
   VisitRow visit = visitOf(call);
   if (visit.state != "open" && visit.state != "unfinished") {
-    throw Refused{409,
-                  "changed",
-                  "this visit was finished meanwhile",
-                  {},
-                  {{"now", visitJson(visit.id, call.session.hidden)}}};
+    throw changedTo(visitJson(visit.id, call.session.hidden), "this visit was finished meanwhile");
   }
   if (visit.state != "open") refuseWhileOpen();
   const Json item = call.body.value("item", Json());
@@ -1654,11 +1652,7 @@ Json Clinic::finishVisit(Call& call) {
     throw badValue("state", "state must be done or unfinished");
   }
   if (visit.state != "open" && visit.state != "unfinished") {
-    throw Refused{409,
-                  "changed",
-                  "this visit was finished meanwhile",
-                  {},
-                  {{"now", visitJson(visit.id, call.session.hidden)}}};
+    throw changedTo(visitJson(visit.id, call.session.hidden), "this visit was finished meanwhile");
   }
   keepSettings(visit);
   // A station that is not there has nothing open; lookAtStation() closes it when it comes back.
@@ -1697,8 +1691,7 @@ Json Clinic::putNote(Call& call) {
       return given && (row.isNull(column) || row.integer(column) != *given);
     };
     if (other(0, patient) || other(1, visit) || row.integer(2) != call.session.account) {
-      throw Refused{
-          409, "changed", "this number is a note of another visit, patient or account", {}};
+      throw changed("this number is a note of another visit, patient or account");
     }
     patient = visit = {};
     if (!row.isNull(0)) patient = row.integer(0);
@@ -1823,7 +1816,7 @@ Json Clinic::deleteSession(Call& call) {
   const std::int64_t id = call.ids.at(0);
   Statement row = db_->query("SELECT recording FROM trial WHERE id = ? AND visit IS NULL", id);
   if (!row.step()) {
-    throw Refused{409, "changed", "this session was given or deleted meanwhile", {}};
+    throw changed("this session was given or deleted meanwhile");
   }
   removeRecordings(call, {row.text(0)});
   db_->change("DELETE FROM trial WHERE id = ?", id);

@@ -258,6 +258,5 @@ class Clinic {
 [[nodiscard]] Plan planFrom(const std::string& json);
 /// The plan without effort limits above those of the person.
 [[nodiscard]] Plan capped(Plan plan, const Parameters& limits);
-[[nodiscard]] bool isEffortLimit(const std::string& parameter);
 
 }  // namespace wholehand::clinic
