@@ -62,7 +62,7 @@ class BarObserver {
 };
 
 Diagnostic notPlayable(const std::string& file, const char* why) {
-  return {file, 0, "", "", why, "give the file of a cocktail bar"};
+  return fileFault(file, why, "give the file of a cocktail bar");
 }
 
 std::optional<Diagnostic> startParameters(const CocktailPlan& plan, HapticRenderer& renderer) {
@@ -75,16 +75,12 @@ std::optional<Diagnostic> startParameters(const CocktailPlan& plan, HapticRender
     if (found == all.end()) {
       std::string names;
       for (const LiveParameter& p : all) names += (names.empty() ? "" : ", ") + p.name;
-      return Diagnostic{plan.files.exercise, 0, name, "", "is no live parameter here",
-                        "one of " + names};
+      return keyFault(plan.files.exercise, name, "", "is no live parameter here",
+                      "one of " + names);
     }
     if (!(value >= found->lower && value <= found->upper)) {
-      return Diagnostic{plan.files.exercise,
-                        0,
-                        name,
-                        fmt::format("{:g}", value),
-                        "is out of range",
-                        fmt::format("{:g} to {:g}", found->lower, found->upper)};
+      return keyFault(plan.files.exercise, name, fmt::format("{:g}", value), "is out of range",
+                      fmt::format("{:g} to {:g}", found->lower, found->upper));
     }
     values[found - all.begin()] = value;
   }

@@ -99,10 +99,6 @@ class ExerciseObserver {
   bool served_ = false;
 };
 
-Diagnostic notPlayable(const std::string& file, const char* why, const char* remedy) {
-  return {file, 0, "", "", why, remedy};
-}
-
 // What came of the samples.
 void judge(ExerciseResult& result, bool served) {
   const auto phases = findPhases(result.samples);
@@ -125,16 +121,16 @@ Expected<ExerciseResult> runExercise(const ExercisePlan& plan) {
   files.level = 1;
   auto models = loadModels(files);
   if (!models) return models.errors();
-  if (!models->exercise) return notPlayable(files.exercise, "no exercise was named", "name one");
+  if (!models->exercise) return fileFault(files.exercise, "no exercise was named", "name one");
   const BarFigures figures(models->exercise->description());
   const GripTarget dispenser = firstDispenser(*models);
   if (!figures.known() || dispenser.body < 0) {
-    return notPlayable(files.exercise, "has no dispenser to squeeze",
-                       "give the file of a cocktail bar");
+    return fileFault(files.exercise, "has no dispenser to squeeze",
+                     "give the file of a cocktail bar");
   }
   if (models->device.axisIndex("finger_flexion") < 0) {
-    return notPlayable(files.device, "moves no fingers, and the exercise is squeezing",
-                       "give a device with the axis finger_flexion");
+    return fileFault(files.device, "moves no fingers, and the exercise is squeezing",
+                     "give a device with the axis finger_flexion");
   }
   Intention intention = exerciseIntention(models->device, dispenser.grip_m, plan.seed);
   auto rig = buildRig(std::move(*models), std::move(intention), plan.rig);

@@ -107,8 +107,8 @@ std::vector<Dispenser> dispensersOf(const Exercise& exercise) {
 }
 
 Diagnostics refused(const ModelFiles& files, const char* what) {
-  return {{files.exercise, 0, "exercise", files.exercise, what,
-           "name a cocktail bar, and a device with finger_flexion and thumb_flexion"}};
+  return {keyFault(files.exercise, "exercise", files.exercise, what,
+                   "name a cocktail bar, and a device with finger_flexion and thumb_flexion")};
 }
 
 /// Closes an axis on a dispenser, until the path or the time is over.

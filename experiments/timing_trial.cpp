@@ -78,12 +78,8 @@ Expected<TimingResult> runTiming(const TimingPlan& plan) {
   const GripTarget target = models->exercise ? firstDispenser(*models) : firstBody(*models);
   if (target.body < 0) {
     const bool bar = models->exercise != nullptr;
-    return Diagnostic{bar ? plan.files.exercise : plan.files.scene,
-                      0,
-                      "",
-                      "",
-                      "has nothing to grip",
-                      bar ? "give the file of a cocktail bar" : "give a scene with a body in it"};
+    return fileFault(bar ? plan.files.exercise : plan.files.scene, "has nothing to grip",
+                     bar ? "give the file of a cocktail bar" : "give a scene with a body in it");
   }
   TimingResult result;
   result.gripped = models->scene.bodies[target.body].name;

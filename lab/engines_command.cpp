@@ -233,10 +233,7 @@ EnginePlan enginePlan(const ExperimentOptions& options) {
   plan.folder = options.folder;
   plan.hold_s = options.hold_s;
   plan.gripped_ticks = options.ticks;
-  for (std::string* file : {&plan.files.scene, &plan.files.hand, &plan.files.device,
-                            &plan.files.rendering, &plan.files.patient}) {
-    *file = shippedFile(*file);
-  }
+  plan.files = shippedModels();
   plan.resting_file = shippedFile("config/scenes/table.toml");
   plan.status = [](const char* scene) {
     std::printf("%s\n", scene);

@@ -25,6 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 LIST, DATA, PAGE = (ROOT / "docs" / name for name in ("results.toml", "results.json", "results.md"))
 README = ROOT / "README.md"
 BEGIN, END = "<!-- figures: written by scripts/results.py -->\n", "<!-- end of figures -->\n"
+MOST = 8
 FIGURE = re.compile(r"^figure: (.+?) = (.+?)\s*$", re.MULTILINE)
 
 
@@ -121,7 +122,8 @@ def command_of(measured):
 
 
 def figure_lines(figures):
-    """A line a figure; those that differ behind the last comma or "at" only, or not at all, share one, in their order."""
+    """A line a figure; those that differ behind the last comma or "at" only, or not at all, share one, in their order;
+    of more than MOST with one unit, the smallest and the largest."""
     groups = {}
     for what, value in figures:
         head, _, rest = re.fullmatch(r"(.*?)(?:(, | at )((?:(?!, | at ).)*))?", what).groups("")
@@ -133,6 +135,10 @@ def figure_lines(figures):
         units = {unit for *_, unit in group}
         alike = len(units) == 1 and len(group) > 1 and not any(unit == "" or unit.startswith("of ") for unit in units)
         shared = f" [{units.pop()}]" if alike else ""
+        if len(group) > MOST and (shared or units == {""}):
+            group.sort(key=lambda of: abs(float(of[2])))
+            group = [(what, f"{which} of {len(group)}, {rest}".rstrip(", ") + ":", number, unit)
+                     for which, (what, rest, number, unit) in zip(("least", "most"), (group[0], group[-1]))]
         lines.append(f"- {head}{shared}: " + "; ".join(
             " ".join(filter(None, (rest, number, "" if shared else unit))) for _, rest, number, unit in group))
     return lines
@@ -150,7 +156,7 @@ def page(listed, data):
             continue
         lines += [f"## {entry['about']}", "",
                   f"`{command_of(measured)}`, {measured['date']}, load {measured['load']}", "",
-                  *figure_lines(measured["figures"]), ""]
+                  *figure_lines([f for f in measured["figures"] if not re.match(entry.get("left_out", "(?!)"), f[0])]), ""]
     return "\n".join(lines)
 
 

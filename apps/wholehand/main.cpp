@@ -87,10 +87,7 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   CLI::App* certify = app.add_subcommand(
       "certify",
       "Check that gains are stable with any passive person and object, and by what margin");
-  certify->add_option("--device", o.device, "Device file")->capture_default_str();
-  certify->add_option("--rendering", o.rendering,
-                      "Gains that go with the device (default: the file of the device's name)");
-  certify->add_option("--hand", o.hand, "Hand file")->capture_default_str();
+  addHandAndDevice(*certify, o.hand, o.device, o.rendering);
   CLI::Option* exercise = certify->add_option(
       "--exercise", o.exercise,
       "Exercise, a name or a file, whose walls are covered, too (default: no walls)");
@@ -98,9 +95,7 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str()
       ->needs(exercise);
-  certify->add_option("--rate-hz", o.rate_hz, "Ticks a second")
-      ->check(finiteBetween(100.0, 16000.0, "Hz"))
-      ->capture_default_str();
+  addRate(*certify, o.rate_hz);
   CLI::Option* passport = certify->add_option(
       "--passport", o.passport,
       "Passport of the device: judge the worst corner of what was measured of it");
@@ -189,16 +184,9 @@ void addValidate(CLI::App& app, std::vector<std::string>& files, AdmitOptions& o
            "Instead: measure the tick of this scene or exercise here, and say whether the rate "
            "admits it")
           ->excludes(all);
-  v->add_option("--rate-hz", o.rate_hz, "Ticks a second")
-      ->check(finiteBetween(100.0, 16000.0, "Hz"))
-      ->capture_default_str()
-      ->needs(admit);
+  addRate(*v, o.rate_hz)->needs(admit);
   addEngine(*v, o.engine)->needs(admit);
-  v->add_option("--hand", o.hand, "Hand file")->capture_default_str()->needs(admit);
-  v->add_option("--device", o.device, "Device file")->capture_default_str()->needs(admit);
-  v->add_option("--rendering", o.rendering,
-                "Gains that go with the device (default: the file of the device's name)")
-      ->needs(admit);
+  for (CLI::Option* file : addHandAndDevice(*v, o.hand, o.device, o.rendering)) file->needs(admit);
   v->footer("Exit code 0: no fault, admitted; 1: not admitted; 2: a fault.");
   v->callback([&files, &o, v, &code] {
     if (!o.scene.empty()) {
@@ -284,8 +272,8 @@ int flushOutput(int code) {
   const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
   if (!lost || code != kExitDone || errno == EPIPE) return code;
   return refuse(
-      {{"standard output", 0, "", "", std::string("cannot be written: ") + std::strerror(errno),
-        "make room, or print elsewhere"}});
+      {fileFault("standard output", std::string("cannot be written: ") + std::strerror(errno),
+                 "make room, or print elsewhere")});
 }
 
 /// Stacks of threads that begin from now on: locked memory counts each whole, 8 MB by default. A

@@ -26,8 +26,8 @@ Expected<std::unique_ptr<Composite>> Composite::make(const CompositeConfig& conf
         std::string names;
         for (const wh_axis& axis : has)
           names += (names.empty() ? "" : ", ") + std::string(axis.name);
-        refused.push_back({config.path, 0, "parts[" + std::to_string(p) + "].axes", name,
-                           parts[p]->where() + " has no such axis", "it has " + names});
+        refused.push_back(keyFault(config.path, "parts[" + std::to_string(p) + "].axes", name,
+                                   parts[p]->where() + " has no such axis", "it has " + names));
         continue;
       }
       whole->axes_.push_back(*found);
@@ -35,8 +35,8 @@ Expected<std::unique_ptr<Composite>> Composite::make(const CompositeConfig& conf
     }
   }
   if (whole->axes_.size() > WH_MAX_AXES) {
-    refused.push_back({config.path, 0, "parts", std::to_string(whole->axes_.size()),
-                       "are too many axes", "at most " + std::to_string(WH_MAX_AXES)});
+    refused.push_back(keyFault(config.path, "parts", std::to_string(whole->axes_.size()),
+                               "are too many axes", "at most " + std::to_string(WH_MAX_AXES)));
   }
   if (!refused.empty()) return refused;
   return whole;

@@ -21,10 +21,6 @@ std::int64_t now_ns() {
   return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
-Diagnostic refused(const std::string& problem, const std::string& remedy) {
-  return {"", 0, "", "", problem, remedy};
-}
-
 std::string_view orEmpty(const char* text) {
   return text != nullptr ? text : "";
 }
@@ -49,8 +45,8 @@ ForceDimensionDevice::~ForceDimensionDevice() {
 Diagnostics ForceDimensionDevice::find(const std::string& locator) {
   if (locator.empty()) {
     if (sdk_.drdOpenID(0) < 0) {
-      return {refused("no device: " + std::string(orEmpty(sdk_.dhdErrorGetLastStr())),
-                      "look at its power, its cable and the rights to its USB port")};
+      return {fileFault("", "no device: " + std::string(orEmpty(sdk_.dhdErrorGetLastStr())),
+                        "look at its power, its cable and the rights to its USB port")};
     }
     id_ = 0;
     return {};
@@ -61,8 +57,8 @@ Diagnostics ForceDimensionDevice::find(const std::string& locator) {
   const auto read = named ? std::from_chars(locator.data() + kSerial.size(), end, serial)
                           : std::from_chars_result{};
   if (!named || read.ec != std::errc() || read.ptr != end) {
-    return {{"", 0, "--device-at", locator, "names no device",
-             "leave it out for the first one, or write serial:NUMBER"}};
+    return {keyFault("", "--device-at", locator, "names no device",
+                     "leave it out for the first one, or write serial:NUMBER")};
   }
   return openSerial(serial);
 }
@@ -81,14 +77,14 @@ Diagnostics ForceDimensionDevice::openSerial(unsigned wanted) {
     (void)sdk_.drdClose(id);
     seen += (seen.empty() ? "" : ", ") + std::to_string(serial);
   }
-  return {refused("no device has the serial number " + std::to_string(wanted),
-                  "there are: " + (seen.empty() ? "none" : seen))};
+  return {fileFault("", "no device has the serial number " + std::to_string(wanted),
+                    "there are: " + (seen.empty() ? "none" : seen))};
 }
 
 Diagnostics ForceDimensionDevice::prepare() {
   if (settings_.gripper && !sdk_.dhdHasGripper(*id_)) {
-    return {refused(std::string(orEmpty(sdk_.dhdGetSystemName(*id_))) + " has no gripper",
-                    "take [gripper] out of " + settings_.path)};
+    return {fileFault("", std::string(orEmpty(sdk_.dhdGetSystemName(*id_))) + " has no gripper",
+                      "take [gripper] out of " + settings_.path)};
   }
   left_handed_ = sdk_.dhdIsLeftHanded(*id_);
   homed_ = sdk_.drdIsInitialized(*id_);

@@ -34,12 +34,8 @@ Expected<std::shared_ptr<void>> openLibrary() {
     const char* error = ::dlerror();
     why += (why.empty() ? "" : "; ") + std::string(error != nullptr ? error : place);
   }
-  return Diagnostic{kLibrary,
-                    0,
-                    "",
-                    "",
-                    "Force Dimension's SDK is not there: " + why,
-                    "install SDK 3.14 or later, and name its folder in FORCEDIM_SDK"};
+  return fileFault(kLibrary, "Force Dimension's SDK is not there: " + why,
+                   "install SDK 3.14 or later, and name its folder in FORCEDIM_SDK");
 }
 
 class Symbols {
@@ -62,7 +58,7 @@ Diagnostics checkVersion(Sdk& sdk) {
   sdk.dhdGetSDKVersion(&major, &minor, &release, &revision);
   sdk.version = std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(release);
   if (major == kMajor && minor >= kLeastMinor) return {};
-  return {{kLibrary, 0, "", "", "is SDK " + sdk.version, "install SDK 3.14 or later of version 3"}};
+  return {fileFault(kLibrary, "is SDK " + sdk.version, "install SDK 3.14 or later of version 3")};
 }
 
 }  // namespace
@@ -112,12 +108,8 @@ Expected<Sdk> loadSdk() {
   symbols.find("drdAutoInit", sdk.drdAutoInit);
   symbols.find("drdStop", sdk.drdStop);
   if (!symbols.missing().empty()) {
-    return Diagnostic{kLibrary,
-                      0,
-                      "",
-                      "",
-                      "has no " + symbols.missing(),
-                      "install SDK 3.14 or later of version 3"};
+    return fileFault(kLibrary, "has no " + symbols.missing(),
+                     "install SDK 3.14 or later of version 3");
   }
   if (Diagnostics old = checkVersion(sdk); !old.empty()) return old;
   return sdk;

@@ -57,7 +57,7 @@ Expected<std::unique_ptr<FrameDevice>> FrameDevice::open(std::unique_ptr<Carrier
 }
 
 Diagnostic FrameDevice::silent(const std::string& what) const {
-  return {"", 0, "", "", gone_.load() ? "the line is gone" : what, kLook};
+  return fileFault("", gone_.load() ? "the line is gone" : what, kLook);
 }
 
 Expected<Done> FrameDevice::shakeHands(const Wait& wait) {
@@ -68,16 +68,13 @@ Expected<Done> FrameDevice::shakeHands(const Wait& wait) {
     return Done{};
   }
   if (other_version_ != 0) {
-    return Diagnostic{"",
-                      0,
-                      "",
-                      "",
-                      "the device speaks version " + std::to_string(other_version_) +
-                          " of the frame, this is " + std::to_string(WF_VERSION),
-                      "update one of them"};
+    return fileFault("",
+                     "the device speaks version " + std::to_string(other_version_) +
+                         " of the frame, this is " + std::to_string(WF_VERSION),
+                     "update one of them");
   }
   if (other_session_ != 0) {
-    return Diagnostic{"", 0, "", "", "the device renders for another program", "end that one"};
+    return fileFault("", "the device renders for another program", "end that one");
   }
   return silent("nobody answers");
 }
@@ -93,13 +90,11 @@ Expected<Done> FrameDevice::askAxes(const Wait& wait) {
     const wh_axis& axis = axes_[i];
     const std::string which = "axis " + std::to_string(i) + " (" + axis.name + ") ";
     if (axis.kind > WH_ROTATION || axis.effort_meaning > WH_VIBRATION) {
-      return Diagnostic{
-          "", 0, "", "", which + "is of a kind that device.h does not know", "fix the firmware"};
+      return fileFault("", which + "is of a kind that device.h does not know", "fix the firmware");
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (std::strcmp(axes_[k].name, axis.name) != 0) continue;
-      return Diagnostic{
-          "", 0, "", "", which + "has the name of axis " + std::to_string(k), "fix the firmware"};
+      return fileFault("", which + "has the name of axis " + std::to_string(k), "fix the firmware");
     }
   }
   return Done{};
@@ -124,7 +119,7 @@ bool FrameDevice::ask(wf_frame question, std::uint8_t answer, std::int64_t withi
 }
 
 Expected<Done> FrameDevice::control(std::uint32_t verb, double argument, const Wait& wait) {
-  if (verb > WH_DROP_WATCHDOG) return Diagnostic{"", 0, "", "", "there is no such verb", ""};
+  if (verb > WH_DROP_WATCHDOG) return fileFault("", "there is no such verb", "");
   if (verb == WH_DROP_WATCHDOG) {
     muted_ = true;
     return Done{};
@@ -145,13 +140,10 @@ Expected<Done> FrameDevice::control(std::uint32_t verb, double argument, const W
     return silent("does not answer");
   }
   if (answer_.result < 0) {
-    return Diagnostic{
-        "",
-        0,
-        "",
-        std::to_string(answer_.result),
+    return keyFault(
+        "", "", std::to_string(answer_.result),
         answer_.result == WH_UNSUPPORTED ? "the device cannot do it" : "the device did not do it",
-        "look at the device"};
+        "look at the device");
   }
   if (verb == WH_ENABLE) enabled_.store(true);
   return Done{};

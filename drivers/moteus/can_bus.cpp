@@ -14,12 +14,8 @@ Expected<std::unique_ptr<CanBus>> openCanBus(const std::string& locator) {
     if (kind == "slcan") return TtyBus::open(where, TtyBus::Protocol::kSlcan);
     if (kind == "socketcan") return SocketCanBus::open(where);
   }
-  return Diagnostic{"",
-                    0,
-                    "--device-at",
-                    locator,
-                    "names no CAN bus",
-                    "must be fdcanusb:PORT, slcan:PORT or socketcan:INTERFACE"};
+  return keyFault("", "--device-at", locator, "names no CAN bus",
+                  "must be fdcanusb:PORT, slcan:PORT or socketcan:INTERFACE");
 }
 
 }  // namespace wholehand::moteus

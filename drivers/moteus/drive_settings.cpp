@@ -41,14 +41,14 @@ class Judge {
         askDrive(bus_, clock_, motor_.id, "conf get " + setting);
     const std::optional<double> value = line ? numberIn(*line) : std::nullopt;
     if (value && taken(*value)) return;
-    out_.push_back({"", 0,
-                    "drive " + std::to_string(motor_.id) + " (" + motor_.name + ") " + setting,
-                    line.value_or(""),
-                    value  ? problem
-                    : line ? "is no number"
-                           : "cannot be read: the drive does not answer",
-                    value ? "set it with tview: conf set " + setting + " " + safe + ", conf write"
-                          : "look at the cable and the drive's firmware"});
+    out_.push_back(
+        keyFault("", "drive " + std::to_string(motor_.id) + " (" + motor_.name + ") " + setting,
+                 line.value_or(""),
+                 value  ? problem
+                 : line ? "is no number"
+                        : "cannot be read: the drive does not answer",
+                 value ? "set it with tview: conf set " + setting + " " + safe + ", conf write"
+                       : "look at the cable and the drive's firmware"));
   }
   [[nodiscard]] Diagnostics take() { return std::move(out_); }
 

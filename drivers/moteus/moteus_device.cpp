@@ -42,13 +42,13 @@ std::string MoteusDevice::nameOf(std::size_t motor) const {
 Expected<Done> MoteusDevice::check() {
   Diagnostics why;
   if (!round_.sendQueries()) {
-    return Diagnostic{"", 0, "", "", "the CAN adapter takes nothing", "plug it in again"};
+    return fileFault("", "the CAN adapter takes nothing", "plug it in again");
   }
   (void)awaitRound();
   for (std::size_t i = 0; i < settings_.motors.size(); ++i) {
     if (!round_.state(i).answered) {
-      why.push_back({"", 0, nameOf(i), "", "does not answer",
-                     "look at its power, its cable and its identifier (servo id.id)"});
+      why.push_back(keyFault("", nameOf(i), "", "does not answer",
+                             "look at its power, its cable and its identifier (servo id.id)"));
       continue;
     }
     Diagnostics unsafe = judgeDrive(*bus_, *clock_, settings_.motors[i]);
@@ -56,7 +56,7 @@ Expected<Done> MoteusDevice::check() {
   }
   if (!why.empty()) return why;
   if (!round_.sendQueries() || !awaitRound()) {
-    return Diagnostic{"", 0, "", "", "the drives stopped answering", "look at their cables"};
+    return fileFault("", "the drives stopped answering", "look at their cables");
   }
   return Done{};
 }

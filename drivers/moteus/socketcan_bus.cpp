@@ -18,7 +18,7 @@ namespace {
 
 Diagnostic refused(const std::string& interface, const std::string& problem,
                    const std::string& remedy) {
-  return {"socketcan:" + interface, 0, "", "", problem, remedy};
+  return fileFault("socketcan:" + interface, problem, remedy);
 }
 
 // Why the socket cannot be used with this interface; empty when it can.

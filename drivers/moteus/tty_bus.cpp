@@ -17,10 +17,6 @@ namespace {
 // Close, 1 Mbit/s, 5 Mbit/s in the data phase, open: what moteus speaks.
 constexpr std::string_view kOpenSlcan = "C\rS8\rY5\rO\r";
 
-Diagnostic refused(const std::string& port, const std::string& problem, const std::string& remedy) {
-  return {port, 0, "", "", problem, remedy};
-}
-
 // Raw: a read of nothing is EAGAIN, so that 0 bytes mean that the port is gone.
 bool makeRaw(int descriptor) {
   termios settings{};
@@ -38,23 +34,23 @@ Expected<std::unique_ptr<CanBus>> TtyBus::open(const std::string& port, Protocol
   const int descriptor = ::open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) {
     const int error = errno;
-    if (error == EBUSY) return refused(port, kTaken, kEndTheOther);
-    return refused(port, std::string("cannot be opened: ") + std::strerror(error),
-                   error == EACCES ? "become a member of the group that owns it (dialout)"
-                                   : "name the port of the CAN adapter");
+    if (error == EBUSY) return fileFault(port, kTaken, kEndTheOther);
+    return fileFault(port, std::string("cannot be opened: ") + std::strerror(error),
+                     error == EACCES ? "become a member of the group that owns it (dialout)"
+                                     : "name the port of the CAN adapter");
   }
   if (!takeAlone(descriptor)) {
     ::close(descriptor);
-    return refused(port, kTaken, kEndTheOther);
+    return fileFault(port, kTaken, kEndTheOther);
   }
   if (::ioctl(descriptor, TIOCEXCL) != 0 || !makeRaw(descriptor)) {
     ::close(descriptor);
-    return refused(port, "is no serial port", "name the port of the CAN adapter");
+    return fileFault(port, "is no serial port", "name the port of the CAN adapter");
   }
   auto bus = std::make_unique<TtyBus>(descriptor, protocol);
   if (protocol == Protocol::kSlcan &&
       !(bus->queue(kOpenSlcan.data(), kOpenSlcan.size()) && bus->flush())) {
-    return refused(port, "takes nothing", "plug the CAN adapter in again");
+    return fileFault(port, "takes nothing", "plug the CAN adapter in again");
   }
   return Expected<std::unique_ptr<CanBus>>(std::move(bus));
 }

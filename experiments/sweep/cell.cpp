@@ -85,12 +85,8 @@ Expected<GraspTrial> graspFor(const Values& values) {
   };
   const auto found = std::find_if(tuned.begin(), tuned.end(), wanted);
   if (found == tuned.end()) {
-    return Diagnostic{"",
-                      0,
-                      "posture",
-                      posture,
-                      "is not known for the object " + object,
-                      "pinch takes sphere or cube"};
+    return keyFault("", "posture", posture, "is not known for the object " + object,
+                    "pinch takes sphere or cube");
   }
   GraspTrial trial = *found;
   const auto seed = static_cast<std::uint64_t>(values.number("jitter", 0.0));

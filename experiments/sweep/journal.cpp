@@ -62,12 +62,9 @@ bool tryLock(int file, bool alone) {
 }
 
 Diagnostic cannotWrite(const std::string& path) {
-  return {path,
-          0,
-          "",
-          std::strerror(errno),
-          "cannot be written",
-          "is the disk full, or the folder read-only? What is finished stays; run the same again"};
+  return keyFault(
+      path, "", std::strerror(errno), "cannot be written",
+      "is the disk full, or the folder read-only? What is finished stays; run the same again");
 }
 
 }  // namespace
@@ -84,12 +81,8 @@ Expected<SweepJournal> SweepJournal::open(const std::string& folder, const std::
   if (lock < 0) return cannotWrite(folder);
   if (!tryLock(lock, alone)) {
     ::close(lock);
-    return Diagnostic{folder,
-                      0,
-                      "",
-                      "",
-                      "is in use by another `wholehand sweep`",
-                      "wait for it, or give both a --share of the cells"};
+    return fileFault(folder, "is in use by another `wholehand sweep`",
+                     "wait for it, or give both a --share of the cells");
   }
   const std::string path = folder + "/digest";
   if (!fs::exists(path, error)) {
@@ -104,12 +97,8 @@ Expected<SweepJournal> SweepJournal::open(const std::string& folder, const std::
   }
   const auto found = readWhole(path);
   if (!found || *found != digest + "\n") {
-    return Diagnostic{folder,
-                      0,
-                      "",
-                      "",
-                      "holds cells of another grid, of other files, or of another program",
-                      "name another --out, or remove this folder"};
+    return fileFault(folder, "holds cells of another grid, of other files, or of another program",
+                     "name another --out, or remove this folder");
   }
   return SweepJournal(folder, figures);
 }

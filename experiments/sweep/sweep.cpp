@@ -132,12 +132,8 @@ Expected<SweepOutcome> runSweep(const SweepGrid& grid, const SweepPlan& plan) {
     auto found = readSweepDigest(plan.out);
     if (!found) return found.errors();
     if (*found == *digest) return done;
-    return Diagnostic{plan.out,
-                      0,
-                      "",
-                      "",
-                      "holds another grid's results, or another program's",
-                      "name another --out, or remove the file"};
+    return fileFault(plan.out, "holds another grid's results, or another program's",
+                     "name another --out, or remove the file");
   }
   auto journal = SweepJournal::open(plan.out + ".cells", *digest,
                                     static_cast<int>(figuresOf(grid.trial).size()), !plan.share);

@@ -28,14 +28,8 @@ RecordingMeta describe(const DeviceModel& model, const CommissioningRecord::Plan
   meta.simulated_device = false;
   meta.models_changed = true;  // nothing was rendered, so it cannot be re-simulated
   meta.title = plan.title;
-  for (const DeviceAxis& axis : model.axes) {
-    meta.axis_names.push_back(axis.name);
-    meta.axis_units.push_back(axis.positionUnit());
-    meta.effort_limits.push_back(axis.effort_limit);
-    meta.lever_arms_m.push_back(axis.lever_arm_m);
-    meta.encoder_step.push_back(axis.encoder_step);
-    meta.armed_position.push_back(0.0);
-  }
+  describeAxes(model, meta);
+  meta.armed_position.assign(model.axes.size(), 0.0);
   meta.value_names = CommissioningRecord::valueNames();
   meta.files.emplace_back("device", plan.device_text);
   return meta;

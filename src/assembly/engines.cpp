@@ -61,8 +61,9 @@ Diagnostics refuseForPersons(const std::string& engine, const std::vector<Engine
     if (e.name != engine) continue;
     if (!e.build) return {notBuiltIn(e)};
     if (e.persons_refused_because.empty()) continue;
-    return {{"", 0, "--engine", engine, "is not for real devices: " + e.persons_refused_because,
-             "use --engine " + among.front().name}};
+    return {keyFault("", "--engine", engine,
+                     "is not for real devices: " + e.persons_refused_because,
+                     "use --engine " + among.front().name)};
   }
   return {};
 }
@@ -81,21 +82,14 @@ Expected<std::unique_ptr<PhysicsWorld>> buildWorld(const std::string& engine, co
   }
   if (!found->build) return notBuiltIn(*found);
   if (scene.game.slots > 0 && !found->takes_game_bodies) {
-    return Diagnostic{scene.path,
-                      0,
-                      "--engine",
-                      engine,
-                      "has no slots for the bodies of a game",
-                      "use --engine " + defaultEngine()};
+    return keyFault(scene.path, "--engine", engine, "has no slots for the bodies of a game",
+                    "use --engine " + defaultEngine());
   }
   for (const SceneBody& body : scene.bodies) {
     if (!body.joint || found->takes_joints) continue;
-    return Diagnostic{scene.path,
-                      0,
-                      "--engine",
-                      engine,
-                      "has no joints for bodies, as \"" + body.name + "\" needs",
-                      "use --engine " + defaultEngine()};
+    return keyFault(scene.path, "--engine", engine,
+                    "has no joints for bodies, as \"" + body.name + "\" needs",
+                    "use --engine " + defaultEngine());
   }
   return found->build(hand, scene);
 }

@@ -107,7 +107,7 @@ Expected<std::vector<std::pair<std::string, std::string>>> readFileTexts(const M
   for (const fs::path& path : absolute) {
     if (!seen.insert(path).second) continue;
     std::ifstream in(path, std::ios::binary);
-    if (!in) return Diagnostic{path.string(), 0, "", "", "cannot be read", "check the path"};
+    if (!in) return fileFault(path.string(), "cannot be read", "check the path");
     texts.emplace_back(path.lexically_relative(common).string(),
                        std::string(std::istreambuf_iterator<char>(in), {}));
   }

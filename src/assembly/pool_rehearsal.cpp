@@ -186,7 +186,7 @@ class FilledWorld {
 
   [[nodiscard]] Expected<Done> tick() {
     if (options_.cancelled && options_.cancelled()) {
-      return Diagnostic{"", 0, "", "", "the rehearsal was stopped", ""};
+      return fileFault("", "the rehearsal was stopped", "");
     }
     filling_.order(record_);
     record_.tick = ticks_;
@@ -201,22 +201,16 @@ class FilledWorld {
     stopped_by_ = record_.faults & kStoppingFaults;
     const Fault fault = record_.faults & kOfTheWorld;
     if (!any(fault)) return Done{};
-    return Diagnostic{rig_.models.files.exercise,
-                      0,
-                      "budget",
-                      "",
-                      "the worst bodies of a game broke the simulated world: " + faultNames(fault),
-                      "narrow the masses and sizes that it allows"};
+    return keyFault(rig_.models.files.exercise, "budget", "",
+                    "the worst bodies of a game broke the simulated world: " + faultNames(fault),
+                    "narrow the masses and sizes that it allows");
   }
 
   [[nodiscard]] Diagnostic unmoved() const {
-    return {rig_.models.files.exercise,
-            0,
-            "budget",
-            "",
-            "the rehearsal's hand could not be closed round the worst bodies of a game: " +
-                faultNames(stopped_by_),
-            "narrow the masses and sizes that it allows"};
+    return keyFault(rig_.models.files.exercise, "budget", "",
+                    "the rehearsal's hand could not be closed round the worst bodies of a game: " +
+                        faultNames(stopped_by_),
+                    "narrow the masses and sizes that it allows");
   }
 
   void count() {
@@ -278,14 +272,11 @@ Expected<PoolMeasurement> measure(const Models& models, const GameBudget& budget
     if (best->passes() || world->hopeless()) break;
   }
   if (best->passes() && best->bodies_max < budget.slots) {
-    return Diagnostic{models.files.exercise,
-                      0,
-                      "budget.slots",
-                      std::to_string(budget.slots),
-                      fmt::format("cannot be rehearsed: only {} bodies of this size find a place "
-                                  "near the hand",
-                                  best->bodies_max),
-                      "allow smaller bodies (budget.size_m), or state fewer slots"};
+    return keyFault(models.files.exercise, "budget.slots", std::to_string(budget.slots),
+                    fmt::format("cannot be rehearsed: only {} bodies of this size find a place "
+                                "near the hand",
+                                best->bodies_max),
+                    "allow smaller bodies (budget.size_m), or state fewer slots");
   }
   return *best;
 }
@@ -510,15 +501,12 @@ Diagnostic poolTooSlow(const PoolRehearsal& pool, const Models& models) {
     remedy =
         "even 1 is too many here: use fewer slots or vertices, a slower rate or a faster machine";
   }
-  return {
-      models.files.exercise,
-      0,
-      "budget.awake",
-      std::to_string(m.budget.awake),
+  return keyFault(
+      models.files.exercise, "budget.awake", std::to_string(m.budget.awake),
       fmt::format("is too many for this machine: with its slots full, a tick takes {:.0f} µs of "
                   "CPU time (p99.9); {:.0f} µs are allowed",
                   1e-3 * m.summary.cpu.p999_ns, m.limit_us),
-      remedy};
+      remedy);
 }
 
 std::string describe(const PoolMeasurement& p) {

@@ -108,7 +108,7 @@ class Attempt {
     int held = 0, blocked = 0;
     while (held < hold && !hopeless()) {
       if (options_.cancelled && options_.cancelled()) {
-        return Diagnostic{"", 0, "", "", "the rehearsal was stopped", ""};
+        return fileFault("", "the rehearsal was stopped", "");
       }
       tick(move);
       if (any(record_.faults & kStoppingFaults)) return recover(move);
@@ -181,12 +181,9 @@ class Attempt {
     const SceneModel& scene = rig_.models.scene;
     const auto body = static_cast<std::size_t>(move.body);
     const std::string name = body < scene.bodies.size() ? scene.bodies[body].name : "nothing";
-    return {scene.path,
-            0,
-            "bodies",
-            name,
-            "the rehearsal broke the simulated world here: " + faultNames(fault),
-            "correct or remove what lies there: its mass, or what it overlaps"};
+    return keyFault(scene.path, "bodies", name,
+                    "the rehearsal broke the simulated world here: " + faultNames(fault),
+                    "correct or remove what lies there: its mass, or what it overlaps");
   }
 
   // Finds the stage and the body behind the slowest hundredth of the ticks.
@@ -266,15 +263,14 @@ Diagnostic tooSlow(const Rehearsal& r, const Models& models) {
   } else if (!r.heaviest.empty()) {
     where = fmt::format(", with the hand at \"{}\"", r.heaviest);
   }
-  return {models.files.exercise.empty() ? models.scene.path : models.files.exercise,
-          0,
-          "rehearsal",
-          fmt::format("{:.0f} µs", 1e-3 * r.summary.cpu.p999_ns),
-          fmt::format(
-              "is the CPU time of a tick with the worst contacts (p99.9); {:.0f} µs are allowed, "
-              "most of it is {}{}",
-              r.limit_us, stageName(r.slowest), where),
-          remedyFor(r, models)};
+  return keyFault(
+      models.files.exercise.empty() ? models.scene.path : models.files.exercise, "rehearsal",
+      fmt::format("{:.0f} µs", 1e-3 * r.summary.cpu.p999_ns),
+      fmt::format(
+          "is the CPU time of a tick with the worst contacts (p99.9); {:.0f} µs are allowed, "
+          "most of it is {}{}",
+          r.limit_us, stageName(r.slowest), where),
+      remedyFor(r, models));
 }
 
 }  // namespace

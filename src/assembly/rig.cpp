@@ -25,8 +25,8 @@ namespace {
 void refuseAbove(int most, std::size_t count, const char* key, const char* what,
                  Diagnostics& refused) {
   if (std::cmp_less_equal(count, most)) return;
-  refused.push_back({"", 0, key, std::to_string(count), "is more than a tick has room for",
-                     std::string("at most ") + std::to_string(most) + " " + what});
+  refused.push_back(keyFault("", key, std::to_string(count), "is more than a tick has room for",
+                             std::string("at most ") + std::to_string(most) + " " + what));
 }
 
 // Slew from one limit to the other at the ramp's steepest. With less, neutral would be reached too
@@ -114,15 +114,14 @@ Diagnostics refuseHeavyArmature(const Models& models, const CouplingGains& gains
     const double lever_sq = axis.lever_arm_m * axis.lever_arm_m;
     const std::string at_tip =
         lever_sq > 0.0 ? fmt::format(", {:.3g} g at the tip", 1e3 * felt / lever_sq) : "";
-    refused.push_back(
-        {models.rendering.path, 0,
-         fmt::format("axes[{}].armature_{}", axis.name, translation ? "kg" : "kg_m2"),
-         fmt::format("{:.6g}", *rendering.armature),
-         fmt::format(
-             "makes the hand a weight: the avatar is felt as {:.3g} {}{}, the device itself "
-             "as {:.3g}",
-             felt, unit, at_tip, axis.mass),
-         "state less, or leave it out: the rule then adds what the rate needs"});
+    refused.push_back(keyFault(
+        models.rendering.path,
+        fmt::format("axes[{}].armature_{}", axis.name, translation ? "kg" : "kg_m2"),
+        fmt::format("{:.6g}", *rendering.armature),
+        fmt::format("makes the hand a weight: the avatar is felt as {:.3g} {}{}, the device itself "
+                    "as {:.3g}",
+                    felt, unit, at_tip, axis.mass),
+        "state less, or leave it out: the rule then adds what the rate needs"));
   }
   return refused;
 }
@@ -316,8 +315,8 @@ Diagnostics refuseToRender(const CheckedGains& checked, const RigOptions& option
   const std::string difference =
       differenceOf(options.certificate->fingerprint, checked.fingerprint);
   if (difference.empty()) return {};
-  return {{options.certificate->path, 0, "", "", difference,
-           "certify these files, or leave out --certificate"}};
+  return {fileFault(options.certificate->path, difference,
+                    "certify these files, or leave out --certificate")};
 }
 
 Expected<std::unique_ptr<Rig>> buildRig(Models models, Intention intention,
@@ -341,12 +340,8 @@ Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<Player> p
 Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<HapticDevice> device,
                                         const RigOptions& options) {
   if (options.uncertified) {
-    return Diagnostic{"",
-                      0,
-                      "uncertified",
-                      "true",
-                      "is for simulated and replayed devices only",
-                      "use gains that `wholehand certify` accepts"};
+    return keyFault("", "uncertified", "true", "is for simulated and replayed devices only",
+                    "use gains that `wholehand certify` accepts");
   }
   return buildAround(std::move(models), std::move(device), options, Moves::kMaybeAPerson, nullptr);
 }

@@ -37,9 +37,9 @@ Diagnostics refuseWithoutRealTime() {
   Diagnostics refused;
   for (const SetupLine& line : report) {
     if (line.granted) continue;
-    refused.push_back({"", 0, line.what, "",
-                       "a loop that moves a person needs it: " + line.sentence,
-                       "run wholehand doctor"});
+    refused.push_back(keyFault("", line.what, "",
+                               "a loop that moves a person needs it: " + line.sentence,
+                               "run wholehand doctor"));
   }
   return refused;
 }

@@ -30,6 +30,16 @@ bool sayWhatIsRendered(const ModelFiles& files, const Rig& rig) {
 
 }  // namespace
 
+void describeAxes(const DeviceModel& device, RecordingMeta& meta) {
+  for (const DeviceAxis& axis : device.axes) {
+    meta.axis_names.push_back(axis.name);
+    meta.axis_units.push_back(axis.positionUnit());
+    meta.effort_limits.push_back(axis.effort_limit);
+    meta.lever_arms_m.push_back(axis.lever_arm_m);
+    meta.encoder_step.push_back(axis.encoder_step);
+  }
+}
+
 Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
                                           std::uint64_t seed, bool simulated_clock) {
   auto files = readFileTexts(rig.models);
@@ -48,13 +58,7 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   meta.simulated_device = rig.device->simulated();
   meta.passport = rig.options.passport;
   meta.title = printable(title);
-  for (const DeviceAxis& axis : rig.models.device.axes) {
-    meta.axis_names.push_back(axis.name);
-    meta.axis_units.push_back(axis.positionUnit());
-    meta.effort_limits.push_back(axis.effort_limit);
-    meta.lever_arms_m.push_back(axis.lever_arm_m);
-    meta.encoder_step.push_back(axis.encoder_step);
-  }
+  describeAxes(rig.models.device, meta);
   for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
   meta.joint_names = rig.models.hand.joint_names;
   meta.body_names = rig.models.scene.recordedBodies();

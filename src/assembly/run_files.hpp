@@ -13,6 +13,9 @@ namespace wholehand {
 /// Name of the device passport within a recording.
 inline constexpr const char* kRecordedPassport = "passport/passport.toml";
 
+/// Adds the device's axes, but for armed_position.
+void describeAxes(const DeviceModel& device, RecordingMeta& meta);
+
 /// Metadata of a recording of this rig.
 [[nodiscard]] Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
                                                         std::uint64_t seed, bool simulated_clock);

@@ -112,7 +112,7 @@ Expected<CertificateFingerprint> readCertificate(const std::string& path) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   std::ifstream in(path, std::ios::binary);
-  if (error || !in) return Diagnostic{path, 0, "", "", "cannot be read", "check the path"};
+  if (error || !in) return fileFault(path, "cannot be read", "check the path");
   if (size > kLargest_bytes) return fault(path, "is not a certificate: it is too large");
   const std::string text(std::istreambuf_iterator<char>(in), {});
   const Json json = Json::parse(text, nullptr, false);
@@ -127,13 +127,10 @@ Expected<CertificateFingerprint> readCertificate(const std::string& path) {
     }
     const CertificateFingerprint about = aboutOf(json.at("fingerprint"));
     if (json.at("certified").get<bool>()) return about;
-    return Diagnostic{path,
-                      0,
-                      "certified",
-                      "false",
-                      fmt::format("says that these gains are not certified (binding: {})",
-                                  json.at("binding").get<std::string>()),
-                      "certify gains that pass"};
+    return keyFault(path, "certified", "false",
+                    fmt::format("says that these gains are not certified (binding: {})",
+                                json.at("binding").get<std::string>()),
+                    "certify gains that pass");
   } catch (const Json::exception&) {
     return fault(path, "is damaged: an entry is missing or of another kind");
   }

@@ -23,10 +23,6 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kVisitsPerBlock = 1 << 20;  // numbers stay below 2^53: JSON's integers
 
-Diagnostic failed(const std::string& file, const std::string& problem, const std::string& remedy) {
-  return {file, 0, "", "", problem, remedy};
-}
-
 std::set<std::string> marksIn(const std::string& path) {
   std::set<std::string> marks;
   std::ifstream in(path);
@@ -177,13 +173,13 @@ Expected<FolderLock> FolderLock::take(const std::string& folder) {
   const std::string path = folder + "/lock";
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (file < 0) {
-    return failed(path, std::string("cannot be opened: ") + std::strerror(errno),
-                  "give a folder that this user may write to");
+    return fileFault(path, std::string("cannot be opened: ") + std::strerror(errno),
+                     "give a folder that this user may write to");
   }
   if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
     ::close(file);
-    return failed(folder, "is in use by another wholehand-clinic",
-                  "end that one, or do it at its page");
+    return fileFault(folder, "is in use by another wholehand-clinic",
+                     "end that one, or do it at its page");
   }
   return FolderLock(file);
 }
@@ -195,7 +191,7 @@ FolderLock::~FolderLock() {
 Expected<std::int64_t> backUp(const std::string& folder, const std::string& file) {
   std::error_code error;
   fs::create_directories(folderOf(file), error);
-  if (fs::exists(file, error)) return failed(file, "exists already", "give a new name");
+  if (fs::exists(file, error)) return fileFault(file, "exists already", "give a new name");
   const auto keys = readKeyFile(folder + "/keys");
   if (!keys) return keys.errors();
   const std::string part = file + ".part";
@@ -210,7 +206,7 @@ Expected<std::int64_t> backUp(const std::string& folder, const std::string& file
     return rows;
   } catch (const DatabaseError& failure) {
     removeDatabase(part);
-    return failed("", failure.what(), "the backup does not count");
+    return fileFault("", failure.what(), "the backup does not count");
   }
 }
 
@@ -224,7 +220,7 @@ Expected<std::vector<std::string>> restoreBackup(const std::string& file,
     return done;
   } catch (const DatabaseError& failure) {
     removeDatabase(folder + "/clinic.db.restored");
-    return failed("", failure.what(), "the folder is as it was");
+    return fileFault("", failure.what(), "the folder is as it was");
   }
 }
 
@@ -237,12 +233,12 @@ Expected<std::int64_t> verifyClinic(const std::string& folder) {
     const auto keys = readKeyFile(folder + "/keys");
     if (!keys) return keys.errors();
     if (keys->clinic != clinic) {
-      return failed(folder + "/keys", "belongs to another clinic than clinic.db",
-                    "copy the file from beside a backup of this one");
+      return fileFault(folder + "/keys", "belongs to another clinic than clinic.db",
+                       "copy the file from beside a backup of this one");
     }
     return sum(rowsOf(db));
   } catch (const DatabaseError& failure) {
-    return failed("", failure.what(), "restore a backup if nothing else helps");
+    return fileFault("", failure.what(), "restore a backup if nothing else helps");
   }
 }
 

@@ -230,12 +230,8 @@ Expected<std::unique_ptr<HttpServer>> HttpServer::start(Clinic& clinic, std::uin
                                                         const std::vector<std::string>& origins) {
   auto listener = std::make_unique<Listener>(clinic, origins);
   if (const ErrorCode error = listener->start(port)) {
-    return Diagnostic{"",
-                      0,
-                      "--port",
-                      std::to_string(port),
-                      "cannot be listened on: " + error.message(),
-                      "give another port, or 0"};
+    return keyFault("", "--port", std::to_string(port), "cannot be listened on: " + error.message(),
+                    "give another port, or 0");
   }
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(listener)));
 }

@@ -151,8 +151,7 @@ Expected<KeyFile> readKeyFile(const std::string& path) {
   const Json file = Json::parse(text.str(), nullptr, false);
   if (!file.is_object() || !file.contains("clinic") || !file["clinic"].is_string() ||
       !file.contains("phrase") || !file.contains("recovery")) {
-    return Diagnostic{
-        path, 0, "", "", "is damaged", "copy it from beside a backup", DiagnosticCode::kSyntax};
+    return fileFault(path, "is damaged", "copy it from beside a backup", DiagnosticCode::kSyntax);
   }
   return KeyFile{file["clinic"], file["phrase"].dump(), file["recovery"].dump()};
 }
@@ -164,13 +163,8 @@ Expected<Done> writeKeyFile(const std::string& path, const KeyFile& keys) {
                      {"phrase", Json::parse(keys.by_phrase)},
                      {"recovery", Json::parse(keys.by_recovery)}};
   if (const int error = writeDurably(path, file.dump(1) + "\n"); error != 0) {
-    return Diagnostic{path,
-                      0,
-                      "",
-                      "",
-                      std::string("cannot be written: ") + std::strerror(error),
-                      "make room, or give another folder",
-                      DiagnosticCode::kUnreadable};
+    return fileFault(path, std::string("cannot be written: ") + std::strerror(error),
+                     "make room, or give another folder", DiagnosticCode::kUnreadable);
   }
   return Done{};
 }

@@ -1,5 +1,7 @@
 #include "clinic/plans.hpp"
 
+#include "core/tick_record.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,10 +36,6 @@ Plan planFrom(const std::string& json) {
                     item.at("parameters").get<Parameters>()});
   }
   return plan;
-}
-
-bool isEffortLimit(const std::string& parameter) {
-  return parameter.starts_with("effort_limit_");
 }
 
 Plan capped(Plan plan, const Parameters& limits) {

@@ -14,7 +14,6 @@ namespace wholehand::clinic {
 [[nodiscard]] Plan planFrom(const std::string& json);
 /// The plan without effort limits above those of the person.
 [[nodiscard]] Plan capped(Plan plan, const Parameters& limits);
-[[nodiscard]] bool isEffortLimit(const std::string& parameter);
 
 /// Reads plans and parameters of requests, within the station's bounds of what it has, else the
 /// shipped ones; says which limits hold for a person.

@@ -277,9 +277,9 @@ Expected<std::string> rebuildTrials(const std::string& folder, const std::string
     return fmt::format("{} recordings: {} are trials of this clinic's visits, {} are not",
                        found.size(), measured, others);
   } catch (const DatabaseError& error) {
-    return Diagnostic{"", 0, "", "", error.what(), "run wholehand-clinic verify"};
+    return fileFault("", error.what(), "run wholehand-clinic verify");
   } catch (const Json::exception& error) {
-    return Diagnostic{"", 0, "", "", error.what(), "give the matching --program"};
+    return fileFault("", error.what(), "give the matching --program");
   }
 }
 

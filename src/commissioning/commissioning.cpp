@@ -210,12 +210,9 @@ Expected<Done> Commissioning::report(CommissioningStep step,
 
 Expected<Done> Commissioning::identify() {
   if (passport_.identity.serial.empty()) {
-    return Diagnostic{bench_.model().path,
-                      0,
-                      "serial",
-                      "",
-                      "the driver says no serial number: a passport could not be matched to it",
-                      "let the driver fill in wh_plugin.identify"};
+    return keyFault(bench_.model().path, "serial", "",
+                    "the driver says no serial number: a passport could not be matched to it",
+                    "let the driver fill in wh_plugin.identify");
   }
   (void)bench_.driver().control(WH_IDENTIFY, 0.0);  // optional: the device also has a label
   const auto is_this =
@@ -225,12 +222,8 @@ Expected<Done> Commissioning::identify() {
               "", "", 0.0, 0.0});
   if (!is_this) return is_this.errors();
   if (*is_this) return Done{};
-  return Diagnostic{"",
-                    0,
-                    "serial",
-                    passport_.identity.serial,
-                    "is not this device",
-                    "name the device with --device-at"};
+  return keyFault("", "serial", passport_.identity.serial, "is not this device",
+                  "name the device with --device-at");
 }
 
 Expected<Done> Commissioning::home() {
@@ -242,12 +235,8 @@ Expected<Done> Commissioning::home() {
        "", "", 0.0, 0.0});
   if (!nobody) return nobody.errors();
   if (!*nobody) {
-    return Diagnostic{"",
-                      0,
-                      "step",
-                      "home",
-                      "somebody is attached, or it was not confirmed",
-                      "take everybody out of the device, and answer yes"};
+    return keyFault("", "step", "home", "somebody is attached, or it was not confirmed",
+                    "take everybody out of the device, and answer yes");
   }
   bench_.confirmNobodyAttached(true);
   if (auto homed = bench_.home(); !homed) return homed;

@@ -66,50 +66,37 @@ Expected<DailyCheck> readDailyCheck(const std::string& path) {
 Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
                              double rate_hz, const PlaceTime& now) {
   if (identity.simulated) {
-    return Diagnostic{model.path,
-                      0,
-                      "driver",
-                      "",
-                      "is a simulated plant: it arms nothing",
-                      "name the device's driver"};
+    return keyFault(model.path, "driver", "", "is a simulated plant: it arms nothing",
+                    "name the device's driver");
   }
   if (identity.serial.empty()) {
-    return Diagnostic{model.path,
-                      0,
-                      "serial",
-                      "",
-                      "the driver says no serial number: no passport can be matched to it",
-                      "let the driver fill in wh_plugin.identify"};
+    return keyFault(model.path, "serial", "",
+                    "the driver says no serial number: no passport can be matched to it",
+                    "let the driver fill in wh_plugin.identify");
   }
   const std::string path = passportPath(model.path, identity.serial);
   if (!std::filesystem::exists(path)) {
-    return Diagnostic{path,       0, "", "", "device " + identity.serial + " has no passport",
-                      kCommission};
+    return fileFault(path, "device " + identity.serial + " has no passport", kCommission);
   }
   Expected<Passport> passport = readPassport(path);
   if (!passport) return passport.errors();
   if (auto fits = checkPassport(*passport, identity, model, now); !fits) return fits.errors();
   if (std::abs(passport->rate_hz - rate_hz) > 1e-6 * rate_hz) {
-    return Diagnostic{
-        path,
-        0,
-        "rate_hz",
-        fmt::format("{:.6g}", passport->rate_hz),
-        fmt::format("the device was measured at another rate than {:.6g} Hz", rate_hz),
-        "run at the passport's rate, or measure at this one"};
+    return keyFault(path, "rate_hz", fmt::format("{:.6g}", passport->rate_hz),
+                    fmt::format("the device was measured at another rate than {:.6g} Hz", rate_hz),
+                    "run at the passport's rate, or measure at this one");
   }
 
   const std::string check_path = dailyCheckPath(model.path, identity.serial);
   if (!std::filesystem::exists(check_path)) {
-    return Diagnostic{check_path, 0, "", "", "the device was not checked today", kCheck};
+    return fileFault(check_path, "the device was not checked today", kCheck);
   }
   const Expected<DailyCheck> check = readDailyCheck(check_path);
   if (!check) return check.errors();
   if (auto timely = judgeTime(check->done_at, check_path, now); !timely) return timely.errors();
   if (check->passport_sha256 != passport->sha256) {
-    return Diagnostic{
-        check_path, 0, "passport_sha256", "", "today's check was done with another passport",
-        kCheck};
+    return keyFault(check_path, "passport_sha256", "",
+                    "today's check was done with another passport", kCheck);
   }
   return Cleared(std::move(*passport));
 }

@@ -10,8 +10,8 @@ namespace wholehand {
 namespace {
 
 constexpr double kOfSpeed = 0.5, kOfRange = 0.25;
-constexpr double kOverFriction = 2.5;        // dry friction, times
-constexpr double kActs = 0.5, kMoves = 0.3;  // of the push
+constexpr double kOverFriction = 2.5;          // dry friction, times
+constexpr double kActing = 0.5, kMoves = 0.3;  // of the push
 constexpr std::size_t kLeastPlaces = 8;
 constexpr double kStepsMoved = 15.0;
 
@@ -86,18 +86,18 @@ Diagnostics LetGoProof::acting(const std::string& when) const {
   for (std::size_t i = 0; i < push_.size(); ++i) {
     const DeviceAxis& a = model_->axes[i];
     if (seen_.size() < kLeastPlaces) {
-      out.push_back({model_->path, 0, "axes", a.name, "gave no samples " + when,
-                     "let the controller run on, and repeat the step"});
+      out.push_back(keyFault(model_->path, "axes", a.name, "gave no samples " + when,
+                             "let the controller run on, and repeat the step"));
       continue;
     }
     const double share = shareActing(i);
-    if (share <= kActs) continue;
+    if (share <= kActing) continue;
     out.push_back(
-        {model_->path, 0, "axes", a.name,
-         fmt::format("is still pushed with about {:.2g} {} {}: only its bits say that its "
-                     "motor is off",
-                     share * std::abs(push_[i]), a.effortUnit(), when),
-         "let the drive itself take the effort away, and repeat the step"});
+        keyFault(model_->path, "axes", a.name,
+                 fmt::format("is still pushed with about {:.2g} {} {}: only its bits say that its "
+                             "motor is off",
+                             share * std::abs(push_[i]), a.effortUnit(), when),
+                 "let the drive itself take the effort away, and repeat the step"));
   }
   return out;
 }

@@ -66,8 +66,8 @@ PassportAxis readAxis(TomlTable& table) {
 
 Diagnostic foreign(const Passport& p, const char* key, const std::string& stated,
                    const std::string& has) {
-  return {p.path, 0, key, stated, fmt::format("the passport is foreign: this device says {}", has),
-          kRemedy};
+  return keyFault(p.path, key, stated,
+                  fmt::format("the passport is foreign: this device says {}", has), kRemedy);
 }
 
 constexpr double kMost = 2.0;  // upper end of the scale, relative to the file's value
@@ -166,9 +166,9 @@ Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
     if (stated != has) out.push_back(foreign(p, key.c_str(), stated, has));
   }
   if (p.identity.simulated && !identity.simulated) {
-    out.push_back({p.path, 0, "simulated", "true",
-                   "the passport was learned on a simulated plant: it says nothing of a device",
-                   kRemedy});
+    out.push_back(keyFault(
+        p.path, "simulated", "true",
+        "the passport was learned on a simulated plant: it says nothing of a device", kRemedy));
   }
   if (p.identity.driver_sha256 != identity.driver_sha256) {
     out.push_back({p.path, 0, "driver_sha256", "",
@@ -191,9 +191,9 @@ Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
                    "set this machine's clock"});
   } else if (now.at - p.measured_at.at > kPassportLasts) {
     out.push_back(
-        {p.path, 0, "measured_at", format(p.measured_at),
-         fmt::format("the passport has expired: it lasts {} days", kPassportLasts.count()),
-         kRemedy});
+        keyFault(p.path, "measured_at", format(p.measured_at),
+                 fmt::format("the passport has expired: it lasts {} days", kPassportLasts.count()),
+                 kRemedy));
   }
   if (!out.empty()) return out;
   return Done{};

@@ -107,7 +107,7 @@ std::string seal(const std::string& text) {
 
 Expected<std::string> readWhole(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) return Diagnostic{path, 0, "", "", std::strerror(errno), "name a file that can be read"};
+  if (!in) return fileFault(path, std::strerror(errno), "name a file that can be read");
   return std::string(std::istreambuf_iterator<char>(in), {});
 }
 
@@ -121,8 +121,7 @@ Expected<std::string> checkSeal(const std::string& path, const std::string& reme
   }
   const std::string stated = text->substr(at + kSeal.size(), kDigits);
   if (text->size() != at + length || stated != sha256(text->substr(0, at))) {
-    return Diagnostic{path,  0, "seal.sha256", "", "the file was changed after it was written",
-                      remedy};
+    return keyFault(path, "seal.sha256", "", "the file was changed after it was written", remedy);
   }
   return stated;
 }

@@ -17,8 +17,8 @@ constexpr double kLargestWithoutArmaturePerS2 = 5e4;
 
 Diagnostic fault(const RenderingConfig& rendering, std::string key, std::string value,
                  std::string problem, std::string remedy) {
-  return {rendering.path,   0, std::move(key), std::move(value), std::move(problem),
-          std::move(remedy)};
+  return keyFault(rendering.path, std::move(key), std::move(value), std::move(problem),
+                  std::move(remedy));
 }
 
 Diagnostics checkShape(const RenderingConfig& rendering, const AxisMatrix& inertia,

@@ -19,10 +19,6 @@ inline constexpr int kMaxShapeSets = 64;      ///< shape sets of a game at once
 inline constexpr int kMaxSlotPieces = 16;     ///< convex pieces of a body
 inline constexpr int kMaxPieceVertices = 64;  ///< vertices of a convex mesh
 
-[[nodiscard]] constexpr const char* refusalName(BodyRefusal refusal) noexcept {
-  return nameOf(refusal);
-}
-
 /// What the pool says of a slot.
 struct SlotReport {
   std::int32_t generation = 0;  ///< of the body; 0: parked

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/axis_array.hpp"
+#include "schema_enums.hpp"
 
 #include <array>
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace wholehand {
 enum class CommandType : std::int32_t {
   kNone,
   kParameter,    ///< index: live parameter; value: target of its ramp
-  kAction,       ///< index: an ExerciseAction
+  kAction,       ///< index: an Act
   kHolderAlive,  ///< value: 1 while the controls' holder is alive, 0 when it is silent
   kAim,          ///< aim: target pose of the person at the screen; index: a Help, of its page
   kSteer,        ///< index: a Steering
@@ -34,13 +35,8 @@ enum class CommandType : std::int32_t {
 /// Numbers of a body order.
 inline constexpr int kOrderNumbers = 16;
 
-enum class ExerciseAction : std::int32_t {
-  kNext,
-  kRestart,
-  kPause,
-  kResume,
-  kBeginAt  ///< value: place in the level to resume from; no client sends it
-};
+/// What no client sends, beside Act. Command::value: place in the level to resume from.
+inline constexpr Act kBeginAt{kActs};
 
 /// A request of another thread to the loop. The session takes at most kMaxCommands before a tick
 /// and stores them in its record, so that a re-simulation repeats them.

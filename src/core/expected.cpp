@@ -41,9 +41,9 @@ Diagnostics firstFaults(Diagnostics faults, const std::string& path) {
   if (faults.size() <= kMost) return faults;
   const std::size_t more = faults.size() - kMost;
   faults.resize(kMost);
-  faults.push_back({path, 0, "", "",
-                    "has " + std::to_string(more) + (more == 1 ? " more fault" : " more faults"),
-                    "correct these first"});
+  faults.push_back(
+      fileFault(path, "has " + std::to_string(more) + (more == 1 ? " more fault" : " more faults"),
+                "correct these first"));
   return faults;
 }
 

@@ -32,6 +32,21 @@ struct Diagnostic {
 };
 using Diagnostics = std::vector<Diagnostic>;
 
+/// A fault of a whole file, or of the command line where `file` is empty.
+[[nodiscard]] inline Diagnostic fileFault(std::string file, std::string problem, std::string remedy,
+                                          DiagnosticCode code = DiagnosticCode::kInvalid) {
+  return {std::move(file), 0, {}, {}, std::move(problem), std::move(remedy), code};
+}
+/// A fault of a key or an option.
+[[nodiscard]] inline Diagnostic keyFault(std::string file, std::string key, std::string value,
+                                         std::string problem, std::string remedy,
+                                         DiagnosticCode code = DiagnosticCode::kInvalid) {
+  Diagnostic fault = fileFault(std::move(file), std::move(problem), std::move(remedy), code);
+  fault.key = std::move(key);
+  fault.value = std::move(value);
+  return fault;
+}
+
 /// "config/devices/a.toml:12: axes[2].effort_limit_n = nan: is not finite; must be in (0, 1000] N".
 [[nodiscard]] std::string format(const Diagnostic& d);
 /// One line per diagnostic.

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace wholehand {
@@ -33,6 +34,11 @@ struct LiveParameter {
   double value = 0.0;       ///< initial value
   double rate_per_s = 0.0;  ///< slope of the ramp, > 0
 };
+
+/// Whether a live parameter of that name bounds the device's efforts.
+[[nodiscard]] inline bool isEffortLimit(std::string_view name) noexcept {
+  return name.starts_with("effort_limit_");
+}
 
 /// Most live parameters of renderer and exercise together.
 inline constexpr int kMaxLiveParameters = 24;

@@ -12,25 +12,32 @@ constexpr double kShortest_s = 0.3, kCloseFilter_s = 0.05, kToEnd_s = 0.2;
 
 }  // namespace
 
-void Goal::put(int axis, double value) noexcept {
+const AxisPosition& Goal::put(int axis, double value) noexcept {
   if (axis >= 0) at_[axis] = std::clamp(value, layout_.lower[axis], layout_.upper[axis]);
+  return at_;
 }
 
-void Goal::hand(double fingers, double turn, double thumb) noexcept {
+const AxisPosition& Goal::hand(double fingers, double turn, double thumb) noexcept {
   put(layout_.fingers, fingers);
   put(layout_.turn, turn);
-  put(layout_.thumb, thumb);
+  return put(layout_.thumb, thumb);
 }
 
-void Goal::base(const Eigen::Vector3d& at_m) noexcept {
+const AxisPosition& Goal::base(const Eigen::Vector3d& at_m) noexcept {
   put(layout_.x, at_m.x());
   put(layout_.y, at_m.y());
-  put(layout_.z, at_m.z());
+  return put(layout_.z, at_m.z());
 }
 
-void Goal::drawBack() noexcept {
+const AxisPosition& Goal::pose(const Eigen::Vector3d& base_m, double fingers,
+                               double turn) noexcept {
+  base(base_m);
+  return hand(fingers, turn);
+}
+
+const AxisPosition& Goal::drawBack() noexcept {
   put(layout_.x, back_m(layout_));
-  hand(kHalfBent, kTurnedAside);
+  return hand(kHalfBent, kTurnedAside);
 }
 
 double back_m(const BarLayout& layout) noexcept {

@@ -25,15 +25,17 @@ inline constexpr double kThumbAlong = kThumbClosed / (kClosed - kHalfBent);
 // Peak speeds of a person at pace 1.
 inline constexpr double kArm_m_s = 0.42, kFingers_rad_s = 4.0;
 
-/// Where the axes are to go, within their ranges; what is not named stays. Real-time safe.
+/// Where the axes are to go, within their ranges; what is not named stays. Each answers at().
+/// Real-time safe.
 class Goal {
  public:
   Goal(const BarLayout& layout, const AxisPosition& from) noexcept : layout_(layout), at_(from) {}
 
-  void put(int axis, double value) noexcept;
-  void hand(double fingers, double turn, double thumb = 0.0) noexcept;
-  void base(const Eigen::Vector3d& at_m) noexcept;
-  void drawBack() noexcept;  ///< straight, the hand half-bent
+  const AxisPosition& put(int axis, double value) noexcept;
+  const AxisPosition& hand(double fingers, double turn, double thumb = 0.0) noexcept;
+  const AxisPosition& base(const Eigen::Vector3d& at_m) noexcept;
+  const AxisPosition& pose(const Eigen::Vector3d& base_m, double fingers, double turn) noexcept;
+  const AxisPosition& drawBack() noexcept;  ///< straight, the hand half-bent
   [[nodiscard]] const AxisPosition& at() const noexcept { return at_; }
 
  private:

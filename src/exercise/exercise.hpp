@@ -26,7 +26,7 @@ struct ExerciseDescription {
   std::vector<std::string> value_names;  ///< of ExerciseRecord::values, at most kMaxExerciseValues
   std::vector<std::string> event_names;  ///< names of ExerciseEvent::type
   /// Index into value_names of the place in the level from which a session resumes after a rest:
-  /// the value of ExerciseAction::kBeginAt. -1: every session begins at the start.
+  /// the value of kBeginAt. -1: every session begins at the start.
   int resume_value = -1;
   std::string json;  ///< data for its front end: liquids, recipe ...
 };
@@ -98,10 +98,10 @@ template <class Steps>
   for (int i = 0; i < seen.command_count; ++i) {
     const Command& c = seen.commands[i];
     if (c.type != CommandType::kAction) continue;
-    const auto action = static_cast<ExerciseAction>(c.index);
-    if (action == ExerciseAction::kPause || action == ExerciseAction::kResume) {
-      paused = action == ExerciseAction::kPause;
-    } else if (action == ExerciseAction::kRestart || steps.done()) {
+    const auto action = static_cast<Act>(c.index);
+    if (action == Act::kPause || action == Act::kResume) {
+      paused = action == Act::kPause;
+    } else if (action == Act::kRestart || steps.done()) {
       steps.reset();
       paused = false;
       again = true;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/virtual_wall.hpp"
+#include "control/transition.hpp"
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"

@@ -14,12 +14,8 @@ namespace fs = std::filesystem;
 namespace {
 
 Diagnostic unwritable(const fs::path& path, const std::string& why) {
-  return {path.string(),
-          0,
-          "",
-          "",
-          "cannot be written: " + why,
-          "name a file in a folder that you may write to"};
+  return fileFault(path.string(), "cannot be written: " + why,
+                   "name a file in a folder that you may write to");
 }
 
 Expected<Done> checkWritable(const std::string& path) {
@@ -67,11 +63,11 @@ Expected<Done> checkFiles(const std::vector<std::string>& paths,
     };
     const auto begin = paths.begin(), own = begin + static_cast<std::ptrdiff_t>(i);
     if (std::any_of(begin, own, is_this)) {
-      return Diagnostic{path, 0, "", "", "is named for two outputs", "give each a file of its own"};
+      return fileFault(path, "is named for two outputs", "give each a file of its own");
     }
     if (std::any_of(inputs.begin(), inputs.end(), is_this)) {
-      return Diagnostic{
-          path, 0, "", "", "is read by this run and would be replaced", "write into another file"};
+      return fileFault(path, "is read by this run and would be replaced",
+                       "write into another file");
     }
   }
   return Done{};

@@ -22,10 +22,6 @@ namespace {
 constexpr const char* kHowToBuild =
     "build the pages, with Node 18.19, 20, or 22 and newer: cd web && npm ci && npm run build";
 
-Diagnostic refusal(const std::string& file, std::string problem, std::string remedy) {
-  return {file, 0, "", "", std::move(problem), std::move(remedy)};
-}
-
 std::string compressed(std::string_view bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string out(size, '\0');
@@ -74,12 +70,12 @@ std::string embeddedJson(const nlohmann::json& data) {
 Expected<std::string> readPageTemplate(const std::string& template_path) {
   std::ifstream in(template_path, std::ios::binary);
   if (!in.is_open()) {
-    return refusal(template_path, "is missing: the pages are not built", kHowToBuild);
+    return fileFault(template_path, "is missing: the pages are not built", kHowToBuild);
   }
   std::string text(std::istreambuf_iterator<char>(in), {});
   const std::size_t at = text.find(kPageDataMark);
   if (at == std::string::npos || text.find(kPageDataMark, at + 1) != std::string::npos) {
-    return refusal(template_path, "is no template of a page", kHowToBuild);
+    return fileFault(template_path, "is no template of a page", kHowToBuild);
   }
   return text;
 }
@@ -96,8 +92,9 @@ Expected<Done> writePage(const std::string& page_template, const nlohmann::json&
   if (error == 0) error = writeDurably(path, page);
   if (error == 0) return Done{};
   if (created) std::filesystem::remove(folder, failure);
-  return refusal(path, std::string("cannot be written: ") + std::strerror(error),
-                 "name a file in a folder that is writable, or in a new one inside such a folder");
+  return fileFault(
+      path, std::string("cannot be written: ") + std::strerror(error),
+      "name a file in a folder that is writable, or in a new one inside such a folder");
 }
 
 std::string packBytes(std::string_view bytes) {

@@ -423,9 +423,9 @@ void Reader::checkPace() {
   const double step_s =
       (motion_.time_s.back() - motion_.time_s.front()) / static_cast<double>(rows - 1);
   if (step_s < 1.0) return;
-  motion_.notices.push_back({motion_.path, 0, "time_s", "",
-                             fmt::format("has a row every {:.3g} s", step_s),
-                             "if these are milliseconds, divide them by 1000"});
+  motion_.notices.push_back(keyFault(motion_.path, "time_s", "",
+                                     fmt::format("has a row every {:.3g} s", step_s),
+                                     "if these are milliseconds, divide them by 1000"));
 }
 
 void Reader::checkWhole() {
@@ -481,8 +481,8 @@ Expected<MotionFile> Reader::read() {
   }
   checkWhole();
   if (unreported_ > 0) {
-    faults_.push_back({motion_.path, 0, "", "", "has " + counted(unreported_, "more fault"),
-                       "correct the ones above first"});
+    faults_.push_back(fileFault(motion_.path, "has " + counted(unreported_, "more fault"),
+                                "correct the ones above first"));
   }
   if (!faults_.empty()) return faults_;
   return std::move(motion_);

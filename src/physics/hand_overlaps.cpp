@@ -26,10 +26,10 @@ Diagnostics HandOverlaps::refuse(const HandModel& hand, const std::string& scene
   for (std::size_t i = 0; i < deepest_.size(); ++i) {
     if (deepest_[i].capsule < 0) continue;
     const Capsule& capsule = hand.capsules[deepest_[i].capsule];
-    errors.push_back({scene_path, 0, "bodies." + body_names[i], "",
-                      "starts " + millimetres(deepest_[i].depth_m) + " mm inside the hand (its " +
-                          capsule.name + ")",
-                      "move the body, or let the motion start elsewhere"});
+    errors.push_back(keyFault(scene_path, "bodies." + body_names[i], "",
+                              "starts " + millimetres(deepest_[i].depth_m) +
+                                  " mm inside the hand (its " + capsule.name + ")",
+                              "move the body, or let the motion start elsewhere"));
   }
   return errors;
 }

@@ -22,23 +22,19 @@ void sleepUntil(std::int64_t instant_ns) noexcept {
 Diagnostics validate(const PeriodicThreadConfig& c) {
   Diagnostics faults;
   if (c.period_ns < 10'000 || c.period_ns > kSecond_ns) {
-    faults.push_back({"", 0, "period_ns", std::to_string(c.period_ns), "is out of range",
-                      "must be in [10000, 1000000000] ns"});
+    faults.push_back(keyFault("", "period_ns", std::to_string(c.period_ns), "is out of range",
+                              "must be in [10000, 1000000000] ns"));
   }
   if (c.stack_bytes < (std::size_t{64} << 10U) || c.stack_bytes > (std::size_t{64} << 20U)) {
-    faults.push_back({"", 0, "stack_bytes", std::to_string(c.stack_bytes), "is out of range",
-                      "must be in [65536, 67108864] bytes"});
+    faults.push_back(keyFault("", "stack_bytes", std::to_string(c.stack_bytes), "is out of range",
+                              "must be in [65536, 67108864] bytes"));
   }
   return faults;
 }
 
 Diagnostic noThread(int error) {
-  return {"",
-          0,
-          "",
-          "",
-          std::string("the system gives no thread: ") + std::strerror(error),
-          "check ulimit -u and the free memory"};
+  return fileFault("", std::string("the system gives no thread: ") + std::strerror(error),
+                   "check ulimit -u and the free memory");
 }
 
 }  // namespace

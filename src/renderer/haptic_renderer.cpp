@@ -274,7 +274,7 @@ namespace {
 
 // Diagnostic of a refusal that concerns no file and no value.
 Diagnostic armingProblem(const char* problem, const char* remedy) {
-  return {"", 0, "", "", problem, remedy};
+  return fileFault("", problem, remedy);
 }
 
 }  // namespace
@@ -309,12 +309,9 @@ Expected<Done> HapticRenderer::withinWorkspace() const {
   const int a = finding.axis;
   const std::string range =
       "[" + std::to_string(limits.lower[a]) + ", " + std::to_string(limits.upper[a]) + "]";
-  return Diagnostic{"",
-                    0,
-                    axis_names_[a],
-                    std::to_string(reading_.q_m[a]),
-                    "is outside the device's workspace " + range,
-                    "move it back by hand, or calibrate the device"};
+  return keyFault("", axis_names_[a], std::to_string(reading_.q_m[a]),
+                  "is outside the device's workspace " + range,
+                  "move it back by hand, or calibrate the device");
 }
 
 // Nobody will tick it. A device that was open before keeps carrying its weight.

@@ -54,10 +54,6 @@ double fullInNewton(const DeviceAxis& axis, double effort_full) {
 
 }  // namespace
 
-bool isEffortLimit(std::string_view name) noexcept {
-  return name.starts_with("effort_limit_");
-}
-
 LiveSettings::LiveSettings(const DeviceModel& device, const AdaptiveDampingConfig& damping)
     : hand_axis_(device.axisCount()), in_unit_(device.axisCount()) {
   double tip_n = 0.0, arm_n = 0.0, full_n = 0.0;

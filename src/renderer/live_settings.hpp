@@ -6,7 +6,6 @@
 #include "model/device_model.hpp"
 
 #include <array>
-#include <string_view>
 #include <vector>
 
 namespace wholehand {
@@ -40,9 +39,6 @@ class ParameterRamps {
 
 /// Most parameters of LiveSettings.
 inline constexpr int kMostLiveSettings = 4;
-
-/// Whether a live parameter of that name bounds the device's efforts.
-[[nodiscard]] bool isEffortLimit(std::string_view name) noexcept;
 
 /// Rendering parameters that a therapist may change while the loop runs: effort limits below the
 /// device's, and onset and decay of the adaptive damping. Gains stay as certified.

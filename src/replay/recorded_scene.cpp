@@ -103,12 +103,8 @@ Expected<SceneFacts> recordedScene(const RecordingMeta& meta, const std::string&
   facts.session = kReplayedSession;
   facts.program_version = meta.git_version;
   if (const std::string what = differenceFrom(meta, facts); !what.empty()) {
-    return Diagnostic{recording_path,
-                      0,
-                      "",
-                      "",
-                      "its ticks have other " + what + " than the files in it",
-                      "show it with the program that recorded it: " + meta.git_version};
+    return fileFault(recording_path, "its ticks have other " + what + " than the files in it",
+                     "show it with the program that recorded it: " + meta.git_version);
   }
   return facts;
 }

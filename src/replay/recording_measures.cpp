@@ -46,7 +46,7 @@ Expected<std::string> digestOf(const std::string& path) {
     digest.add({piece.data(), static_cast<std::size_t>(file.gcount())});
   }
   if (file.eof()) return digest.digits();
-  return Diagnostic{path, 0, "", "", "cannot be read to its end", "check the disk"};
+  return fileFault(path, "cannot be read to its end", "check the disk");
 }
 
 }  // namespace
@@ -57,8 +57,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
   RecordingReader& reader = *viewed->reader;
   const RecordingMeta& meta = reader.meta();
   if (reader.outline().being_written) {
-    return Diagnostic{
-        path, 0, "", "", "is still being written", "measure it when its session has ended"};
+    return fileFault(path, "is still being written", "measure it when its session has ended");
   }
   TherapyFacts facts(meta);
   auto record = std::make_unique<TickRecord>();

@@ -353,8 +353,7 @@ Expected<Json> dataOf(const std::string& recording_path, Detail detail,
     if (!whole) return whole.errors();
   }
   if (reader.size() == 0) {
-    return Diagnostic{
-        recording_path, 0, "", "", "holds no ticks", "record a run that lasts a while"};
+    return fileFault(recording_path, "holds no ticks", "record a run that lasts a while");
   }
   const auto scene = recordedScene(reader.meta(), recording_path);
   const auto facts = std::make_shared<const SceneFacts>(scene ? *scene : SceneFacts{});
@@ -381,12 +380,8 @@ Expected<Json> reportData(const std::string& recording_path, const std::string& 
                           Diagnostics* not_shown) {
   std::error_code missing;
   if (!before_path.empty() && std::filesystem::equivalent(recording_path, before_path, missing)) {
-    return Diagnostic{before_path,
-                      0,
-                      "--before",
-                      "",
-                      "is the recording of the report itself",
-                      "name the recording of the session before"};
+    return keyFault(before_path, "--before", "", "is the recording of the report itself",
+                    "name the recording of the session before");
   }
   // The previous session first: if it is refused, the long one is not read in vain.
   Json before;

@@ -87,12 +87,8 @@ Expected<ReplayQuestion> parseReplayQuestion(std::string_view question) {
     q.what = ReplayQuestion::What::kSeries;
     q.series = readSeries(numbers);
   } else {
-    return Diagnostic{"",
-                      0,
-                      "",
-                      printable(what, 40),
-                      "is nothing that a recording is asked",
-                      "ask for about, scene, bodies, states or series"};
+    return keyFault("", "", printable(what, 40), "is nothing that a recording is asked",
+                    "ask for about, scene, bodies, states or series");
   }
   if (!numbers.faults().empty()) return numbers.faults();
   return q;

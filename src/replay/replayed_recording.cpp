@@ -219,10 +219,6 @@ namespace {
 constexpr const char* kBytes = "application/octet-stream";
 constexpr int kCannotBeRead = 422;
 
-Diagnostic refusal(const std::string& path, std::string problem, std::string remedy) {
-  return {path, 0, "", "", std::move(problem), std::move(remedy)};
-}
-
 }  // namespace
 
 ReplayAnswer replayRefusal(int status, const std::string& why) {
@@ -235,13 +231,14 @@ const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as,
                                                          const LeftOut& left_out) const {
   if (as) return *as;
   if (BlackBoxReader::isBox(path_)) {
-    as = refusal(path_, "is a black box, which pages do not show",
-                 "take its last seconds out with: wholehand replay --extract seconds.h5 " + path_);
+    as =
+        fileFault(path_, "is a black box, which pages do not show",
+                  "take its last seconds out with: wholehand replay --extract seconds.h5 " + path_);
     return *as;
   }
   as = viewRecording(path_, left_out);
   if (*as && as->value().reader->size() == 0) {
-    as = refusal(path_, "holds no ticks", "record a run that lasts a while");
+    as = fileFault(path_, "holds no ticks", "record a run that lasts a while");
   }
   return *as;
 }

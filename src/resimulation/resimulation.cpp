@@ -50,12 +50,8 @@ Expected<Done> write(const fs::path& path, const std::string& text) {
   out << text;
   out.close();
   if (out) return Done{};
-  return Diagnostic{path.string(),
-                    0,
-                    "",
-                    "",
-                    "cannot be unpacked",
-                    "make room in the folder for temporary files, or set TMPDIR to another"};
+  return fileFault(path.string(), "cannot be unpacked",
+                   "make room in the folder for temporary files, or set TMPDIR to another");
 }
 
 // Of two hand files, the mirroring one is the hand. The other may not be unpacked yet.
@@ -71,12 +67,8 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
     const fs::path path = (folder / name).lexically_normal();
     const fs::path inside = path.lexically_relative(folder);
     if (inside.empty() || *inside.begin() == "..") {
-      return Diagnostic{name,
-                        0,
-                        "",
-                        "",
-                        "a file of the recording lies outside its folder",
-                        "the recording was tampered with"};
+      return fileFault(name, "a file of the recording lies outside its folder",
+                       "the recording was tampered with");
     }
     if (auto written = write(path, text); !written) return written.errors();
     if (path.extension() == ".csv") files.motion = path.string();
@@ -98,8 +90,8 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
   Diagnostics missing;
   for (const auto& [kind, file] : needed) {
     if (!file->empty()) continue;
-    missing.push_back({"", 0, "", "", fmt::format("the recording carries no {} file", kind),
-                       "copy it again from where it was recorded"});
+    missing.push_back(fileFault("", fmt::format("the recording carries no {} file", kind),
+                                "copy it again from where it was recorded"));
   }
   if (!missing.empty()) return missing;
   return files;
@@ -121,12 +113,8 @@ Diagnostics named(Diagnostics errors, const fs::path& folder, const std::string&
 Expected<Models> recordedModels(const RecordingMeta& meta, const std::string& recording) {
   const TemporaryFolder folder;
   if (folder.path().empty()) {
-    return Diagnostic{recording,
-                      0,
-                      "",
-                      "",
-                      "there is no folder to unpack it into",
-                      "set TMPDIR to a folder that you may write to"};
+    return fileFault(recording, "there is no folder to unpack it into",
+                     "set TMPDIR to a folder that you may write to");
   }
   auto files = unpack(meta, folder.path());
   if (!files) return named(files.errors(), folder.path(), recording);
@@ -154,12 +142,8 @@ Expected<std::vector<DeviceModel>> recordedCorners(const RecordingMeta& meta,
   const auto passport = readPassport(path.string());
   if (!passport) return named(passport.errors(), folder.path(), recording);
   if (sameAxes(*passport, device)) return worstCorners(device, *passport, meta.period_s);
-  return Diagnostic{recording,
-                    0,
-                    "",
-                    "",
-                    "its passport is of a device with other axes",
-                    "the recording was tampered with"};
+  return fileFault(recording, "its passport is of a device with other axes",
+                   "the recording was tampered with");
 }
 
 namespace {
@@ -237,7 +221,7 @@ class RecordedTicks {
 };
 
 Diagnostic cannotRun(const std::string& path, std::string why, std::string remedy) {
-  return {path, 0, "", "", "cannot be run again: " + std::move(why), std::move(remedy)};
+  return fileFault(path, "cannot be run again: " + std::move(why), std::move(remedy));
 }
 
 class TicksOfRecording final : public RecordedTicks {

@@ -23,12 +23,9 @@ Session::~Session() {
 Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
   if (std::llround(renderer_.config().period_s * 1e9) != thread.period_ns) {
     renderer_.disarm();
-    return Diagnostic{"",
-                      0,
-                      "period_ns",
-                      std::to_string(thread.period_ns),
-                      "is not the period that the gains were judged at",
-                      "use the period that the rig was built with"};
+    return keyFault("", "period_ns", std::to_string(thread.period_ns),
+                    "is not the period that the gains were judged at",
+                    "use the period that the rig was built with");
   }
   thread_ = std::make_unique<PeriodicThread>(
       thread, [this](std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {

@@ -40,7 +40,7 @@ OrderReply playerMay(const Order& order, const Standing& now) {
       return playerMayBegin(order, now);
     case Giver::kHolderOrLeader: {
       const auto* action = order.as<orders::Action>();
-      const bool pauses = action != nullptr && action->act == ExerciseAction::kPause;
+      const bool pauses = action != nullptr && action->act == Act::kPause;
       if (!now.therapist_paused || !now.led || pauses) return needsControls(now);
       return refused(Refusal::kTherapistPaused, "the therapist has paused the exercise");
     }
@@ -124,8 +124,8 @@ Diagnostics faultsOfToken(const char* key, const std::string& token) {
            c == '_' || c == '.' || c == '~';
   });
   if (!plain) {
-    faults.push_back({"", 0, key, "", "cannot stand in an address",
-                      "may have letters, digits and - _ . ~ only"});
+    faults.push_back(keyFault("", key, "", "cannot stand in an address",
+                              "may have letters, digits and - _ . ~ only"));
   }
   return faults;
 }
@@ -139,8 +139,8 @@ Diagnostics faultsOfTokens(const ServerOptions& o) {
     for (Diagnostic& fault : faultsOfToken(key, *token)) faults.push_back(std::move(fault));
     if (token->empty()) continue;
     if (o.token.empty()) {
-      faults.push_back({"", 0, key, "", "leaves nobody who may lead",
-                        "give the therapist a token, too: therapist=..."});
+      faults.push_back(keyFault("", key, "", "leaves nobody who may lead",
+                                "give the therapist a token, too: therapist=..."));
     }
     if (*token == o.token) {
       faults.push_back({"", 0, key, "", "is the therapist's, too", "give each role its own"});
@@ -167,8 +167,8 @@ Diagnostics validate(const ServerOptions& o) {
   Diagnostics faults;
   if (!isLoopback(o.address) && o.token.size() < kShortestToken) {
     faults.push_back(
-        {"", 0, "address", o.address, "can be reached by other machines",
-         "needs a token of at least " + std::to_string(kShortestToken) + " characters"});
+        keyFault("", "address", o.address, "can be reached by other machines",
+                 "needs a token of at least " + std::to_string(kShortestToken) + " characters"));
   }
   // Reports a token that is too short only once.
   const bool said = !faults.empty();
@@ -177,8 +177,8 @@ Diagnostics validate(const ServerOptions& o) {
     if (!again) faults.push_back(std::move(fault));
   }
   if (o.max_clients < 1 || o.max_clients > 1000) {
-    faults.push_back({"", 0, "max_clients", std::to_string(o.max_clients), "is out of range",
-                      "must be in [1, 1000]"});
+    faults.push_back(keyFault("", "max_clients", std::to_string(o.max_clients), "is out of range",
+                              "must be in [1, 1000]"));
   }
   return faults;
 }

@@ -91,12 +91,10 @@ struct ShownBody {
 /// All registered bodies, by number.
 using RegisteredBodies = std::vector<ShownBody>;
 
-enum class LiveParameterGroup : std::int8_t { kPatient, kHand, kExercise };
-
 /// A live parameter as clients see it.
 struct PublishedParameter {
   std::string name;
-  LiveParameterGroup group = LiveParameterGroup::kExercise;
+  ParameterGroup group = ParameterGroup::kExercise;
   std::string unit;
   double lower = 0.0, upper = 0.0, initial = 0.0, rate_per_s = 0.0;
 };
@@ -203,7 +201,7 @@ struct Steer {
   Steering by = Steering::kVirtualPatient;
 };
 struct Action {
-  ExerciseAction act = ExerciseAction::kNext;
+  Act act = Act::kNext;
 };
 struct TakeControls {
   std::string token;

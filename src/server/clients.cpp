@@ -536,7 +536,7 @@ void Clients::noteOrder(Entry entry, const Order& order, const LoopStatus& statu
   const bool therapist = entry->second.role == Role::kTherapist;
   if (const auto* action = order.as<orders::Action>()) {
     paused_in_.reset();
-    if (therapist && action->act == ExerciseAction::kPause) paused_in_ = status.session;
+    if (therapist && action->act == Act::kPause) paused_in_ = status.session;
   }
   // The right to go on stays with the client that rested first, or that cancelled an arming.
   if (order.is<orders::Rest>() && (!status.rested || status.arming)) {

@@ -154,12 +154,8 @@ Expected<std::unique_ptr<Server>> Server::open(ServerBackend& backend, ServerOpt
   const std::uint16_t port = options.port;
   auto machinery = std::make_shared<Machinery>(backend, std::move(options), controls);
   if (const std::string why = machinery->listen(); !why.empty()) {
-    return Diagnostic{"",
-                      0,
-                      "port",
-                      fmt::format("{}:{}", bracketed(address), port),
-                      "cannot be listened at: " + why,
-                      "take another one; 0 takes any that is free"};
+    return keyFault("", "port", fmt::format("{}:{}", bracketed(address), port),
+                    "cannot be listened at: " + why, "take another one; 0 takes any that is free");
   }
   machinery->start();
   return std::unique_ptr<Server>(new Server(std::move(machinery)));

@@ -40,8 +40,8 @@ Expected<std::uint64_t> parseUdpKey(const std::string& text) {
   const char* end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, key, 16);
   if (error == std::errc() && rest == end && text.size() == kKeyDigits && key != 0) return key;
-  return Diagnostic{"",   0,           "UDP key",
-                    text, "is no key", "must be 16 hexadecimal digits, not all of them 0"};
+  return keyFault("", "UDP key", text, "is no key",
+                  "must be 16 hexadecimal digits, not all of them 0");
 }
 
 struct UdpBridge::Core {

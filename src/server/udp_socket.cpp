@@ -31,12 +31,8 @@ UdpEndpoint fromSystem(const sockaddr_in& a) noexcept {
 }
 
 Diagnostic systemError(const UdpEndpoint& local, const char* what) {
-  Diagnostic d;
-  d.key = "UDP address";
-  d.value = format(local);
-  d.problem = std::string(what) + ": " + std::strerror(errno);
-  d.remedy = "choose another port, or an address of this machine";
-  return d;
+  return keyFault("", "UDP address", format(local), std::string(what) + ": " + std::strerror(errno),
+                  "choose another port, or an address of this machine");
 }
 
 }  // namespace
@@ -50,8 +46,8 @@ std::string format(const UdpEndpoint& endpoint) {
 
 Expected<UdpEndpoint> parseUdpEndpoint(const std::string& text) {
   const auto bad = [&](std::string problem) {
-    return Diagnostic{
-        "", 0, "UDP address", text, std::move(problem), "write host:port, as in 127.0.0.1:8090"};
+    return keyFault("", "UDP address", text, std::move(problem),
+                    "write host:port, as in 127.0.0.1:8090");
   };
   UdpEndpoint endpoint;
   std::string host = text;

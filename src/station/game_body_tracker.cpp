@@ -218,7 +218,7 @@ CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget,
 
 OrderReply replyFor(std::vector<RefusedItem> refused) {
   if (refused.empty()) return {true, ""};
-  std::string reason = fmt::format("{} ({}): {}", refusalName(refused.front().refusal),
+  std::string reason = fmt::format("{} ({}): {}", nameOf(refused.front().refusal),
                                    refused.front().item, refused.front().reason);
   if (refused.size() > 1) reason += fmt::format("; and {} more", refused.size() - 1);
   return {false, std::move(reason), Refusal::kBodiesRefused, std::move(refused)};

@@ -69,7 +69,7 @@ std::vector<std::string> Profiles::list() const {
 }
 
 Expected<Done> Profiles::save(const Profile& profile) const {
-  if (!kept()) return Diagnostic{"", 0, "", "", "no folder of profiles is kept", ""};
+  if (!kept()) return fileFault("", "no folder of profiles is kept", "");
   if (!isProfileName(profile.name)) return notAName(profile.name);
   const std::string path = pathOf(profile.name);
   if (auto ready = prepareFiles({path}); !ready) return ready.errors();
@@ -90,7 +90,7 @@ Expected<Profile> Profiles::load(const std::string& name) const {
   std::error_code error;
   const fs::file_status there = fs::status(pathOf(name), error);
   if (fs::exists(there) && !fs::is_regular_file(there)) {  // a pipe would hold up every order
-    return Diagnostic{pathOf(name), 0, "", "", "is no regular file", "move it away"};
+    return fileFault(pathOf(name), "is no regular file", "move it away");
   }
   TomlFile file(pathOf(name), "profile");
   if (!file.readable()) return file.finish();

@@ -29,12 +29,8 @@ std::string markIn(const std::string& folder) {
 
 Expected<Done> ReportChild::make(const std::string& recording, const std::string& folder) {
   const auto refusal = [&](std::string problem) {
-    return Diagnostic{recording,
-                      0,
-                      "",
-                      "",
-                      std::move(problem),
-                      "try: wholehand report " + recording + " --out " + folder};
+    return fileFault(recording, std::move(problem),
+                     "try: wholehand report " + recording + " --out " + folder);
   };
   const auto ends = [this] { return ending_.load() || InterruptScope::interrupted(); };
   if (ends()) return refusal("no report is made: the program is ending");

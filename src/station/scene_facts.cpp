@@ -10,12 +10,12 @@ namespace wholehand {
 namespace {
 
 /// Parameters of the person's arm and hand are shown in the person's group.
-LiveParameterGroup groupOf(const std::string& name, LiveParameterGroup usual) {
-  if (name.starts_with("reach_")) return LiveParameterGroup::kPatient;
-  return name.starts_with("fingers_") ? LiveParameterGroup::kHand : usual;
+ParameterGroup groupOf(const std::string& name, ParameterGroup usual) {
+  if (name.starts_with("reach_")) return ParameterGroup::kPatient;
+  return name.starts_with("fingers_") ? ParameterGroup::kHand : usual;
 }
 
-void publish(const std::vector<LiveParameter>& parameters, LiveParameterGroup group,
+void publish(const std::vector<LiveParameter>& parameters, ParameterGroup group,
              SceneFacts& facts) {
   for (const LiveParameter& p : parameters) {
     facts.parameters.push_back(
@@ -35,7 +35,7 @@ SceneFacts sceneFacts(const Models& models, double period_s) {
   // The renderer's own parameters come first, as in TickRecord::parameters.
   publish(LiveSettings(models.device, makeAdaptiveDamping(models.device, models.rendering))
               .parameters(),
-          LiveParameterGroup::kPatient, facts);
+          ParameterGroup::kPatient, facts);
   if (models.exercise) {
     const ExerciseDescription& exercise = models.exercise->description();
     facts.exercise_name = exercise.name;
@@ -45,7 +45,7 @@ SceneFacts sceneFacts(const Models& models, double period_s) {
     facts.value_names = exercise.value_names;
     facts.event_names = exercise.event_names;
     facts.panel = models.exercise_panel;
-    publish(exercise.parameters, LiveParameterGroup::kExercise, facts);
+    publish(exercise.parameters, ParameterGroup::kExercise, facts);
   }
   return facts;
 }

@@ -88,12 +88,8 @@ std::string utcNow() {
 Expected<std::string> SessionFiles::nameNew(const std::string& person, const std::string& exercise,
                                             int level) const {
   const auto refusal = [this](const std::string& why) {
-    return Diagnostic{folder_,
-                      0,
-                      "",
-                      "",
-                      "takes no new recording: " + why,
-                      "make room, or start the program in a folder that you may write to"};
+    return fileFault(folder_, "takes no new recording: " + why,
+                     "make room, or start the program in a folder that you may write to");
   };
   std::error_code error;
   fs::create_directories(folder_, error);

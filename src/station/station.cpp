@@ -178,7 +178,7 @@ class Station::Core {
   void sendUnsent();
   OrderReply setParameter(const orders::SetParameter& order, std::uint64_t asked);
   OrderReply push(const Command& command);
-  OrderReply act(ExerciseAction action);
+  OrderReply act(Act action);
   void noteJoined(const Order& order);
   void beginStop(bool at_once);
   [[nodiscard]] StationClock::time_point now() const {
@@ -429,12 +429,12 @@ OrderReply Station::Core::push(const Command& command) {
 }
 
 // A level that is begun again is not done any more.
-OrderReply Station::Core::act(ExerciseAction action) {
+OrderReply Station::Core::act(Act action) {
   Command command;
   command.type = CommandType::kAction;
   command.index = static_cast<std::int32_t>(action);
   OrderReply pushed = push(command);
-  const bool again = action == ExerciseAction::kRestart || action == ExerciseAction::kNext;
+  const bool again = action == Act::kRestart || action == Act::kNext;
   if (pushed.accepted && again) level_done_at_.reset();
   return pushed;
 }
@@ -1095,7 +1095,7 @@ void Station::Core::catchUp(const std::vector<double>& parameters, std::optional
   if (place) {
     Command begin;
     begin.type = CommandType::kAction;
-    begin.index = static_cast<std::int32_t>(ExerciseAction::kBeginAt);
+    begin.index = static_cast<std::int32_t>(kBeginAt);
     begin.value = *place;
     (void)push(begin);  // its queue is still empty
   }
@@ -1450,7 +1450,7 @@ void Station::Core::restartLevel() {
   const std::lock_guard lock(mutex_);
   if (!level_done_at_ || StationClock::now() - *level_done_at_ < config_.repeat_after) return;
   if (status_.steering != Steering::kVirtualPatient) return;
-  (void)act(ExerciseAction::kRestart);
+  (void)act(Act::kRestart);
 }
 
 void Station::Core::watchSession() {
@@ -1487,7 +1487,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
     // The client that stopped may arm.
     const bool stopped = reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
     if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {
-      return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};
+      return fileFault("", "the loop could not be armed: " + reply.reason, "");
     }
   }
   const std::chrono::duration<double> within(std::clamp(duration_s, 0.0, kLongestRun_s));

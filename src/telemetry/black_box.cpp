@@ -351,12 +351,8 @@ Expected<std::unique_ptr<BlackBox>> BlackBox::arm(const RecordingMeta& meta,
                                                   const BlackBoxPlan& plan) {
   auto box = std::make_unique<MappedBox>(meta, plan);
   if (const std::string problem = box->takeMemory(); !problem.empty()) {
-    return Diagnostic{plan.path,
-                      0,
-                      "",
-                      "",
-                      "the black box " + problem,
-                      "close other programs, raise `ulimit -l`, or end another session"};
+    return fileFault(plan.path, "the black box " + problem,
+                     "close other programs, raise `ulimit -l`, or end another session");
   }
   return Expected<std::unique_ptr<BlackBox>>(std::unique_ptr<BlackBox>(std::move(box)));
 }
@@ -477,12 +473,8 @@ Expected<Done> MappedBox::write() {
   const int error = writeFile(0);
   writing_thread_.store(0);
   if (error == 0) return Done{};
-  return Diagnostic{path_,
-                    0,
-                    "",
-                    "",
-                    std::string("cannot be written: ") + std::strerror(error),
-                    "make room, or record into another folder"};
+  return fileFault(path_, std::string("cannot be written: ") + std::strerror(error),
+                   "make room, or record into another folder");
 }
 
 }  // namespace wholehand

@@ -30,10 +30,6 @@ constexpr const char* kCopyAgain =
 /// Three times what a plan allows (BlackBoxPlan) and the embedded files.
 constexpr std::uintmax_t kLargestBox_bytes = std::uintmax_t{1} << 30U;
 
-Diagnostic refusal(const std::string& path, std::string problem, std::string remedy) {
-  return {path, 0, "", "", std::move(problem), std::move(remedy)};
-}
-
 std::vector<std::byte> wholeFile(const std::string& path) {
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   const std::streamoff size = in ? static_cast<std::streamoff>(in.tellg()) : 0;
@@ -100,18 +96,18 @@ class MemoryReader final : public BlackBoxReader {
 
 Expected<Done> MemoryReader::checkHeader(const std::string& path) {
   if (file_.size() < sizeof(Header)) {
-    return refusal(path, "is a black box that was cut off", kCopyAgain);
+    return fileFault(path, "is a black box that was cut off", kCopyAgain);
   }
   header_ = copyOf<Header>(file_);
   const bool sound = crc32(0, file_.data(), offsetof(Header, crc)) == header_.crc;
   const bool same_format =
       header_.format == black_box::kFormat && header_.header_bytes == sizeof(Header);
-  if (same_format && !sound) return refusal(path, "is a damaged black box", kCopyAgain);
+  if (same_format && !sound) return fileFault(path, "is a damaged black box", kCopyAgain);
   if (!same_format || header_.record_bytes != sizeof(TickRecord) ||
       header_.record_layout != recordLayout()) {
     const std::string version = versionIn(header_);
-    return refusal(path, "is a black box of another version of Wholehand: " + version,
-                   "read it with the program that wrote it");
+    return fileFault(path, "is a black box of another version of Wholehand: " + version,
+                     "read it with the program that wrote it");
   }
   return Done{};
 }
@@ -208,18 +204,18 @@ Expected<Done> MemoryReader::open(const std::string& path) {
   std::error_code error;
   if (const auto size = std::filesystem::file_size(path, error);
       !error && size > kLargestBox_bytes) {
-    return refusal(path, "is larger than any black box", kCopyAgain);
+    return fileFault(path, "is larger than any black box", kCopyAgain);
   }
   errno = 0;
   file_ = wholeFile(path);
   if (file_.empty() && errno != 0) {
-    return refusal(path, std::string("cannot be read: ") + std::strerror(errno), kCopyAgain);
+    return fileFault(path, std::string("cannot be read: ") + std::strerror(errno), kCopyAgain);
   }
   if (auto checked = checkHeader(path); !checked) return checked;
   for (auto step : {&MemoryReader::findParts, &MemoryReader::readMeta, &MemoryReader::readEntries,
                     &MemoryReader::checkTicks, &MemoryReader::readInputs}) {
     if (const std::string problem = (this->*step)(); !problem.empty()) {
-      return refusal(path, "is a black box that " + problem, kCopyAgain);
+      return fileFault(path, "is a black box that " + problem, kCopyAgain);
     }
   }
   cause_.signal = header_.signal;
@@ -252,7 +248,7 @@ bool BlackBoxReader::isBox(const std::string& path) {
 
 Expected<std::unique_ptr<BlackBoxReader>> BlackBoxReader::openBox(const std::string& path) {
   if (!isBox(path))
-    return refusal(path, "is no black box", "give a .wbb file that Wholehand wrote");
+    return fileFault(path, "is no black box", "give a .wbb file that Wholehand wrote");
   auto reader = std::make_unique<MemoryReader>();
   if (auto opened = reader->open(path); !opened) return opened.errors();
   return Expected<std::unique_ptr<BlackBoxReader>>(std::move(reader));

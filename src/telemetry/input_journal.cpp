@@ -49,12 +49,8 @@ bool writeBlock(int file, const std::vector<std::byte>& bytes) {
 }
 
 Diagnostic refusal(const std::string& path, std::string problem) {
-  return {path,
-          0,
-          "",
-          "",
-          std::move(problem),
-          "copy it again from where it was written; what is missing cannot be restored"};
+  return fileFault(path, std::move(problem),
+                   "copy it again from where it was written; what is missing cannot be restored");
 }
 
 }  // namespace
@@ -140,12 +136,8 @@ bool InputJournalReader::isJournal(const std::string& path) {
 
 Expected<std::unique_ptr<InputJournalReader>> InputJournalReader::open(const std::string& path) {
   if (!isJournal(path)) {
-    return Diagnostic{path,
-                      0,
-                      "",
-                      "",
-                      "holds no inputs of a recording",
-                      "give a .inputs file that Wholehand left"};
+    return fileFault(path, "holds no inputs of a recording",
+                     "give a .inputs file that Wholehand left");
   }
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   auto left = static_cast<std::uint64_t>(std::max<std::streamoff>(in.tellg(), 0)) - kMagic.size();

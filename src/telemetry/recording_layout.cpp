@@ -38,6 +38,16 @@ constexpr auto absent() {
   }
 }
 
+/// Row& -> T& of a member, and of a member's member.
+template <class Row, class T>
+auto path(T Row::*member) {
+  return [member](Row& row) -> T& { return row.*member; };
+}
+template <class Row, class Part, class T>
+auto path(Part Row::*part, T Part::*member) {
+  return [part, member](Row& row) -> T& { return row.*part.*member; };
+}
+
 /// A plain number of a row, reached by `at`: Row& -> T&, stored as itself or as Stored.
 template <class Row, class Stored = void, class At>
 Column<Row> number(const char* name, const char* unit, At at) {
@@ -184,23 +194,16 @@ Column<TickRecord> named(const char* name, T TickRecord::*member, int count) {
 void addSessionColumns(std::vector<Column<TickRecord>>& out) {
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
   using R = TickRecord;
-  add(number<R>(
-      "tick", "1", [](R & r) -> auto& { return r.tick; }));
-  add(number<R>(
-      "time_s", "s", [](R & r) -> auto& { return r.time_s; }));
-  add(number<R>(
-      "elapsed_periods", "1", [](R & r) -> auto& { return r.elapsed_periods; }));
-  add(number<R>(
-      "faults", "bits", [](R & r) -> auto& { return r.faults; }));
+  add(number<R>("tick", "1", path(&R::tick)));
+  add(number<R>("time_s", "s", path(&R::time_s)));
+  add(number<R>("elapsed_periods", "1", path(&R::elapsed_periods)));
+  add(number<R>("faults", "bits", path(&R::faults)));
   add(named("moved_by", &R::moved_by, kMovers));
   add(named("help", &R::help, kHelps));
   add(digestColumn());
-  add(number<R>(
-      "lateness_ns", "ns", [](R & r) -> auto& { return r.lateness_ns; }));
-  add(number<R>(
-      "wall_ns", "ns", [](R & r) -> auto& { return r.wall_ns; }));
-  add(number<R>(
-      "cpu_ns", "ns", [](R & r) -> auto& { return r.cpu_ns; }));
+  add(number<R>("lateness_ns", "ns", path(&R::lateness_ns)));
+  add(number<R>("wall_ns", "ns", path(&R::wall_ns)));
+  add(number<R>("cpu_ns", "ns", path(&R::cpu_ns)));
   Texts stages;
   for (int i = 0; i < kStages; ++i) stages.emplace_back(stageName(static_cast<Stage>(i)));
   add(block<R, std::int32_t>("stage_cpu_ns", kStages, {"ns"}, stages,
@@ -213,11 +216,9 @@ void addAxisColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& m
   const Texts velocity = perUnit(meta.axis_units, "m/s", "rad/s");
   const Texts effort = perUnit(meta.axis_units, "N", "N·m");
   const auto add = [&](const char* name, auto member, const Texts& units) {
-    out.push_back(perAxis<TickRecord>(
-        name, [member](TickRecord & r) -> auto& { return r.*member; }, units, names));
+    out.push_back(perAxis<TickRecord>(name, path(member), units, names));
   };
-  out.push_back(perAxis<TickRecord, double>(
-      "q_m", [](TickRecord & r) -> auto& { return r.q_m; }, position, names));
+  out.push_back(perAxis<TickRecord, double>("q_m", path(&TickRecord::q_m), position, names));
   add("intention", &TickRecord::intention, position);
   add("patient_effort", &TickRecord::patient_effort, effort);
   add("qd_mf", &TickRecord::qd_mf, velocity);
@@ -237,30 +238,18 @@ void addExerciseColumns(std::vector<Column<TickRecord>>& out, const RecordingMet
   const Texts position = perUnit(meta.axis_units, "m", "rad");
   const Texts effort = perUnit(meta.axis_units, "N", "N·m");
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(perAxis<R>(
-      "effort_limit", [](R & r) -> auto& { return r.effort_limit; }, effort, names));
-  add(perAxis<R>(
-      "tank", [](R & r) -> auto& { return r.tank; }, {"J"}, names));
-  add(perAxis<R>(
-      "tank_effort", [](R & r) -> auto& { return r.tank_effort; }, effort, names));
-  add(perAxis<R>(
-      "closure", [](R & r) -> auto& { return r.closure; }, position, names));
-  add(perAxis<R>(
-      "exercise_effort", [](R & r) -> auto& { return r.exercise.effort; }, effort, names));
-  add(perAxis<R>(
-      "wall", [](R & r) -> auto& { return r.exercise.wall; }, position, names));
-  add(perAxis<R>(
-      "wall_active", [](R & r) -> auto& { return r.exercise.wall_active; }, {"1"}, names));
-  add(single<R>(
-      "alpha", "1", [](R & r) -> auto& { return r.exercise.alpha; }));
-  add(number<R>(
-      "palm_body", "1", [](R & r) -> auto& { return r.palm_body; }));
-  add(single<R>(
-      "palm_target_distance_m", "m", [](R & r) -> auto& { return r.palm_target_distance_m; }));
-  add(number<R>(
-      "event_count", "1", [](R & r) -> auto& { return r.exercise.event_count; }));
-  add(number<R>(
-      "command_count", "1", [](R & r) -> auto& { return r.command_count; }));
+  add(perAxis<R>("effort_limit", path(&R::effort_limit), effort, names));
+  add(perAxis<R>("tank", path(&R::tank), {"J"}, names));
+  add(perAxis<R>("tank_effort", path(&R::tank_effort), effort, names));
+  add(perAxis<R>("closure", path(&R::closure), position, names));
+  add(perAxis<R>("exercise_effort", path(&R::exercise, &ExerciseRecord::effort), effort, names));
+  add(perAxis<R>("wall", path(&R::exercise, &ExerciseRecord::wall), position, names));
+  add(perAxis<R>("wall_active", path(&R::exercise, &ExerciseRecord::wall_active), {"1"}, names));
+  add(single<R>("alpha", "1", path(&R::exercise, &ExerciseRecord::alpha)));
+  add(number<R>("palm_body", "1", path(&R::palm_body)));
+  add(single<R>("palm_target_distance_m", "m", path(&R::palm_target_distance_m)));
+  add(number<R>("event_count", "1", path(&R::exercise, &ExerciseRecord::event_count)));
+  add(number<R>("command_count", "1", path(&R::command_count)));
   if (!meta.parameter_names.empty()) {
     add(block<R, double>("parameters", meta.parameter_names.size(), {"see name"},
                          meta.parameter_names, [](R& r) { return r.parameters.data(); }));
@@ -280,27 +269,18 @@ std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
   addAxisColumns(out, meta);
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
   if (!meta.joint_names.empty()) {
-    add(perAxis<R>(
-        "theta", [](R & r) -> auto& { return r.theta; }, {"m or rad"}, meta.joint_names));
+    add(perAxis<R>("theta", path(&R::theta), {"m or rad"}, meta.joint_names));
   }
-  add(single<R>(
-      "coupling_error_rad", "rad", [](R & r) -> auto& { return r.coupling_error_rad; }));
-  add(single<R>(
-      "palm_distance_m", "m", [](R & r) -> auto& { return r.palm_distance_m; }));
-  add(single<R>(
-      "authority", "1", [](R & r) -> auto& { return r.authority; }));
-  add(number<R>(
-      "body_count", "1", [](R & r) -> auto& { return r.body_count; }));
+  add(single<R>("coupling_error_rad", "rad", path(&R::coupling_error_rad)));
+  add(single<R>("palm_distance_m", "m", path(&R::palm_distance_m)));
+  add(single<R>("authority", "1", path(&R::authority)));
+  add(number<R>("body_count", "1", path(&R::body_count)));
   if (!meta.body_names.empty()) add(bodyColumn(meta.body_names));
-  add(number<R>(
-      "contact_count", "1", [](R & r) -> auto& { return r.contact_count; }));
-  add(number<R>(
-      "contacts_dropped", "1", [](R & r) -> auto& { return r.contacts_dropped; }));
+  add(number<R>("contact_count", "1", path(&R::contact_count)));
+  add(number<R>("contacts_dropped", "1", path(&R::contacts_dropped)));
   addExerciseColumns(out, meta);
-  add(number<R>(
-      "safety_state", "1", [](R & r) -> auto& { return r.safety_state; }));
-  add(number<R>(
-      "fault_axis", "1", [](R & r) -> auto& { return r.fault_axis; }));
+  add(number<R>("safety_state", "1", path(&R::safety_state)));
+  add(number<R>("fault_axis", "1", path(&R::fault_axis)));
   return out;
 }
 
@@ -308,14 +288,10 @@ std::vector<Column<EventRow>> eventColumns() {
   using R = EventRow;
   std::vector<Column<R>> out;
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(number<R>(
-      "row", "1", [](R & r) -> auto& { return r.row; }));
-  add(number<R>(
-      "type", "1", [](R & r) -> auto& { return r.event.type; }));
-  add(number<R>(
-      "index", "1", [](R & r) -> auto& { return r.event.index; }));
-  add(number<R>(
-      "value", "see type", [](R & r) -> auto& { return r.event.value; }));
+  add(number<R>("row", "1", path(&R::row)));
+  add(number<R>("type", "1", path(&R::event, &ExerciseEvent::type)));
+  add(number<R>("index", "1", path(&R::event, &ExerciseEvent::index)));
+  add(number<R>("value", "see type", path(&R::event, &ExerciseEvent::value)));
   return out;
 }
 
@@ -323,17 +299,12 @@ std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta) {
   using R = CommandRow;
   std::vector<Column<R>> out;
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(number<R>(
-      "row", "1", [](R & r) -> auto& { return r.row; }));
-  add(number<R>(
-      "type", "1", [](R & r) -> auto& { return r.command.type; }));
-  add(number<R>(
-      "index", "1", [](R & r) -> auto& { return r.command.index; }));
-  add(number<R>(
-      "value", "see type", [](R & r) -> auto& { return r.command.value; }));
-  add(perAxis<R, double>(
-      "aim", [](R & r) -> auto& { return r.command.aim; }, perUnit(meta.axis_units, "m", "rad"),
-      meta.axis_names));
+  add(number<R>("row", "1", path(&R::row)));
+  add(number<R>("type", "1", path(&R::command, &Command::type)));
+  add(number<R>("index", "1", path(&R::command, &Command::index)));
+  add(number<R>("value", "see type", path(&R::command, &Command::value)));
+  add(perAxis<R, double>("aim", path(&R::command, &Command::aim),
+                         perUnit(meta.axis_units, "m", "rad"), meta.axis_names));
   if (meta.game_slots > 0) {
     add(block<R, double>("numbers", kOrderNumbers, {"see type"}, {},
                          [](R& r) { return r.command.numbers.data(); }));
@@ -347,20 +318,15 @@ std::vector<Column<ContactRow>> contactColumns() {
   const Texts xyz = {"x", "y", "z"};
   std::vector<Column<R>> out;
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(number<R>(
-      "row", "1", [](R & r) -> auto& { return r.row; }));
-  add(number<R>(
-      "capsule", "1", [](R & r) -> auto& { return r.contact.capsule; }));
-  add(number<R>(
-      "link", "1", [](R & r) -> auto& { return r.contact.link; }));
-  add(number<R>(
-      "body", "1", [](R & r) -> auto& { return r.contact.body; }));
+  add(number<R>("row", "1", path(&R::row)));
+  add(number<R>("capsule", "1", path(&R::contact, &Contact::capsule)));
+  add(number<R>("link", "1", path(&R::contact, &Contact::link)));
+  add(number<R>("body", "1", path(&R::contact, &Contact::body)));
   add(block<R, float>("point_m", 3, {"m"}, xyz, [](R& r) { return &r.contact.point_m.x; }));
   add(block<R, float>("normal", 3, {"1"}, xyz, [](R& r) { return &r.contact.normal.x; }));
   add(block<R, float>("force_n", 3, {"N"}, xyz, [](R& r) { return &r.contact.force_n.x; }));
   add(block<R, float>("torque_nm", 3, {"N·m"}, xyz, [](R& r) { return &r.contact.torque_nm.x; }));
-  add(single<R>(
-      "distance_m", "m", [](R & r) -> auto& { return r.contact.distance_m; }));
+  add(single<R>("distance_m", "m", path(&R::contact, &Contact::distance_m)));
   return out;
 }
 

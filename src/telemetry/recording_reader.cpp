@@ -25,14 +25,6 @@ namespace {
 using hdf5::Handle;
 using hdf5::readAttribute;
 
-Diagnostic refusal(const std::string& path, std::string problem, std::string remedy) {
-  Diagnostic d;
-  d.file = path;
-  d.problem = std::move(problem);
-  d.remedy = std::move(remedy);
-  return d;
-}
-
 constexpr const char* kGiveRecording = "give a .h5 file that `wholehand run --record` wrote";
 constexpr const char* kBrokenCopy =
     "copy it again from where it was recorded; what is missing cannot be restored";
@@ -42,18 +34,18 @@ constexpr const char* kBrokenCopy =
 Expected<bool> leftOpen(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) {
-    return refusal(path, std::string("cannot be read: ") + std::strerror(errno), kGiveRecording);
+    return fileFault(path, std::string("cannot be read: ") + std::strerror(errno), kGiveRecording);
   }
-  if (!S_ISREG(status.st_mode)) return refusal(path, "is no regular file", kGiveRecording);
+  if (!S_ISREG(status.st_mode)) return fileFault(path, "is no regular file", kGiveRecording);
   std::ifstream in(path, std::ios::binary);
   std::array<char, 12> head{};
   if (!in)
-    return refusal(path, std::string("cannot be read: ") + std::strerror(errno), kGiveRecording);
+    return fileFault(path, std::string("cannot be read: ") + std::strerror(errno), kGiveRecording);
   in.read(head.data(), head.size());
-  if (in.gcount() == 0) return refusal(path, "is empty", kGiveRecording);
+  if (in.gcount() == 0) return fileFault(path, "is empty", kGiveRecording);
   if (in.gcount() < 12 ||
       !std::equal(hdf5::kSignature.begin(), hdf5::kSignature.end(), head.begin())) {
-    return refusal(path, "is no HDF5 file", kGiveRecording);
+    return fileFault(path, "is no HDF5 file", kGiveRecording);
   }
   constexpr char kWriteBits = 0x01 | 0x04;  // open for writing; for single writer, many readers
   return head[8] >= 3 && (head[11] & kWriteBits) != 0;
@@ -140,12 +132,12 @@ Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
   // A file whose writer was killed is opened as one that is still written: no repair is needed.
   const unsigned mode = H5F_ACC_RDONLY | (left_open ? H5F_ACC_SWMR_READ : 0U);
   file_ = Handle(H5Fopen(path.c_str(), mode, access.get()), H5Fclose);
-  if (!file_.ok()) return refusal(path, "is truncated or damaged", kBrokenCopy);
+  if (!file_.ok()) return fileFault(path, "is truncated or damaged", kBrokenCopy);
   if (auto described = readDescription(path); !described) return described;
   tables_.emplace(meta_, left_out_);
   recording::Hdf5Tables tables(file_.get());
   if (const std::string problem = tables_->open(tables, writer); !problem.empty()) {
-    return refusal(path, problem, kBrokenCopy);
+    return fileFault(path, problem, kBrokenCopy);
   }
   return Done{};
 }
@@ -157,32 +149,33 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
   std::uint64_t version = 0;
   if (!group.ok() || !readAttribute(group.get(), "schema_version", version) ||
       (!apart && !(readAttribute(group.get(), "format", kind) && kind == recording::kFormat))) {
-    return refusal(path, "is an HDF5 file, but no Wholehand recording", kGiveRecording);
+    return fileFault(path, "is an HDF5 file, but no Wholehand recording", kGiveRecording);
   }
   if (version != kRecordingSchema) {
     const bool newer = version > kRecordingSchema;
     std::string by;
     const bool said =
         !apart && readAttribute(group.get(), "git_version", by) && isPrintable(by, 500);
-    auto d = refusal(path, newer ? "was written by a newer Wholehand" : "is of an earlier version",
-                     "this program reads schema version " + std::to_string(kRecordingSchema) +
-                         (newer ? "; update it"
-                                : "; record anew, or read it with a program of its time" +
-                                      (said ? ": " + by : "")));
+    auto d =
+        fileFault(path, newer ? "was written by a newer Wholehand" : "is of an earlier version",
+                  "this program reads schema version " + std::to_string(kRecordingSchema) +
+                      (newer ? "; update it"
+                             : "; record anew, or read it with a program of its time" +
+                                   (said ? ": " + by : "")));
     d.key = "schema_version";
     d.value = std::to_string(version);
     return d;
   }
   if (apart) {
     auto meta = readMetaApart(file_.get(), group.get());
-    if (!meta) return refusal(path, "is damaged: its texts cannot be read", kBrokenCopy);
+    if (!meta) return fileFault(path, "is damaged: its texts cannot be read", kBrokenCopy);
     meta_ = std::move(*meta);
   } else if (const std::string unread = recording::readMeta(file_.get(), group.get(), meta_);
              !unread.empty()) {
-    return refusal(path, "is truncated or damaged: " + unread + " cannot be read", kBrokenCopy);
+    return fileFault(path, "is truncated or damaged: " + unread + " cannot be read", kBrokenCopy);
   }
   if (const std::string reason = recording::unusable(meta_); !reason.empty()) {
-    return refusal(path, "is damaged: its description " + reason, kBrokenCopy);
+    return fileFault(path, "is damaged: its description " + reason, kBrokenCopy);
   }
   return Done{};
 }
@@ -209,7 +202,7 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
   if (!reader) return reader.errors();
   // The last rows lie at the end of the file: a copy that stopped early shows here.
   if (!(*reader)->endsWhole()) {
-    return refusal(path, "is truncated: its last ticks cannot be read", kBrokenCopy);
+    return fileFault(path, "is truncated: its last ticks cannot be read", kBrokenCopy);
   }
   return Expected<std::unique_ptr<RecordingReader>>(std::move(*reader));
 }
@@ -230,29 +223,29 @@ Diagnostics notShown(const ViewedRecording& viewed, const UnreadTicks& unread,
   Diagnostics all;
   const RecordingOutline& outline = viewed.reader->outline();
   if (!outline.flaw.empty()) {
-    all.push_back(refusal(path, "is damaged: " + outline.flaw, kBrokenCopy));
+    all.push_back(fileFault(path, "is damaged: " + outline.flaw, kBrokenCopy));
   }
   if (outline.contradicted_tick) {
-    all.push_back(refusal(path,
-                          "is damaged: tick " + std::to_string(*outline.contradicted_tick) + " " +
-                              outline.contradiction,
-                          kBrokenCopy));
+    all.push_back(fileFault(path,
+                            "is damaged: tick " + std::to_string(*outline.contradicted_tick) + " " +
+                                outline.contradiction,
+                            kBrokenCopy));
   }
   if (outline.missing > 0) {
-    all.push_back(refusal(path,
-                          "is not whole: " + std::to_string(outline.missing) +
-                              (outline.missing == 1 ? " tick is missing" : " ticks are missing"),
-                          "where a .inputs file stands beside it, `wholehand replay` makes the "
-                          "recording again of that"));
+    all.push_back(fileFault(path,
+                            "is not whole: " + std::to_string(outline.missing) +
+                                (outline.missing == 1 ? " tick is missing" : " ticks are missing"),
+                            "where a .inputs file stands beside it, `wholehand replay` makes the "
+                            "recording again of that"));
   }
   if (unread.count > 0) {
     all.push_back(unreadable(path, unread.first, viewed.reader->size()));
   }
   if (viewed.unreadable_from_tick) {
-    all.push_back(refusal(path,
-                          "is damaged: nothing can be read from tick " +
-                              std::to_string(*viewed.unreadable_from_tick) + " on",
-                          kBrokenCopy));
+    all.push_back(fileFault(path,
+                            "is damaged: nothing can be read from tick " +
+                                std::to_string(*viewed.unreadable_from_tick) + " on",
+                            kBrokenCopy));
   }
   return all;
 }
@@ -264,10 +257,10 @@ std::uint64_t missingBetween(std::uint64_t before, std::uint64_t tick,
 }
 
 Diagnostic unreadable(const std::string& path, std::uint64_t i, std::uint64_t size) {
-  return refusal(path,
-                 "is damaged: tick " + std::to_string(i + 1) + " of " + std::to_string(size) +
-                     " cannot be read",
-                 kBrokenCopy);
+  return fileFault(path,
+                   "is damaged: tick " + std::to_string(i + 1) + " of " + std::to_string(size) +
+                       " cannot be read",
+                   kBrokenCopy);
 }
 
 }  // namespace wholehand

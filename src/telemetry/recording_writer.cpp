@@ -485,11 +485,8 @@ Expected<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const std::st
                                                                    const RecordingMeta& meta) {
   hdf5::beginHdf5();
   const auto refuse = [&path](std::string problem) {
-    Diagnostic d;
-    d.file = path;
-    d.problem = std::move(problem);
-    d.remedy = "name a file in a folder that exists, is writable and has room";
-    return d;
+    return fileFault(path, std::move(problem),
+                     "name a file in a folder that exists, is writable and has room");
   };
   if (const std::string reason = recording::unusable(meta); !reason.empty()) {
     return refuse("cannot be recorded: the description " + reason);

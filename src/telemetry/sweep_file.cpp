@@ -97,7 +97,7 @@ bool writeAll(hid_t file, const SweepFile& sweep) {
 }
 
 Diagnostic cannotWrite(const std::string& path) {
-  return {path, 0, "", "", "cannot be written", "is the disk full, or the folder read-only?"};
+  return fileFault(path, "cannot be written", "is the disk full, or the folder read-only?");
 }
 
 /// An open sweep file, or what it is instead.
@@ -107,16 +107,11 @@ Expected<Handle> openSweep(const std::string& path) {
   std::string kind;
   std::uint64_t version = 0;
   if (!file.ok() || !hdf5::readAttribute(file.get(), "kind", kind) || kind != kKind) {
-    return Diagnostic{
-        path, 0, "", "", "is no file of a sweep", "name another file for the results"};
+    return fileFault(path, "is no file of a sweep", "name another file for the results");
   }
   if (!hdf5::readAttribute(file.get(), "version", version) || version != kVersion) {
-    return Diagnostic{path,
-                      0,
-                      "version",
-                      std::to_string(version),
-                      "is not known to this program",
-                      "name another file for the results"};
+    return keyFault(path, "version", std::to_string(version), "is not known to this program",
+                    "name another file for the results");
   }
   return file;
 }

@@ -1,6 +1,5 @@
 """The pieces of README.md and docs/*.md: each is run as it stands there, or named below with what runs it or why nothing can."""
 import functools
-import json
 import os
 import pathlib
 import re
@@ -39,7 +38,7 @@ PIECES = {
     "drivers.md": ["test_the_first_commands_lead_to_a_device_that_renders", "tests/apps/test_packages.py",
                    "test_a_driver_conforms"],
     "embedding.md": ["tests/examples/embed.sh", "test_a_program_embeds_by_the_lines_that_are_tested"],
-    "exercises.md": ["test_exercises_are_run", "test_cpp_compiles_against_the_headers", "tests/exercise/third/CMakeLists.txt",
+    "exercises.md": ["test_exercises_are_run", "tests/exercise/third/CMakeLists.txt",
                      "not run: builds the program again; tests/exercise/third compiles, loads and plays the exercise"],
     "force-dimension.md": ["test_vendor_devices_are_found_by_their_commands"],
     "frame.md": ["test_the_frame_is_tried_without_hardware", "test_c_of_the_frame_compiles"],
@@ -135,18 +134,6 @@ class Files(AppTest):
             for name in names:
                 self.do([name if word == "my-exercise" else word for word in command.split()], "--simulated-clock", "--duration",
                         0.05)
-
-    def test_cpp_compiles_against_the_headers(self):
-        """In a function of a game that embeds the renderer, by the options of the examples' own compilation."""
-        piece = pieces("exercises.md")[1][1]
-        self.write("game.cpp", '#include "wholehand/wholehand.hpp"\n#include "wholehand/station.hpp"\nusing namespace wholehand;\n'
-                   f"void bring(const std::unique_ptr<Rig>& rig, Session& session, const Shape& box, const BodyPose& pose) {{\n{piece}}}\n")
-        how, = (entry["command"] for entry in json.loads((BUILT / "compile_commands.json").read_text())
-                if "CMakeFiles/07_bodies_of_a_game.dir/" in entry["command"])
-        words = shlex.split(how)
-        words = words[:words.index("-o")] + ["-fsyntax-only", "game.cpp"]
-        done = subprocess.run(words, cwd=self.folder, text=True, capture_output=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_c_of_the_frame_compiles(self):
         firmware = SOURCE / "drivers/frame/firmware"

@@ -1,6 +1,7 @@
 #include "telemetry/black_box.hpp"
 
 #include "black_box/box_tools.hpp"
+#include "support/cpu_time.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 #include "telemetry/black_box_layout.hpp"
@@ -335,12 +336,6 @@ TEST(RecordingReader, BlackBox_IsReadAsARecording) {
   EXPECT_EQ(read.value()->meta().title, synthetic::meta().title);
 }
 
-double threadCpu_ns() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-}
-
 // 20 contacts, 10 bodies: a hand around a glass in the bar. A figure, and a gate far above it.
 TEST(BlackBox, TickInTheBar_CostsFarLessThanATick_slow) {
   const Folder folder;
@@ -358,12 +353,12 @@ TEST(BlackBox, TickInTheBar_CostsFarLessThanATick_slow) {
   giveTick(box, record);
   constexpr int kTicks = 20'000;
   const std::uint64_t bytes_before = box.inputBytes();
-  const double began_ns = threadCpu_ns();
+  const double began_ns = 1e9 * cpu_s();
   for (int i = 0; i < kTicks; ++i) {
     for (int a = 0; a < 6; ++a) record.q_m[a] = meta.encoder_step[a] * (i / 2);
     giveTick(box, record);
   }
-  const double per_tick_ns = (threadCpu_ns() - began_ns) / kTicks;
+  const double per_tick_ns = (1e9 * cpu_s() - began_ns) / kTicks;
   std::printf("black box: %.0f ns a tick, %zu bytes of it kept whole, %.1f bytes of inputs\n",
               per_tick_ns, bytesOf(record).size(),
               static_cast<double>(box.inputBytes() - bytes_before) / kTicks);

@@ -1,7 +1,7 @@
 #include "clinic/text.hpp"
 #include "clinic_bench.hpp"
+#include "support/cpu_time.hpp"
 
-#include <ctime>
 
 namespace wholehand::clinic {
 namespace {
@@ -291,12 +291,6 @@ TEST(Requests, Search_FindsByNameAndCode_WhateverTheCase) {
   EXPECT_EQ(count("nobody"), 0U);
 }
 
-double cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 /// p99 of processor time over every kind of answer [s].
 double slowAnswer_s(int patients, int visits) {
   Bench b;
@@ -324,9 +318,9 @@ double slowAnswer_s(int patients, int visits) {
   std::vector<double> times_s;
   const auto timed = [&](const char* method, const std::string& path,
                          const Json& body = Json::object()) {
-    const double before_s = cpu_s();
+    const double before_s = test::cpu_s();
     const Answer answer = b.raw(method, path, std::string(method) == "GET" ? "" : body.dump());
-    times_s.push_back(cpu_s() - before_s);
+    times_s.push_back(test::cpu_s() - before_s);
     EXPECT_EQ(answer.status, 200) << path << answer.body;
   };
   for (int i = 0; i < 30; ++i) {

@@ -51,7 +51,7 @@ struct Session {
   }
 
   Expected<Done> draw(const ChartPage& page, const std::string& to) {
-    if (!can_draw) return Diagnostic{to, 0, "", "", "the pages are not built", "build them"};
+    if (!can_draw) return fileFault(to, "the pages are not built", "build them");
     drawn = chartPageJson(page);
     drawn_to = to;
     return Done{};

@@ -62,10 +62,10 @@ class FakeDevice final : public DeviceDriver, public TickClock {
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double) override {
     if (verb == WH_HOME && injected_.deaf_home) {
-      return Diagnostic{"", 0, "", "", "the device did not be homed", "look at it"};
+      return fileFault("", "the device did not be homed", "look at it");
     }
     if (verb == WH_ENABLE && stop_pressed) {
-      return Diagnostic{"", 0, "", "", "the emergency stop is pressed", "release it"};
+      return fileFault("", "the emergency stop is pressed", "release it");
     }
     if (verb == WH_ENABLE || verb == WH_DISABLE) {
       enabled_ = verb == WH_ENABLE;
@@ -74,7 +74,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
       sent_.assign(sent_.size(), 0.0);
     }
     if (verb == WH_DROP_WATCHDOG) {
-      if (injected_.cannot_drop) return Diagnostic{"", 0, "", "", "cannot", ""};
+      if (injected_.cannot_drop) return fileFault("", "cannot", "");
       dropped_ = true;
       silent_s_ = 0.0;
     }

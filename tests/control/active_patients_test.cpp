@@ -5,7 +5,6 @@
 #include "certified_sets.hpp"
 #include "control/adaptive_damping.hpp"
 #include "control/bilateral_coupling.hpp"
-#include "control/virtual_wall.hpp"
 #include "safety/force_limiter.hpp"
 #include "safety/neutral_ramp.hpp"
 #include "safety/slew_limiter.hpp"
@@ -81,12 +80,12 @@ class OneAxisTick {
     const AxisVelocity qd_s(1, vs);
     velocity_ = estimateVelocity(velocity_, q_m, gains_, 1, kPeriod_s);
     const double vf = velocity_.filtered[0];
-    const VirtualWall wall{0.005, 1.0, wall_.stiffness, wall_.damping, 0.7 * limit[0]};
+    const double depth = std::max(0.0, x - 0.005);
+    const double push = wall_.stiffness * depth + wall_.damping * vf;
     const double felt =
         couplingEffort(q_m, velocity_.filtered, q_s, qd_s, dampingOf(loop_), gains_)[0] +
-        wallEffort(wall, x, vf, 1.0);
+        (depth > 0.0 ? -std::clamp(push, 0.0, 0.7 * limit[0]) : 0.0);  // Eq. (15) at α = 1
     damping_ = adaptDamping(damping_, AxisEffort(1, felt), damping_config_, 1, kPeriod_s);
-    const double depth = std::max(0.0, x - wall.position);
     const EnergyTankStep step =
         advanceTank(tank_, q_m, q_s, AxisEnergy(1, 0.5 * wall_.stiffness * depth * depth), {},
                     gains_, tank_config_, limit, 1, kPeriod_s);

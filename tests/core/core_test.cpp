@@ -95,13 +95,12 @@ TEST(Diagnostic, Complete_NamesFileLineKeyValueProblemAndRemedy) {
 }
 
 TEST(Diagnostic, MissingParts_LeaveNoStrayPunctuation) {
-  EXPECT_EQ(format(Diagnostic{"a.toml", 0, "", "", "cannot be read", ""}),
-            "a.toml: cannot be read");
+  EXPECT_EQ(format(fileFault("a.toml", "cannot be read", "")), "a.toml: cannot be read");
   EXPECT_EQ(format(Diagnostic{"a.toml", 3, "name", "", "is missing", "add it"}),
             "a.toml:3: name: is missing; add it");
   EXPECT_EQ(format(Diagnostic{"", 0, "--engine", "mujoco", "is not a known engine", "use bullet"}),
             "--engine = mujoco: is not a known engine; use bullet");
-  EXPECT_EQ(format(Diagnostic{"", 0, "", "", "something is wrong", ""}), "something is wrong");
+  EXPECT_EQ(format(fileFault("", "something is wrong", "")), "something is wrong");
 }
 
 TEST(Diagnostics, SeveralFaults_AreOneLineEachInOrder) {

@@ -31,7 +31,7 @@ class SetDriver final : public DeviceDriver {
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double) override {
     verbs.push_back(verb);
-    if (verb == refused_verb) return Diagnostic{where(), 0, "", "", "did not", "look"};
+    if (verb == refused_verb) return fileFault(where(), "did not", "look");
     return Done{};
   }
   [[nodiscard]] int read(wh_sample& to) noexcept override {

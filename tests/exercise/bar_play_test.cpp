@@ -1,4 +1,4 @@
-#include "control/virtual_wall.hpp"
+#include "control/transition.hpp"
 #include "exercise/bar_table.hpp"
 #include "support/seed.hpp"
 
@@ -149,7 +149,7 @@ TEST(CocktailBar, WrongDispenser_IsReportedAndSpilt) {
 TEST(CocktailBar, GlassAside_FlowIsSpilt) {
   BarTable bar(1);
   bar.tick();
-  BodyState& glass = bar.record.bodies[bar.scene.bodyIndex("glass")];
+  BodyState& glass = bar.glass();
   glass.position_m.y += 0.031;  // inner radius 0.03
   bar.hold(0, 2.0);
   bar.run(1.0);
@@ -178,7 +178,7 @@ TEST(CocktailBar, Paused_NothingFlowsAndTheEffortFades) {
   bar.hold(0, 2.0);
   bar.run(1.2);
   EXPECT_LT(bar.out.effort[3], 0.0);
-  bar.act(ExerciseAction::kPause);
+  bar.act(Act::kPause);
   bar.tick();
   const double left_l = bar.left_l(), time_s = bar.value("drink_time_s");
   bar.run(0.5);
@@ -186,7 +186,7 @@ TEST(CocktailBar, Paused_NothingFlowsAndTheEffortFades) {
   EXPECT_EQ(bar.value("drink_time_s"), time_s);
   EXPECT_EQ(bar.out.alpha, 0.0);  // T_off = 0.3 s
   EXPECT_EQ(bar.out.effort[3], 0.0);
-  bar.act(ExerciseAction::kResume);
+  bar.act(Act::kResume);
   bar.run(0.5);
   EXPECT_LT(bar.left_l(), left_l);
   EXPECT_EQ(bar.count("paused"), 1);
@@ -215,7 +215,7 @@ TEST(CocktailBar, Restarted_IsFullAndAtTheFirstStep) {
   BarTable bar(2);
   pour(bar, 0.016);
   bar.run(0.2);
-  bar.act(ExerciseAction::kRestart);
+  bar.act(Act::kRestart);
   bar.tick();
   EXPECT_EQ(bar.value("drink"), 0.0);
   EXPECT_EQ(bar.value("step"), 0.0);
@@ -226,7 +226,7 @@ TEST(CocktailBar, Restarted_IsFullAndAtTheFirstStep) {
 
 TEST(CocktailBar, BegunAtADrink_IsAtItsFirstStepWithAllBottlesFull) {
   BarTable bar(2);
-  bar.act(ExerciseAction::kBeginAt, 1.0);
+  bar.act(kBeginAt, 1.0);
   bar.tick();
   EXPECT_EQ(bar.value("drink"), 1.0);
   EXPECT_EQ(bar.value("resume_drink"), 1.0);
@@ -241,7 +241,7 @@ TEST(CocktailBar, BegunAtADrink_IsAtItsFirstStepWithAllBottlesFull) {
 TEST(CocktailBar, BegunAtADrinkItDoesNotHave_IsAtTheFirst) {
   for (const double drink : {-1.0, 2.0, 1e300, std::nan("")}) {
     BarTable bar(2);
-    bar.act(ExerciseAction::kBeginAt, drink);
+    bar.act(kBeginAt, drink);
     bar.tick();
     EXPECT_EQ(bar.value("drink"), 0.0) << drink;
   }
@@ -255,7 +255,7 @@ TEST(CocktailBar, NextWhileResting_EndsTheRest) {
   EXPECT_EQ(bar.value("stage"), kDrinkDone);
   EXPECT_EQ(bar.value("resume_drink"), 1.0) << "a rest goes on with the next drink";
   EXPECT_EQ(bar.value("target_dispenser"), -1.0);
-  bar.act(ExerciseAction::kNext);
+  bar.act(Act::kNext);
   bar.tick();
   EXPECT_NE(bar.value("stage"), kDrinkDone);
   EXPECT_EQ(bar.value("drink"), 1.0);
@@ -298,7 +298,7 @@ TEST(CocktailBar, RowHasToSlide_OnlyWhileTheHandIsAway) {
   pour(bar, 0.012);  // cherry; the drink "sunset" is done
   bar.run(0.4);
   bar.drawBack();
-  bar.act(ExerciseAction::kNext);
+  bar.act(Act::kNext);
   bar.run(1.0);
   pour(bar, 0.014);  // lagoon: lemon, then blueberry, which is out of reach
   bar.run(0.4);
@@ -330,7 +330,7 @@ TEST(CocktailBar, RowHasToSlide_OnlyWhileTheHandIsAway) {
   // Blueberry, the third of a row 0.128 apart, at the upper end of reach_y_m.
   EXPECT_NEAR(last_m, 0.105 - 2 * 0.128, 1e-9);
   EXPECT_LE(fastest_m_s, 0.15 + 1e-6);
-  const BodyState& glass = bar.record.bodies[bar.scene.bodyIndex("glass")];
+  const BodyState& glass = bar.glass();
   EXPECT_NEAR(glass.position_m.y, 0.105, 1e-9);
   EXPECT_EQ(glass.velocity_m_s.y, 0.0);
 }
@@ -426,7 +426,7 @@ TEST(CocktailBar, FreeDispenserKnockedOver_LeaksUntilItIsStoodUpAgain) {
 TEST(CocktailBar, DispenserSpiltEmpty_EndsTheStepWithWhatThereIs) {
   BarTable bar(1);
   bar.tick();
-  BodyState& glass = bar.record.bodies[bar.scene.bodyIndex("glass")];
+  BodyState& glass = bar.glass();
   glass.position_m.y += 0.1;
   bar.hold(0, 100.0);
   bar.run(20.0);  // 0.35 l at about 0.5 l/s
@@ -538,7 +538,7 @@ TEST(CocktailBar, TenMinutesOfRandomPlay_EveryDropIsAccountedFor) {
     } else {
       bar.hold(dispenser, static_cast<double>(random() % 10));
     }
-    if (random() % 20 == 0) bar.act(static_cast<ExerciseAction>(random() % 4));
+    if (random() % 20 == 0) bar.act(static_cast<Act>(random() % 4));
     bar.record.elapsed_periods = random() % 10 == 0 ? 7 : 1;
     for (int k = 0; k < 1000; ++k) {
       bar.tick();

@@ -108,7 +108,7 @@ TEST(FreeBar, Restarted_BringsHomeWhatStandsElsewhere) {
   bar.run(3.0);
   EXPECT_GT(fromHome_m(bar, 0), 0.1);
   bar.hold(0, 3.0);
-  bar.act(ExerciseAction::kRestart);
+  bar.act(Act::kRestart);
   bar.run(1.0);
   EXPECT_EQ(bar.value("stage"), kDrawBack);
   EXPECT_GT(fromHome_m(bar, 0), 0.1);  // not out of the hand
@@ -123,7 +123,7 @@ TEST(FreeBar, Restarted_BringsHomeWhatStandsElsewhere) {
 TEST(FreeBar, RestartedWithAllAtHome_GoesOnAtOnce) {
   BarTable bar(2, kFree);
   bar.run(0.1);
-  bar.act(ExerciseAction::kRestart);
+  bar.act(Act::kRestart);
   bar.run(0.002);
   EXPECT_EQ(bar.value("stage"), kReach);
   EXPECT_EQ(bar.count("stood_up"), 0);
@@ -138,7 +138,7 @@ TEST(Bar, Restarted_SlidesTheRowHome) {
   bar.exercise->reset();
   bar.run(1.0);
   EXPECT_NEAR(bar.value("row_y_m"), 0.037, 1e-9);
-  bar.act(ExerciseAction::kRestart);
+  bar.act(Act::kRestart);
   bar.run(0.1);
   bar.runUntil("stage", kReach);
   EXPECT_NEAR(bar.value("row_y_m"), -0.023, 1e-9);  // reach_y_m[0]

@@ -80,6 +80,8 @@ class BarTable {
     drawBack();
   }
 
+  [[nodiscard]] BodyState& glass() { return record.bodies[scene.bodyIndex("glass")]; }
+
   /// The hand far in front of everything, its fingers half bent, touching nothing.
   void drawBack() {
     record.q_s[0] = record.q_m[0] = -0.08;
@@ -195,7 +197,7 @@ class BarTable {
     }
     ADD_FAILURE() << name << " never became " << wanted << ", it is " << value(name);
   }
-  void act(ExerciseAction action, double value = 0.0) {
+  void act(Act action, double value = 0.0) {
     Command& c = record.commands[record.command_count++];
     c = Command{};
     c.type = CommandType::kAction;

@@ -104,7 +104,7 @@ class SteeredHand {
     for (int k = 0; k < kTicks; ++k) {
       record_.command_count = restart && k == 0 ? 1 : 0;
       record_.commands[0].type = CommandType::kAction;
-      record_.commands[0].index = static_cast<std::int32_t>(ExerciseAction::kRestart);
+      record_.commands[0].index = static_cast<std::int32_t>(Act::kRestart);
       rig_->renderer->tick(1, record_);
       player_->see(record_);
     }

@@ -2,18 +2,12 @@
 #include "core/sanitized.hpp"
 #include "fault_injection/fault_bench.hpp"
 #include "safety/safety_chain.hpp"
+#include "support/cpu_time.hpp"
 #include "support/test_names.hpp"
 
-#include <ctime>
 
 namespace wholehand::test {
 namespace {
-
-double cpuNow_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-}
 
 /// The steps of docs/safety.md in their order, as HapticRenderer::tick() calls them.
 void run(SafetyChain& chain, TickRecord& record) {
@@ -51,9 +45,9 @@ TEST_P(SafetyChainCost, WithEveryBodyMoving_TakesAtMostTenMicroseconds_slow) {
     const RendererConfig& config = workbench.config();
     SafetyChain chain(config.safety, config.gains, scene, config.period_s);
     chain.arm(ticks.front().q_m);
-    const double begin_ns = cpuNow_ns();
+    const double begin_ns = 1e9 * cpu_s();
     for (TickRecord& r : ticks) run(chain, r);
-    cost_us.push_back(1e-3 * (cpuNow_ns() - begin_ns) / static_cast<double>(ticks.size()));
+    cost_us.push_back(1e-3 * (1e9 * cpu_s() - begin_ns) / static_cast<double>(ticks.size()));
     ASSERT_EQ(chain.latched(), Fault::kNone);
     ASSERT_EQ(chain.state(), SafetyState::kRendering);  // the work was done
   }

@@ -3,6 +3,7 @@
 // processor at most.
 #include "fuzz_targets.hpp"
 
+#include "support/cpu_time.hpp"
 #include "support/mutation.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -12,16 +13,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 
 namespace wholehand::test {
 namespace {
-
-double processor_s() {
-  timespec t{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 class EveryFuzzTarget : public testing::TestWithParam<FuzzTarget> {};
 
@@ -39,9 +33,9 @@ TEST_P(EveryFuzzTarget, RandomDamage_IsTakenOrRefusedWithinASecond) {
   for (int i = 0; i < count; ++i) {
     const std::string bytes =
         mutated(target.good[static_cast<std::size_t>(i) % target.good.size()], random);
-    const double before_s = processor_s();
+    const double before_s = cpu_s();
     ASSERT_EQ(target.enter(bytes), "") << "input " << i;
-    longest_s = std::max(longest_s, processor_s() - before_s);
+    longest_s = std::max(longest_s, cpu_s() - before_s);
   }
   if (full) {
     EXPECT_LE(longest_s, 1.0);

@@ -117,7 +117,7 @@ std::vector<std::string> goodMeshes() {
   mesh.part = {0, 0, 0, 1};
   mesh.notices = {"has a skin"};
   mesh.surface.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  return {encodeMesh(mesh), encodeMesh(Diagnostic{"", 0, "", "", "is broken", "repair it"})};
+  return {encodeMesh(mesh), encodeMesh(fileFault("", "is broken", "repair it"))};
 }
 
 }  // namespace

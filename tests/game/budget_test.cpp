@@ -4,6 +4,7 @@
 #include "model/mesh/convex_hull.hpp"
 #include "physics/physics_world.hpp"
 #include "support/constants.hpp"
+#include "support/cpu_time.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
@@ -123,12 +124,6 @@ TEST(GameShapes, TwoBalls_HaveTheMomentsOfADumbbell) {
   EXPECT_NEAR(shapes.moments_per_kg.z(), across, tolerance(1e-12));
 }
 
-double cpuNow_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 // CPU time of one tick, taken in turn: a busy machine slows both.
 TEST(GameBudget, ParkedSlots_CostAlmostNothing_slow) {
   Models without = gameModels();
@@ -136,11 +131,11 @@ TEST(GameBudget, ParkedSlots_CostAlmostNothing_slow) {
   Game slots(gameModels(), atRest()), none(std::move(without), atRest());
   std::vector<double> difference_us;
   for (int k = 0; k < 4000; ++k) {
-    const double a = cpuNow_s();
+    const double a = cpu_s();
     slots.tick();
-    const double b = cpuNow_s();
+    const double b = cpu_s();
     none.tick();
-    difference_us.push_back(1e6 * ((b - a) - (cpuNow_s() - b)));
+    difference_us.push_back(1e6 * ((b - a) - (cpu_s() - b)));
   }
   std::nth_element(difference_us.begin(), difference_us.begin() + 2000, difference_us.end());
   figure("64 parked slots, p50 of a tick", difference_us[2000], "us");
@@ -179,9 +174,9 @@ std::vector<double> orderTimes_us() {
   drive.reduced_inertia_inverse = &inverse;
   std::vector<double> times_us;
   const auto obey = [&](const Command& command) {
-    const double before = cpuNow_s();
+    const double before = cpu_s();
     pool->obey(command);
-    times_us.push_back(1e6 * (cpuNow_s() - before));
+    times_us.push_back(1e6 * (cpu_s() - before));
   };
   for (int k = 0; k < 2000; ++k) {
     const int slot = k % 20, generation = 1 + k / 20;

@@ -192,7 +192,7 @@ TEST(GamePool, BadOrders_AreRefusedWithTheReasonAndChangeNothing) {
         if (e.type == 5) refused = static_cast<BodyRefusal>(static_cast<int>(e.value));
       }
     }
-    EXPECT_STREQ(refusalName(refused), refusalName(order.refusal));
+    EXPECT_STREQ(nameOf(refused), nameOf(order.refusal));
     EXPECT_EQ(game.record.exercise.values[0], 1.0);
     EXPECT_EQ(0, std::memcmp(&before, &game.body(0), sizeof before));
     EXPECT_FALSE(any(game.record.faults & kStoppingFaults));

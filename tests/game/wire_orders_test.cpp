@@ -249,7 +249,7 @@ TEST(GameOnTheWire, BadItems_AreNamedAndNothingOfThemReachesTheLoop) {
     const CheckedOrders checked = checkedOf(bad.message, budget);
     EXPECT_TRUE(checked.commands.empty());
     ASSERT_FALSE(checked.refused.empty());
-    EXPECT_STREQ(refusalName(checked.refused[0].refusal), refusalName(bad.refusal));
+    EXPECT_STREQ(nameOf(checked.refused[0].refusal), nameOf(bad.refusal));
     EXPECT_TRUE(says(checked.refused[0].reason, bad.says));
     const OrderReply reply = replyFor(checked.refused);
     EXPECT_EQ(reply.refusal, Refusal::kBodiesRefused);

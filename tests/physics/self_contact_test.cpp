@@ -180,7 +180,8 @@ TEST(SelfContact, MadeByAPersonOnTheDevice_ComesToRest) {
         wandered = std::max(wandered, (r.q_m.vec() - first.vec()).cwiseAbs().maxCoeff());
       });
       EXPECT_GT(touching, 7000);
-      figure(patient + ", " + c.name + ": wandered in the last 3 s", wandered, "m or rad");
+      figure(std::string(c.name) + " held: wandered in the last 3 s, " + patient, wandered,
+             "m or rad");
       EXPECT_LE(wandered, tolerance(1e-3));
     }
   }

@@ -3,10 +3,10 @@
 #include "model/scene/separation.hpp"
 #include "physics/engine_bench.hpp"
 #include "physics/self_contact_search.hpp"
+#include "support/cpu_time.hpp"
 #include "support/seed.hpp"
 
 #include <cmath>
-#include <ctime>
 
 namespace wholehand::test {
 namespace {
@@ -110,12 +110,6 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
   if (kCountsTell) EXPECT_GT(reported, 100);
 }
 
-double threadCpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 /// The least CPU time of a block of free motion: the hand opens and closes while the arm moves.
 double leastCost_s(Bench& bench, double closes_to) {
   const auto posture = [&](int k) {
@@ -125,9 +119,9 @@ double leastCost_s(Bench& bench, double closes_to) {
     q[3] = closes_to * u, q[4] = 1.0, q[5] = 0.6 * closes_to * u;
     return q;
   };
-  const double before_s = threadCpu_s();
+  const double before_s = cpu_s();
   for (int k = 0; k < 629; ++k) bench.step(posture(k), AxisVelocity(6));
-  return threadCpu_s() - before_s;
+  return cpu_s() - before_s;
 }
 
 TEST(SelfContact, InFreeMotion_CostsLittleOfATick_slow) {

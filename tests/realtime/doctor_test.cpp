@@ -129,7 +129,7 @@ TEST(Doctor, EachThingThatIsMissing_IsAReasonWithItsRemedy) {
 }
 
 TEST(Doctor, NoLoopAtAll_IsNotFit) {
-  const Verdict v = verdictOf(findingsAboutNoLoop({{"", 0, "", "", "no thread", "check ulimit"}}));
+  const Verdict v = verdictOf(findingsAboutNoLoop({fileFault("", "no thread", "check ulimit")}));
   EXPECT_FALSE(v.fit);
   EXPECT_TRUE(says(v, "no thread")) << v.sentence;
 }

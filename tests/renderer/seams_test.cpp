@@ -1,10 +1,10 @@
 // A hand that slides over pieces that lie flush feels one plate.
 #include "physics/body_yard.hpp"
+#include "support/cpu_time.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 
 #include <cmath>
-#include <ctime>
 
 namespace wholehand::test {
 namespace {
@@ -14,6 +14,15 @@ struct Slide {
   Models models;
   AxisPosition from, pressed, slid;
   double slide_s = 1.5, period_s = 1e-3;
+
+  /// 8 mm on to a face, then 50 mm across it, either way, at 1, 2 or 4 kHz.
+  void draw(int face, double along, int across, std::mt19937_64& random) {
+    pressed = from;
+    pressed[face] += 0.008 * along;
+    slid = pressed;
+    slid[across] += random() % 2U == 0 ? 0.05 : -0.05;
+    period_s = 1e-3 / std::pow(2.0, static_cast<double>(random() % 3U));
+  }
 };
 
 struct FeltSlide {
@@ -46,12 +55,6 @@ FeltSlide slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
     out.largest_jolt = std::max(out.largest_jolt, changed_n / force_n[now - jolt].norm());
   });
   return out;
-}
-
-double threadCpu_s() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 /// How a plate is cut into flush pieces.
@@ -103,10 +106,29 @@ double mostApart_n(const DeviceModel& device, const FeltSlide& one, const FeltSl
   return most_n;
 }
 
-TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
-  auto random = seededRandom(3620);
+/// The same slides over one plate and over its pieces.
+struct Compared {
   double most_n = 0.0;
   int judged = 0;
+
+  void slide(const Slide& slide, const std::vector<SceneBody>& plate,
+             const std::vector<SceneBody>& pieces) {
+    const FeltSlide one = slideOver(slide, plate);
+    if (one.largest_jolt > 0.2) return;  // it sticks and slips: no two runs are alike
+    ++judged;
+    most_n = std::max(most_n, mostApart_n(slide.models.device, one, slideOver(slide, pieces)));
+  }
+
+  void judge(const char* name) const {
+    figure(name, most_n, "N");
+    EXPECT_LE(most_n, 0.02);
+    EXPECT_GT(judged, 0);
+  }
+};
+
+TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
+  auto random = seededRandom(3620);
+  Compared compared;
   const int draws = fullCounts() ? 100 : 4;
   for (int i = 0; i < draws; ++i) {
     Slide slide;
@@ -119,31 +141,20 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
     slide.from = drawnClosure(device, random);
     SceneBody plate = wall(along, reach(slide.models.hand, slide.from, along) + 0.003);
     plate.friction = uniform(random, 0.0, 1.0);
-    slide.pressed = slide.from;
-    slide.pressed[face] += along[face] * 0.008;
-    slide.slid = slide.pressed;
-    slide.slid[across] += random() % 2U == 0 ? 0.05 : -0.05;
+    slide.draw(face, along[face], across, random);
     slide.slide_s = i % 2 == 0 ? 1.5 : uniform(random, 0.08, 0.5);
-    slide.period_s = 1e-3 / std::pow(2.0, static_cast<double>(random() % 3U));
     const Cut how{across, uniform(random, 0.005, 0.05), random() % 2U == 0, random() % 2U == 0};
     SCOPED_TRACE("draw " + std::to_string(i) + (how.meshes ? ", meshes of " : ", boxes of ") +
                  std::to_string(how.width_m) + " m, friction " + std::to_string(plate.friction));
-    const FeltSlide one = slideOver(slide, {plate});
-    if (one.largest_jolt > 0.2) continue;  // it sticks and slips: no two runs are alike
-    ++judged;
-    const FeltSlide pieces = slideOver(slide, cut(plate, how));
-    most_n = std::max(most_n, mostApart_n(device, one, pieces));
+    compared.slide(slide, {plate}, cut(plate, how));
   }
-  figure("hand over flush planks against one plate, most that is felt apart", most_n, "N");
-  EXPECT_LE(most_n, 0.02);
-  EXPECT_GT(judged, 0);
+  compared.judge("hand over flush planks against one plate, most that is felt apart");
 }
 
 /// The same over a plate, and planks, that lie on a table and are free to move.
 TEST(Seams, HandThatSlidesOverPlanksThatMayMove_FeelsOnePlate) {
   auto random = seededRandom(3621);
-  double most_n = 0.0;
-  int judged = 0;
+  Compared compared;
   const int draws = fullCounts() ? 100 : 4;
   for (int i = 0; i < draws; ++i) {
     Slide slide;
@@ -169,23 +180,13 @@ TEST(Seams, HandThatSlidesOverPlanksThatMayMove_FeelsOnePlate) {
       planks.push_back(bodyOf(boxShape(size_m), middle_m + aside_m, 4.5 / kPlanks, friction));
       planks.back().name = "plank" + std::to_string(k);
     }
-    slide.pressed = slide.from;
-    slide.pressed[2] -= 0.008;
-    slide.slid = slide.pressed;
-    slide.slid[across] += random() % 2U == 0 ? 0.05 : -0.05;
+    slide.draw(2, -1.0, across, random);
     slide.slide_s = uniform(random, 0.2, 1.5);
-    slide.period_s = 1e-3 / std::pow(2.0, static_cast<double>(random() % 3U));
     SCOPED_TRACE("draw " + std::to_string(i) + ", planks of " + std::to_string(width_m) +
                  " m, friction " + std::to_string(friction));
-    const FeltSlide one = slideOver(slide, whole);
-    if (one.largest_jolt > 0.2) continue;  // it sticks and slips: no two runs are alike
-    ++judged;
-    const FeltSlide pieces = slideOver(slide, planks);
-    most_n = std::max(most_n, mostApart_n(device, one, pieces));
+    compared.slide(slide, whole, planks);
   }
-  figure("hand over planks that may move against one plate, most that is felt apart", most_n, "N");
-  EXPECT_LE(most_n, 0.02);
-  EXPECT_GT(judged, 0);
+  compared.judge("hand over planks that may move against one plate, most that is felt apart");
 }
 
 /// Processor seconds of a tick in which the whole hand presses on so many pieces at one place.
@@ -204,10 +205,10 @@ double costAmong(int pieces) {
       buildScripted(std::move(slide.models), moveAndHold(slide.from, slide.pressed, 20));
   EXPECT_TRUE(rig->renderer->arm());
   int contacts = 0;
-  const double before_s = threadCpu_s();
+  const double before_s = cpu_s();
   runTicks(*rig->renderer, kTicks, [&](const TickRecord& r) { contacts += r.contact_count; });
   EXPECT_GT(contacts, 0);
-  return (threadCpu_s() - before_s) / kTicks;
+  return (cpu_s() - before_s) / kTicks;
 }
 
 /// Four times as many cost four times as much where the work is in proportion, and sixteen times

@@ -91,14 +91,13 @@ TEST(Roles, PlayerAfterItsOwnRest_MayArmWhoeverLeads) {
 TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
   Standing now = playing();
   now.therapist_paused = true;
-  for (const ExerciseAction action :
-       {ExerciseAction::kResume, ExerciseAction::kNext, ExerciseAction::kRestart}) {
+  for (const Act action : {Act::kResume, Act::kNext, Act::kRestart}) {
     const Order order{orders::Action{action}};
     EXPECT_EQ(mayOrder(Role::kPlayer, order, now).refusal, Refusal::kTherapistPaused);
     EXPECT_TRUE(mayOrder(Role::kTherapist, order, now).accepted);
   }
   now.led = false;  // nobody is left who could end it
-  const Order resume{orders::Action{ExerciseAction::kResume}};
+  const Order resume{orders::Action{Act::kResume}};
   EXPECT_TRUE(mayOrder(Role::kPlayer, resume, now).accepted);
 }
 

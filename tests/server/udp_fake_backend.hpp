@@ -116,7 +116,7 @@ class FakeBackend : public ServerBackend {
     facts->exercise_json = "{\"kind\":\"stand_in\"}";
     facts->value_names.assign(kValues, "value");
     facts->event_names = {"swung", "shaken"};
-    facts->parameters = {{"lead_in_m", LiveParameterGroup::kExercise, "m", 0.0, 0.02, 0.005, 0.01}};
+    facts->parameters = {{"lead_in_m", ParameterGroup::kExercise, "m", 0.0, 0.02, 0.005, 0.01}};
     facts->exercises = {"stand-in"};
     return facts;
   }

@@ -290,7 +290,7 @@ TEST(WireDecode, EveryOrder_IsUnderstood) {
   EXPECT_EQ(std::get<orders::SetParameter>(m[5].what).name, "lead_in_m");
   EXPECT_EQ(std::get<orders::SetParameter>(m[5].what).value, 0.01);
   EXPECT_EQ(std::get<orders::Steer>(m[6].what).by, Steering::kPerson);
-  EXPECT_EQ(std::get<orders::Action>(m[7].what).act, ExerciseAction::kPause);
+  EXPECT_EQ(std::get<orders::Action>(m[7].what).act, Act::kPause);
   EXPECT_EQ(std::get<orders::TakeControls>(m[8].what).token, "a token of 18 char");
   EXPECT_TRUE(m[9].is<orders::ReleaseControls>());
   EXPECT_TRUE(m[10].is<orders::Heartbeat>());

@@ -226,8 +226,8 @@ TEST_F(StationProfiles, WhatIsThePersonsOwn_StandsWithThePersonAndTheHand) {
   begin();
   int patient = 0, hand = 0;
   for (const PublishedParameter& p : station_->scene()->parameters) {
-    if (p.name.starts_with("reach_")) patient += p.group == LiveParameterGroup::kPatient ? 1 : 0;
-    if (p.name.starts_with("fingers_")) hand += p.group == LiveParameterGroup::kHand ? 1 : 0;
+    if (p.name.starts_with("reach_")) patient += p.group == ParameterGroup::kPatient ? 1 : 0;
+    if (p.name.starts_with("fingers_")) hand += p.group == ParameterGroup::kHand ? 1 : 0;
   }
   EXPECT_EQ(patient, 3);
   EXPECT_EQ(hand, 2);

@@ -158,7 +158,7 @@ TEST_F(FinishedLevel, OfAPersonWhoLeaves_IsPlayedAgainByTheVirtualPatient) {
 TEST_F(FinishedLevel, BegunAgainByAPerson_IsNotBegunTwice) {
   playToItsEnd();
   ASSERT_TRUE(steer(Steering::kPerson));
-  ASSERT_TRUE(ask(orders::Action{ExerciseAction::kRestart}).accepted);
+  ASSERT_TRUE(ask(orders::Action{Act::kRestart}).accepted);
   ASSERT_TRUE(becomes([&] { return value("done") == 0.0; }));
   ASSERT_TRUE(steer(Steering::kVirtualPatient));
   std::this_thread::sleep_for(2 * kRepeatAfter);

@@ -35,7 +35,7 @@ class CountedDevice final : public RestingDevice {
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] Expected<Done> enable() override {
     if (devices_.when_enabled) devices_.when_enabled();
-    if (devices_.refuses) return Diagnostic{"", 0, "", "", "the drive does not answer", ""};
+    if (devices_.refuses) return fileFault("", "the drive does not answer", "");
     return Done{};
   }
   void close() noexcept override {

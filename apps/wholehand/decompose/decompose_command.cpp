@@ -73,12 +73,8 @@ class TemporaryFolder {
 };
 
 Diagnostic folderFault(const fs::path& folder, const std::string& why) {
-  return {folder.string(),
-          0,
-          "--out",
-          "",
-          "cannot be written into: " + why,
-          "name a folder that you may write to"};
+  return keyFault(folder.string(), "--out", "", "cannot be written into: " + why,
+                  "name a folder that you may write to");
 }
 
 bool isOwn(const fs::path& path) {
@@ -93,12 +89,8 @@ std::optional<Diagnostic> foreignFault(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(path, error))) return std::nullopt;
   if (fs::is_regular_file(fs::symlink_status(path, error)) && isOwn(path)) return std::nullopt;
-  return Diagnostic{path.string(),
-                    0,
-                    "--out",
-                    "",
-                    "is there, and not written by this command",
-                    "move it away, or name another folder"};
+  return keyFault(path.string(), "--out", "", "is there, and not written by this command",
+                  "move it away, or name another folder");
 }
 
 /// True for NAME_NN.obj.
@@ -272,7 +264,7 @@ Diagnostic meshFault(const std::string& path, Diagnostic fault) {
 Expected<ClosedSurface> readSolid(const DecomposeOptions& o) {
   std::error_code error;
   if (!fs::is_regular_file(o.mesh, error)) {
-    return Diagnostic{o.mesh, 0, "", "", "there is no such file", "check the name"};
+    return fileFault(o.mesh, "there is no such file", "check the name");
   }
   Expected<MeshFile> file = readMesh(o.mesh);
   if (!file) return file.errors();
@@ -416,12 +408,9 @@ Expected<Decomposed> decompose(const DecomposeOptions& options) {
   double& mass_kg = d.options.mass_kg;
   if (mass_kg == 0.0) mass_kg = kDensity_kg_m3 * d.solid.volume_m3;
   if (mass_kg < kLeastMass_kg || mass_kg > kMostMass_kg) {
-    return Diagnostic{options.mesh,
-                      0,
-                      "--mass-kg",
-                      fmt::format("{:.4g}", mass_kg),
-                      "is out of range (1000 kg/m3 where it is not given)",
-                      "give one of 0.0001 to 1000 kg"};
+    return keyFault(options.mesh, "--mass-kg", fmt::format("{:.4g}", mass_kg),
+                    "is out of range (1000 kg/m3 where it is not given)",
+                    "give one of 0.0001 to 1000 kg");
   }
   double& concavity_m = d.options.concavity_m;
   if (concavity_m == 0.0) concavity_m = kConcavityShare * d.solid.size_m;
@@ -436,11 +425,11 @@ Expected<Decomposed> decompose(const DecomposeOptions& options) {
 }
 
 int refuseVolume(const Decomposed& d) {
-  refuse(
-      {{d.options.mesh, 0, "--volume-bound", fmt::format("{:.4g}", d.options.volume_bound),
-        fmt::format("the pieces' volume differs by {:+.1f} % from the mesh's; nothing is written",
-                    100.0 * d.difference()),
-        "allow more --pieces, a smaller --concavity, or a larger bound"}});
+  refuse({keyFault(
+      d.options.mesh, "--volume-bound", fmt::format("{:.4g}", d.options.volume_bound),
+      fmt::format("the pieces' volume differs by {:+.1f} % from the mesh's; nothing is written",
+                  100.0 * d.difference()),
+      "allow more --pieces, a smaller --concavity, or a larger bound")});
   return kExitNotAlike;
 }
 

@@ -515,8 +515,8 @@ void addCommission(CLI::App& app, CommissionOptions& o, int& code) {
       "not finished; 2: bad usage, file or device. docs/commissioning.md leads through it.");
   commission->callback([&o, &code] {
     if (o.driver.path.empty() && o.host.empty() && !o.simulated) {
-      code = refuse({{"", 0, "--driver", "", "or --host is missing",
-                      "name the device's driver, or learn with --simulated"}});
+      code = refuse({keyFault("", "--driver", "", "or --host is missing",
+                              "name the device's driver, or learn with --simulated")});
       return;
     }
     if (auto read = o.web ? readTokens(o.token_file, o.pages.tokens) : Expected<Done>(Done{});

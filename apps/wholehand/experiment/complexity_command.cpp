@@ -176,10 +176,7 @@ ComplexityPlan complexityPlan(const ExperimentOptions& options) {
   plan.only = options.only;
   plan.ticks = options.scene_ticks;
   plan.passes = options.passes;
-  for (std::string* file :
-       {&plan.files.hand, &plan.files.device, &plan.files.rendering, &plan.files.patient}) {
-    *file = shippedFile(*file);
-  }
+  plan.files = shippedModels();
   plan.files.scene = shippedFile("config/scenes/empty.toml");
   plan.status = [](int pass, int passes) {
     std::printf("pass %d of %d\n", pass, passes);

@@ -19,15 +19,6 @@ namespace {
 constexpr double kSlipAsked_m = 1e-4;
 constexpr double kLeastSlip_mm = 1e-4, kMostSlip_mm = 100.0;  // of the chart
 
-ModelFiles shippedModels() {
-  ModelFiles files;
-  for (std::string* file :
-       {&files.scene, &files.hand, &files.device, &files.rendering, &files.patient}) {
-    *file = shippedFile(*file);
-  }
-  return files;
-}
-
 nlohmann::ordered_json trialJson(const GraspResult& r) {
   return {{"shape", r.trial.shape},
           {"grasp", r.trial.grasp},

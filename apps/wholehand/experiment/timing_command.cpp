@@ -126,10 +126,7 @@ void print(const TimingResult& r) {
 }
 
 ModelFiles filesFor(const ExperimentOptions& options) {
-  ModelFiles files;
-  for (std::string* file : {&files.hand, &files.device, &files.rendering, &files.patient}) {
-    *file = shippedFile(*file);
-  }
+  ModelFiles files = shippedModels();
   files.scene = options.scene;  // an exercise names its own scene
   if (options.scene.empty()) files.exercise = exerciseFile("cocktail-bar");
   return files;

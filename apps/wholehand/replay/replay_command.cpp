@@ -180,7 +180,7 @@ int extract(RecordingReader& box, const ReplayOptions& options) {
   if ((*writer)->dropped() > 0 || (*writer)->written() != box.size()) {
     std::error_code ignored;
     std::filesystem::remove(options.extract, ignored);
-    return refuse({{options.extract, 0, "", "", "could not be written", "make room on the disk"}});
+    return refuse({fileFault(options.extract, "could not be written", "make room on the disk")});
   }
   std::printf("%s: %llu ticks\n", printable(options.extract).c_str(),
               static_cast<unsigned long long>(box.size()));
@@ -192,17 +192,17 @@ int recordInputsAgain(const ReplayOptions& options) {
   auto journal = InputJournalReader::open(options.recording);
   if (!journal) return refuse(journal.errors());
   if (options.extract.empty()) {
-    return refuse({{options.recording, 0, "", "", "holds the inputs of a recording",
-                    "make the recording of them: wholehand replay " + options.recording +
-                        " --extract again.h5"}});
+    return refuse({fileFault(options.recording, "holds the inputs of a recording",
+                             "make the recording of them: wholehand replay " + options.recording +
+                                 " --extract again.h5")});
   }
   // The new recording keeps inputs of its own, which would take the place of these.
   std::error_code none;
   const std::string own = InputJournal::pathOf(options.extract);
   if (std::filesystem::equivalent(own, options.recording, none)) {
-    return refuse({{options.extract, 0, "--extract", "",
-                    "would replace the inputs that it is made of: " + options.recording,
-                    "give the recording another name"}});
+    return refuse({keyFault(options.extract, "--extract", "",
+                            "would replace the inputs that it is made of: " + options.recording,
+                            "give the recording another name")});
   }
   auto writer = RecordingWriter::create(options.extract, (*journal)->meta());
   if (!writer) return refuse(writer.errors());
@@ -255,8 +255,8 @@ int replayCommand(const ReplayOptions& options) {
   auto recording = RecordingReader::open(options.recording);
   if (!recording) return refuse(recording.errors());
   if (!options.extract.empty()) {
-    return refuse({{options.recording, 0, "--extract", "", "is a recording already",
-                    "read it with any program for HDF5 (docs/recording.md)"}});
+    return refuse({keyFault(options.recording, "--extract", "", "is a recording already",
+                            "read it with any program for HDF5 (docs/recording.md)")});
   }
   whole.reader = std::move(*recording);
   const int reported =

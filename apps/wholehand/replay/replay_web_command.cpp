@@ -89,11 +89,11 @@ Diagnostics faultsOf(const std::vector<std::string>& paths) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status)) {
-      faults.push_back({path, 0, "", "", "does not exist",
-                        "give a .h5 file that `wholehand run --record` wrote"});
+      faults.push_back(
+          fileFault(path, "does not exist", "give a .h5 file that `wholehand run --record` wrote"));
     } else if (!std::filesystem::is_regular_file(status)) {
-      faults.push_back({path, 0, "", "", "is no regular file",
-                        "give a .h5 file that `wholehand run --record` wrote"});
+      faults.push_back(fileFault(path, "is no regular file",
+                                 "give a .h5 file that `wholehand run --record` wrote"));
     } else if (BlackBoxReader::isBox(path)) {
       faults.push_back({path, 0, "", "", "is a black box, which pages do not show",
                         "take its last seconds out with --extract seconds.h5, and show that"});

@@ -51,12 +51,8 @@ Expected<std::string> ClinicProcess::findProgram() {
   const fs::path beside =
       fs::read_symlink("/proc/self/exe", error).parent_path() / "wholehand-clinic";
   if (fs::is_regular_file(beside, error)) return beside.string();
-  return Diagnostic{beside.string(),
-                    0,
-                    "--clinic",
-                    "",
-                    "is not there",
-                    "build it (./start --clinic FOLDER), or install the package wholehand-clinic"};
+  return keyFault(beside.string(), "--clinic", "", "is not there",
+                  "build it (./start --clinic FOLDER), or install the package wholehand-clinic");
 }
 
 ClinicProcess::ClinicProcess(std::string program, Options options)

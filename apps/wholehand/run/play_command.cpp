@@ -86,9 +86,8 @@ Expected<Clearance> stillCleared(const DeviceDriver& driver, const DeviceModel& 
   const auto cleared = clearToArm(driver.identity(), model, 1.0 / period_s, placeTimeNow());
   if (!cleared) return cleared.errors();
   if (cleared->clearance.passport() == armed_with) return cleared->clearance;
-  return Diagnostic{
-      cleared->passport.path,   0, "", "", "the passport was replaced while this program runs",
-      "start the program again"};
+  return fileFault(cleared->passport.path, "the passport was replaced while this program runs",
+                   "start the program again");
 }
 
 // The connection to a device: its driver, and the host that holds it, if any.
@@ -263,8 +262,8 @@ bool isOfThisMachine(const std::string& origin) {
 Diagnostics faultsOf(const RunOptions& options) {
   Diagnostics faults;
   if (!isAddress(options.address)) {
-    faults.push_back({"", 0, "--address", options.address, "is no IP address",
-                      "127.0.0.1 for this machine alone, 0.0.0.0 for all"});
+    faults.push_back(keyFault("", "--address", options.address, "is no IP address",
+                              "127.0.0.1 for this machine alone, 0.0.0.0 for all"));
   }
   for (const std::string& origin : options.origins) {
     if (origin.starts_with("http://") || origin.starts_with("https://")) continue;

@@ -51,41 +51,41 @@ const char* deviceOption(const RunOptions& o) {
 Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, bool pages) {
   Diagnostics faults;
   if (scene && run.count("--exercise") > 0) {
-    faults.push_back({"", 0, "--exercise", o.files.exercise,
-                      "cannot go with --scene or --motion: it names its own scene",
-                      "leave one of them out"});
+    faults.push_back(keyFault("", "--exercise", o.files.exercise,
+                              "cannot go with --scene or --motion: it names its own scene",
+                              "leave one of them out"));
   }
   if (scene && run.count("--level") > 0) {
-    faults.push_back({"", 0, "--level", std::to_string(o.files.level),
-                      "belongs to an exercise, not to a scene", "leave one of them out"});
+    faults.push_back(keyFault("", "--level", std::to_string(o.files.level),
+                              "belongs to an exercise, not to a scene", "leave one of them out"));
   }
   for (const char* option : {"--port", "--address", "--token", "--token-file", "--origin",
                              "--clinic", "--udp", "--udp-key", "--wait"}) {
     if (pages || run.count(option) == 0) continue;
-    faults.push_back({"", 0, option, "", "is about pages and games, and this run opens no port",
-                      scene && !o.no_web && !o.simulated_clock
-                          ? "give --port, too, or leave it out"
-                          : "leave out --no-web and --simulated-clock"});
+    faults.push_back(keyFault(
+        "", option, "", "is about pages and games, and this run opens no port",
+        scene && !o.no_web && !o.simulated_clock ? "give --port, too, or leave it out"
+                                                 : "leave out --no-web and --simulated-clock"));
   }
   if (o.no_rehearsal && o.simulated_clock) {
-    faults.push_back({"", 0, "--no-rehearsal", "", "is about real time: there is none",
-                      "leave out --no-rehearsal or --simulated-clock"});
+    faults.push_back(keyFault("", "--no-rehearsal", "", "is about real time: there is none",
+                              "leave out --no-rehearsal or --simulated-clock"));
   }
   for (const char* simulated : {"--no-rehearsal", "--uncertified", "--simulated-clock"}) {
     if (!isRealDevice(o) || run.count(simulated) == 0) continue;
-    faults.push_back(
-        {"", 0, simulated, "",
-         std::string("is for simulated devices, and ") + deviceOption(o) + " names a real one",
-         "leave one of them out"});
+    faults.push_back(keyFault(
+        "", simulated, "",
+        std::string("is for simulated devices, and ") + deviceOption(o) + " names a real one",
+        "leave one of them out"));
   }
   if (o.without_passport && !isRealDevice(o)) {
     faults.push_back({"", 0, "--without-passport", "", "is about a real device, and none is named",
                       "leave it out, or give --driver or --host"});
   }
   if (isRealDevice(o) && !pages) {
-    faults.push_back({"", 0, deviceOption(o), o.host.empty() ? o.driver.path : o.host,
-                      "needs the console: a person arms and stops",
-                      "leave out --no-web, --scene and --motion"});
+    faults.push_back(keyFault("", deviceOption(o), o.host.empty() ? o.driver.path : o.host,
+                              "needs the console: a person arms and stops",
+                              "leave out --no-web, --scene and --motion"));
   }
   if (run.count("--udp-key") > 0 && run.count("--udp") == 0) {
     faults.push_back({"", 0, "--udp-key", "", "needs the port that it opens", "give --udp, too"});
@@ -251,8 +251,7 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
       ->capture_default_str();
   run->add_option("--scene", o.files.scene, "Scene file, without exercise: free grasping")
       ->capture_default_str();
-  run->add_option("--hand", o.files.hand, "Hand file")->capture_default_str();
-  run->add_option("--device", o.files.device, "Device file")->capture_default_str();
+  addHandAndDevice(*run, o.files.hand, o.files.device, o.files.rendering);
   CLI::Option* driver = run->add_option(
       "--driver", o.driver.path, "Driver of a real device (docs/drivers.md): a name or a path");
   run->add_option("--device-at", o.driver.locator,
@@ -264,15 +263,11 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
       ->excludes(driver);
   run->add_flag("--without-passport", o.without_passport,
                 "Take a real device that was not commissioned; NOBODY MAY BE ATTACHED (recorded)");
-  run->add_option("--rendering", o.files.rendering,
-                  "Gains that go with the device (default: the file of the device's name)");
   run->add_option("--patient", o.files.patient, "Virtual patient file")->capture_default_str();
   run->add_option("--motion", o.files.motion, "Recorded motion to play in the scene, CSV")
       ->capture_default_str();
   addEngine(*run, o.engine);
-  run->add_option("--rate-hz", o.rate_hz, "Ticks a second")
-      ->check(finiteBetween(100.0, 16000.0, "Hz"))
-      ->capture_default_str();
+  addRate(*run, o.rate_hz);
   run->add_option("--duration", o.duration_s,
                   "Length of the run (default: the motion's and 1 s of rest; with pages endless)")
       ->check(finiteBetween(0.001, 86400.0, "s"));

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -40,6 +41,23 @@ inline CLI::Validator wholeNumber() {
         return "'" + text + "' is not a whole number from 0 to 18446744073709551615";
       },
       "whole number");
+}
+
+/// Adds `--rate-hz` of the loop.
+inline CLI::Option* addRate(CLI::App& command, double& rate_hz) {
+  return command.add_option("--rate-hz", rate_hz, "Ticks a second")
+      ->check(finiteBetween(100.0, 16000.0, "Hz"))
+      ->capture_default_str();
+}
+
+/// Adds `--hand`, `--device` and `--rendering`; without the last findGains() chooses it.
+inline std::array<CLI::Option*, 3> addHandAndDevice(CLI::App& command, std::string& hand,
+                                                    std::string& device, std::string& rendering) {
+  return {command.add_option("--hand", hand, "Hand file")->capture_default_str(),
+          command.add_option("--device", device, "Device file")->capture_default_str(),
+          command.add_option("--rendering", rendering,
+                             "Gains that go with the device (default: the file of the device's "
+                             "name)")};
 }
 
 /// Adds `--engine NAME` to a command that builds a world.

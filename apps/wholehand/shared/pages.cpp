@@ -21,13 +21,9 @@ Expected<Done> readTokens(const std::string& file, std::vector<std::string>& tok
     std::error_code error;
     constexpr std::uintmax_t kMost_bytes = 4096;
     const auto refusal = [&file](std::string problem) {
-      return Diagnostic{file,
-                        0,
-                        "--token-file",
-                        "",
-                        std::move(problem),
-                        "name a file with a token on each line: therapist=..., player=..., "
-                        "watcher=..."};
+      return keyFault(file, "--token-file", "", std::move(problem),
+                      "name a file with a token on each line: therapist=..., player=..., "
+                      "watcher=...");
     };
     if (!fs::is_regular_file(file, error)) return refusal("is no regular file");
     if (fs::file_size(file, error) > kMost_bytes || error) return refusal("is no list of tokens");
@@ -73,8 +69,8 @@ RoleTokens roleTokens(const std::vector<std::string>& given) {
                       : role == Role::kWatcher ? tokens.watcher
                                                : tokens.therapist;
     if (!role) {
-      tokens.faults.push_back({"", 0, "--token", name + "=...", "names no role",
-                               "write therapist=..., player=... or watcher=..."});
+      tokens.faults.push_back(keyFault("", "--token", name + "=...", "names no role",
+                                       "write therapist=..., player=... or watcher=..."));
     } else if (equals != std::string::npos && token.empty()) {
       tokens.faults.push_back(
           {"", 0, "--token", name + "=", "has no token", "write at least 16 characters after it"});

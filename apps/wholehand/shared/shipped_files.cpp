@@ -24,6 +24,15 @@ std::string shippedFile(const std::string& relative) {
   return relative;
 }
 
+ModelFiles shippedModels() {
+  ModelFiles files;
+  for (std::string* file :
+       {&files.scene, &files.hand, &files.device, &files.rendering, &files.patient}) {
+    *file = shippedFile(*file);
+  }
+  return files;
+}
+
 Expected<std::string> renderingFor(const std::string& device_file) {
   const fs::path device = device_file;
   const fs::path beside = device.parent_path().parent_path() / "rendering" / device.filename();
@@ -35,13 +44,9 @@ Expected<std::string> renderingFor(const std::string& device_file) {
   if (fs::exists(shipped, error) || !fs::exists(device, error)) return shipped;
   // No gains exist for a file that is not a valid device.
   if (auto described = loadDeviceFile(device_file); !described) return described.errors();
-  return Diagnostic{
-      device_file,
-      0,
-      "",
-      "",
-      "no gains are known for this device",
-      "give --rendering FILE, or put them at " + printable(beside.lexically_normal().string())};
+  return fileFault(
+      device_file, "no gains are known for this device",
+      "give --rendering FILE, or put them at " + printable(beside.lexically_normal().string()));
 }
 
 bool findGains(const std::string& device, std::string& rendering, int& code) {

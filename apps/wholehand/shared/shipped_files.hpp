@@ -1,5 +1,6 @@
 #pragma once
 
+#include "assembly/models.hpp"
 #include "core/expected.hpp"
 
 #include <string>
@@ -10,6 +11,9 @@ namespace wholehand {
 /// else to the folders above the program. If not found, the name itself, so that the error names
 /// it.
 [[nodiscard]] std::string shippedFile(const std::string& relative);
+
+/// The files of the first start, shipped.
+[[nodiscard]] ModelFiles shippedModels();
 
 /// Rendering file for a device file: the one of the same name in the folder `rendering` beside the
 /// device's folder, else the shipped one, else an error.

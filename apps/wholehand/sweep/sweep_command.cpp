@@ -35,12 +35,8 @@ Expected<SweepShare> shareOfArray() {
   const auto least = environmentNumber("SLURM_ARRAY_TASK_MIN");
   const auto step = environmentNumber("SLURM_ARRAY_TASK_STEP");
   if (!id || !count || *count < 1 || !least || *id < *least) {
-    return Diagnostic{"",
-                      0,
-                      "--array",
-                      "",
-                      "finds no job array of Slurm",
-                      "submit it with `sbatch --array=0-9`, or give each its --share K/N"};
+    return keyFault("", "--array", "", "finds no job array of Slurm",
+                    "submit it with `sbatch --array=0-9`, or give each its --share K/N");
   }
   const int place = (*id - *least) / std::max(1, step.value_or(1));
   return SweepShare{place % *count, *count};
@@ -304,8 +300,8 @@ Expected<std::string> summarizeSweep(const std::string& path) {
   std::error_code ignored;
   for (const std::string& file : filesOf(*grid, filesBeside(path))) {
     if (fs::exists(file, ignored)) continue;
-    missing.push_back({path, 0, "axes", file, "is not there",
-                       "name a shipped file, or a path ending in .toml beside the grid"});
+    missing.push_back(keyFault(path, "axes", file, "is not there",
+                               "name a shipped file, or a path ending in .toml beside the grid"));
   }
   if (!missing.empty()) return missing;
   return summary(*grid);

@@ -112,13 +112,8 @@ Expected<std::vector<ShippedHand>> loadShippedHands(const std::string& folder) {
                      hand->length_m, hand->breadth_m});
   }
   if (hands.empty()) {
-    return Diagnostic{folder,
-                      0,
-                      "",
-                      "",
-                      "has no hand files",
-                      "give the folder config/hands",
-                      DiagnosticCode::kMissing};
+    return fileFault(folder, "has no hand files", "give the folder config/hands",
+                     DiagnosticCode::kMissing);
   }
   std::sort(hands.begin(), hands.end(),
             [](const ShippedHand& a, const ShippedHand& b) { return a.name < b.name; });
@@ -152,13 +147,8 @@ Expected<Done> writeHandFile(const std::string& folder, const std::string& path,
   text = replaced(text, "length_m", formatNumber(length_m));
   text = replaced(text, "breadth_m", formatNumber(breadth_m));
   if (text.empty()) {
-    return Diagnostic{median,
-                      0,
-                      "",
-                      "",
-                      "is not the median hand",
-                      "put the shipped file back",
-                      DiagnosticCode::kUnreadable};
+    return fileFault(median, "is not the median hand", "put the shipped file back",
+                     DiagnosticCode::kUnreadable);
   }
   if (auto ready = prepareFiles({path}); !ready) return ready.errors();
   if (auto written = writeText(path, text); !written) return written.errors();

@@ -193,8 +193,8 @@ Expected<Done> judge(const std::vector<double>& taken_s, double period_s, const 
   std::snprintf(text.data(), text.size(),
                 "was measured by a machine that was late: %zu of %zu ticks, at most %.1f ms apart",
                 off, taken_s.size(), 1e3 * longest_s);
-  return Diagnostic{"",   0,           "axes",
-                    axis, text.data(), "let nothing else run on this machine, and repeat the step"};
+  return keyFault("", "axes", axis, text.data(),
+                  "let nothing else run on this machine, and repeat the step");
 }
 
 // Mean effort from `from_s` to `to_s`, each effort held until the next; `at` is the tick whose

@@ -75,7 +75,7 @@ Expected<Done> SimulatedPlant::control(std::uint32_t verb, double /*argument*/) 
   switch (verb) {
     case WH_ENABLE:
       if (stop_pressed_) {
-        return Diagnostic{"", 0, "", "", "the emergency stop is pressed", "release it"};
+        return fileFault("", "the emergency stop is pressed", "release it");
       }
       begin(true, {});
       return Done{};

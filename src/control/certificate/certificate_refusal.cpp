@@ -339,14 +339,11 @@ std::string instability(const AxisCertificate& a) {
 }
 
 Diagnostic refusal(const AxisCertificate& a, const std::string& path) {
-  Diagnostic d;
-  d.file = path;
-  d.key = a.axis_case.axis.name + "." + stiffnessKey(a.axis_case.axis);
-  d.value = fmt::format("{:.6g} {}", a.axis_case.gains.k_pm, perUnit(a.axis_case.axis));
-  d.problem = fmt::format("not certified ({}): {}", fmt::join(failing(a), ", "),
-                          instability(a) + finding(a));
-  d.remedy = remedy(a);
-  return d;
+  return keyFault(path, a.axis_case.axis.name + "." + stiffnessKey(a.axis_case.axis),
+                  fmt::format("{:.6g} {}", a.axis_case.gains.k_pm, perUnit(a.axis_case.axis)),
+                  fmt::format("not certified ({}): {}", fmt::join(failing(a), ", "),
+                              instability(a) + finding(a)),
+                  remedy(a));
 }
 
 Diagnostic avatarRefusal(const Certificate& c, const std::string& path) {

@@ -99,13 +99,13 @@ Expected<Done> FaultInjector::open() {
 Expected<Done> FaultInjector::ready() {
   const auto refuses = [this](InjectedKind kind) { return at(0, kind) != nullptr; };
   if (refuses(InjectedKind::kNotReady)) {
-    return Diagnostic{"", 0, "", "", "the device is not ready", "switch its drives on"};
+    return fileFault("", "the device is not ready", "switch its drives on");
   }
   if (refuses(InjectedKind::kNotCalibrated)) {
-    return Diagnostic{"", 0, "", "", "the device is not calibrated", "calibrate it"};
+    return fileFault("", "the device is not calibrated", "calibrate it");
   }
   if (refuses(InjectedKind::kMoving)) {
-    return Diagnostic{"", 0, "", "", "the device is moving", "wait until it is at rest"};
+    return fileFault("", "the device is moving", "wait until it is at rest");
   }
   return device_.ready();
 }

@@ -68,10 +68,10 @@ Diagnostics HostedDriver::differences(const DeviceModel& model) const {
   Diagnostics out;
   const auto compare = [&](std::size_t i, double host, double loop, const char* what) {
     if (std::abs(host - loop) <= 1e-9) return;
-    out.push_back({model.path, 0, "axes", axes_[i].name,
-                   where() + " has another " + what + ": " + std::to_string(host) + ", not " +
-                       std::to_string(loop),
-                   "give host and loop the same device file"});
+    out.push_back(keyFault(model.path, "axes", axes_[i].name,
+                           where() + " has another " + what + ": " + std::to_string(host) +
+                               ", not " + std::to_string(loop),
+                           "give host and loop the same device file"));
   };
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int at = model.axisIndex(axes_[i].name);

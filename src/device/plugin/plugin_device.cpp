@@ -116,7 +116,7 @@ Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
 }
 
 Diagnostic PluginDevice::no(const std::string& why, const std::string& remedy) const {
-  return {driver_->where(), 0, "", "", why, remedy};
+  return fileFault(driver_->where(), why, remedy);
 }
 
 // Disabling an axis that weighs something lets it fall, unless it locks or a host goes on holding.
@@ -127,12 +127,9 @@ Expected<Done> PluginDevice::mayFall() const {
     if (neutral_.effort[i] == 0.0 || axis.disabled == WH_LOCKS || axis.disabled == WH_BALANCED) {
       continue;
     }
-    return Diagnostic{driver_->where(),
-                      0,
-                      "axes",
-                      axis.name,
-                      "weighs something and falls when the device is disabled",
-                      "let a host hold it: wholehand device-host"};
+    return keyFault(driver_->where(), "axes", axis.name,
+                    "weighs something and falls when the device is disabled",
+                    "let a host hold it: wholehand device-host");
   }
   return Done{};
 }

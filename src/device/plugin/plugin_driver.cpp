@@ -67,7 +67,7 @@ std::string whyNot(const wh_plugin* plugin, CalledBy called_by) {
 // The code stays loaded because the driver's own threads may still run in it.
 Expected<const wh_plugin*> findPlugin(const std::string& path, CalledBy called_by) {
   const auto no = [&path](const std::string& why, const char* remedy) {
-    return Diagnostic{path, 0, "", "", why, remedy};
+    return fileFault(path, why, remedy);
   };
   // Without a slash dlopen would search the system's library folders.
   const bool bare = path.find('/') == std::string::npos;
@@ -127,14 +127,10 @@ Expected<std::string> findDriver(const std::string& name, const std::vector<std:
     if (!name.empty() && fs::exists(path, error)) return path.string();
   }
   const std::string known = namesIn(folders);
-  return Diagnostic{"",
-                    0,
-                    "--driver",
-                    name,
-                    "is no driver that ships with this program",
-                    known.empty()
-                        ? "give the path of a driver's shared object; none ship with this program"
-                        : "give one of " + known + ", or the path of a driver's shared object"};
+  return keyFault("", "--driver", name, "is no driver that ships with this program",
+                  known.empty()
+                      ? "give the path of a driver's shared object; none ship with this program"
+                      : "give one of " + known + ", or the path of a driver's shared object");
 }
 
 PluginDriver::PluginDriver(DriverLocation location, std::function<void(const std::string&)> say)
@@ -151,7 +147,7 @@ void PluginDriver::take(void* self, const char* line) {
 }
 
 Diagnostic PluginDriver::failed(const std::string& what, const std::string& remedy) const {
-  return {location_.path, 0, "", "", last_line_.empty() ? what : what + ": " + last_line_, remedy};
+  return fileFault(location_.path, last_line_.empty() ? what : what + ": " + last_line_, remedy);
 }
 
 Expected<PluginFacts> pluginFacts(const std::string& path) {
@@ -175,7 +171,7 @@ Expected<std::shared_ptr<PluginDriver>> PluginDriver::load(
   if (Expected<Done> opened = driver->open(); !opened) return opened.errors();
   // A driver that opens others knows only after opening whether all of them never block.
   if (const std::string why = whyNot(driver->plugin_, called_by); !why.empty()) {
-    return Diagnostic{location.path, 0, "", "", why, "let a host hold it"};
+    return fileFault(location.path, why, "let a host hold it");
   }
   driver->never_waits_ = (driver->plugin_->flags & WH_NEVER_WAITS) != 0;
   if (Expected<Done> described = driver->describe(); !described) return described.errors();

@@ -509,10 +509,10 @@ Expected<Bar> loadBar(TomlFile& file, const ExerciseSource& source) {
   const int levels = static_cast<int>(parts.levels.size());
   Diagnostics faults = file.finish();
   if (faults.empty() && source.scene != nullptr && (source.level < 1 || source.level > levels)) {
-    faults.push_back({source.path, 0, "level", std::to_string(source.level),
-                      levels == 1 ? "the exercise has one level"
-                                  : fmt::format("the exercise has levels 1 to {}", levels),
-                      "choose a level that it has"});
+    faults.push_back(keyFault(source.path, "level", std::to_string(source.level),
+                              levels == 1 ? "the exercise has one level"
+                                          : fmt::format("the exercise has levels 1 to {}", levels),
+                              "choose a level that it has"));
   }
   if (!faults.empty() || source.scene == nullptr) return faults;
   takeLevel(parts, bar);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/virtual_wall.hpp"
+#include "control/transition.hpp"
 #include "exercise/finger_cushions.hpp"
 #include "exercise/finger_walls.hpp"
 #include "exercise/load_exercise.hpp"

@@ -314,43 +314,30 @@ AxisPosition BarPlayer::goalOf(Phase phase) const noexcept {
   const Eigen::Vector3d beside = grip_ - Eigen::Vector3d(0.0, layout_.beside * kBeside_m, 0.0);
   switch (phase) {
     case Phase::kDrawBack:
-      goal.drawBack();
-      break;
+      return goal.drawBack();
     case Phase::kFree:
       for (const int axis : {layout_.y, layout_.z}) {
         goal.put(axis, measured_[axis]);
       }
       goal.put(layout_.x, back_m(layout_));
-      goal.hand(kStretched, kTurnedAside);
-      break;
+      return goal.hand(kStretched, kTurnedAside);
     case Phase::kAlign:
-      goal.base({back_m(layout_), beside.y(), beside.z()});
-      goal.hand(kHalfBent, kTurnedAside);
-      break;
+      return goal.pose({back_m(layout_), beside.y(), beside.z()}, kHalfBent, kTurnedAside);
     case Phase::kEnter:
     case Phase::kLeave:
-      goal.base(beside);
-      goal.hand(kStretched, kTurnedAside);
-      break;
+      return goal.pose(beside, kStretched, kTurnedAside);
     case Phase::kTouch:
-      goal.base(grip_);
-      goal.hand(kHalfBent, kOpposed);
-      break;
+      return goal.pose(grip_, kHalfBent, kOpposed);
     case Phase::kOpen:
-      goal.hand(kHalfBent, kTurnedAside);
-      break;
+      return goal.hand(kHalfBent, kTurnedAside);
     case Phase::kLift:
-      goal.put(layout_.z, over_.z());
-      break;
+      return goal.put(layout_.z, over_.z());
     case Phase::kCarry:
-      goal.base(over_);
-      break;
+      return goal.base(over_);
     case Phase::kReturn:
-      goal.base({grip_.x(), grip_.y(), over_.z()});
-      break;
+      return goal.base({grip_.x(), grip_.y(), over_.z()});
     case Phase::kLower:
-      goal.base(grip_);
-      break;
+      return goal.base(grip_);
     case Phase::kWait:
     case Phase::kSqueeze:
     case Phase::kEase:

@@ -115,22 +115,22 @@ class CocktailBar final : public Exercise {
   }
 
   void act(const Command& command, ExerciseRecord& out) noexcept {
-    const auto action = static_cast<ExerciseAction>(command.index);
-    if (action == ExerciseAction::kNext && recipe_.stage() != BarStage::kLevelDone) {
+    const auto action = static_cast<Act>(command.index);
+    if (action == Act::kNext && recipe_.stage() != BarStage::kLevelDone) {
       recipe_.endRest();
-    } else if (action == ExerciseAction::kRestart || action == ExerciseAction::kNext) {
+    } else if (action == Act::kRestart || action == Act::kNext) {
       pouring_.reset();
       recipe_.reset();
       serving_.bringHome();
       paused_ = false;
       addEvent(out, BarEvent::kRestarted);
-    } else if (action == ExerciseAction::kPause && !paused_) {
+    } else if (action == Act::kPause && !paused_) {
       paused_ = true;
       addEvent(out, BarEvent::kPaused);
-    } else if (action == ExerciseAction::kResume && paused_) {
+    } else if (action == Act::kResume && paused_) {
       paused_ = false;
       addEvent(out, BarEvent::kResumed);
-    } else if (action == ExerciseAction::kBeginAt) {
+    } else if (action == kBeginAt) {
       recipe_.beginAt(command.value);
     }
   }

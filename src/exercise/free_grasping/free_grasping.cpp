@@ -56,7 +56,7 @@ class FreeGrasping final : public Exercise {
 Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   Diagnostics faults = file.finish();
   if (source.level != 1) {
-    faults.push_back({source.path, 0, "", "", "free grasping has one level", "ask for level 1"});
+    faults.push_back(fileFault(source.path, "free grasping has one level", "ask for level 1"));
   }
   if (!faults.empty() || source.scene == nullptr) return faults;
   LoadedExercise out;

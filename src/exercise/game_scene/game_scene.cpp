@@ -173,7 +173,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   const GameBudget budget = readBudget(file.root().table("budget"), bodies);
   Diagnostics faults = file.finish();
   if (source.level != 1) {
-    faults.push_back({source.path, 0, "", "", "a game scene has one level", "ask for level 1"});
+    faults.push_back(fileFault(source.path, "a game scene has one level", "ask for level 1"));
   }
   if (!faults.empty() || source.scene == nullptr) return faults;
   source.scene->game = budget;

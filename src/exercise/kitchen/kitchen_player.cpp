@@ -259,25 +259,17 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
   switch (phase) {
     case Phase::kDrawBack:
     case Phase::kRest:
-      goal.drawBack();
-      break;
+      return goal.drawBack();
     case Phase::kAlign:
-      goal.base({back_m(layout_), clear_m.y(), clear_m.z()});
-      goal.hand(open, kTurnedAside);
-      break;
+      return goal.pose({back_m(layout_), clear_m.y(), clear_m.z()}, open, kTurnedAside);
     case Phase::kEnter:
     case Phase::kLeave:
-      goal.base(clear_m);
-      goal.hand(open, kTurnedAside);
-      break;
+      return goal.pose(clear_m, open, kTurnedAside);
     case Phase::kTouch:
-      goal.base(pushes ? Vector3d(at_m - kGently_m * meeting_.toward) : at_m);
-      goal.hand(open, pushes ? kTurnedAside : kOpposed);
-      break;
+      return goal.pose(pushes ? Vector3d(at_m - kGently_m * meeting_.toward) : at_m, open,
+                       pushes ? kTurnedAside : kOpposed);
     case Phase::kOpen:
-      goal.base(pushes ? clear_m : at_m);
-      goal.hand(open, kTurnedAside);
-      break;
+      return goal.pose(pushes ? clear_m : at_m, open, kTurnedAside);
     case Phase::kClose:
     case Phase::kCarry:
       break;

@@ -36,24 +36,16 @@ AxisPosition SqueezePlayer::goalOf(Phase phase) const noexcept {
   switch (phase) {
     case Phase::kDrawBack:
     case Phase::kRest:
-      goal.drawBack();
-      break;
+      return goal.drawBack();
     case Phase::kAlign:
-      goal.base({back_m(layout_), beside_m, grip_m_.z()});
-      goal.hand(kStretched, kTurnedAside);
-      break;
+      return goal.pose({back_m(layout_), beside_m, grip_m_.z()}, kStretched, kTurnedAside);
     case Phase::kEnter:
     case Phase::kLeave:
-      goal.base({grip_m_.x(), beside_m, grip_m_.z()});
-      goal.hand(kStretched, kTurnedAside);
-      break;
+      return goal.pose({grip_m_.x(), beside_m, grip_m_.z()}, kStretched, kTurnedAside);
     case Phase::kTouch:
-      goal.base(grip_m_);
-      goal.hand(kHalfBent, kOpposed);
-      break;
+      return goal.pose(grip_m_, kHalfBent, kOpposed);
     case Phase::kOpen:
-      goal.hand(kHalfBent, kTurnedAside);
-      break;
+      return goal.hand(kHalfBent, kTurnedAside);
     case Phase::kSqueeze:
       break;
   }

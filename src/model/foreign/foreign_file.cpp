@@ -71,10 +71,7 @@ constexpr std::array<ForeignKind, 18> kEndings = {{
 }};
 
 Diagnostic asFault(const ForeignKind& kind) {
-  Diagnostic fault;
-  fault.problem = kind.problem;
-  fault.remedy = kind.remedy;
-  return fault;
+  return fileFault("", kind.problem, kind.remedy);
 }
 
 /// Name of the first element of an XML text; empty when it is none.

@@ -3,6 +3,7 @@
 #include "core/axis_array.hpp"
 #include "core/expected.hpp"
 #include "core/geometry.hpp"
+#include "schema_enums.hpp"
 
 #include <Eigen/Core>
 
@@ -12,9 +13,6 @@
 namespace wholehand {
 
 enum class Side { kRight, kLeft };
-
-/// Part of the hand that a capsule belongs to; determines skin blending and fingertips.
-enum class HandPart { kPalm, kIndex, kMiddle, kRing, kLittle, kThumb };
 
 /// A collider: a segment with a radius, in its link's frame.
 struct Capsule {
@@ -31,8 +29,6 @@ struct SelfPair {
   int capsule_a = -1;  ///< index into HandModel::capsules
   int capsule_b = -1;
 };
-
-enum class JointType { kPrismatic, kRevolute, kFixed };
 
 /// A rigid link and its joint. The link frame coincides with the joint frame at joint position
 /// zero. A revolute joint rotates the link about `axis` through the frame's origin; a prismatic

@@ -132,13 +132,10 @@ Expected<MeshSurface> convexHull(const std::vector<Vector3d>& points) {
   const int code = qhull.compute(points.size(), coordinates.data());
   if (code == qh_ERRsingular) return flatFault();
   if (code != qh_ERRnone) {
-    return Diagnostic{"",
-                      0,
-                      "",
-                      "",
-                      "has no convex hull that can be computed (Qhull ends with code " +
-                          std::to_string(code) + ")",
-                      "give its convex hull"};
+    return fileFault("",
+                     "has no convex hull that can be computed (Qhull ends with code " +
+                         std::to_string(code) + ")",
+                     "give its convex hull");
   }
   MeshSurface hull;
   std::vector<int> index(points.size(), -1);

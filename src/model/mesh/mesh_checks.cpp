@@ -20,15 +20,8 @@ constexpr const char* kFlat = "is flat or degenerate: it encloses no volume";
 
 }  // namespace
 
-Diagnostic meshFault(std::string problem, std::string remedy) {
-  Diagnostic d;
-  d.problem = std::move(problem);
-  d.remedy = std::move(remedy);
-  return d;
-}
-
 Diagnostic flatFault() {
-  return meshFault(kFlat, "give a closed convex surface with a thickness");
+  return fileFault("", kFlat, "give a closed convex surface with a thickness");
 }
 
 bool isFlatFault(const Diagnostic& fault) {
@@ -112,8 +105,8 @@ std::optional<Diagnostic> sizeFault(const WeldedMesh& mesh) {
   if (mesh.size_m >= kMinSize_m && mesh.size_m <= kMaxSize_m) return std::nullopt;
   // Files are in metres or millimetres; a scale may stand for one that is in the other.
   const double factor = mesh.size_m > kMaxSize_m ? 1e-3 : 1e3;
-  return meshFault(
-      fmt::format("is {:.4g} m across", mesh.size_m),
+  return fileFault(
+      "", fmt::format("is {:.4g} m across", mesh.size_m),
       fmt::format("must be 0.001 to 10 m across; with its scale times {:g} it is "
                   "{:.4g} m across{}",
                   factor, factor * mesh.size_m, factor < 1.0 ? ", as a mesh in millimetres" : ""));
@@ -121,7 +114,7 @@ std::optional<Diagnostic> sizeFault(const WeldedMesh& mesh) {
 
 std::optional<Diagnostic> countFault(std::size_t triangles, int most, const char* remedy) {
   if (std::cmp_less_equal(triangles, most)) return std::nullopt;
-  return meshFault(fmt::format("has {} triangles", triangles),
+  return fileFault("", fmt::format("has {} triangles", triangles),
                    fmt::format("may have {} at most: {}", most, remedy));
 }
 
@@ -129,22 +122,22 @@ std::optional<Diagnostic> countFault(std::size_t triangles, int most, const char
 std::optional<Diagnostic> inputFault(const std::vector<Vector3d>& points,
                                      const std::vector<Vector3i>& triangles, int most_triangles) {
   if (points.empty() || triangles.empty()) {
-    return meshFault("is empty: it has no faces", "give a closed convex surface");
+    return fileFault("", "is empty: it has no faces", "give a closed convex surface");
   }
   if (auto d = countFault(triangles.size(), most_triangles, "give its convex hull, simplified")) {
     return d;
   }
   if (std::cmp_greater(points.size(), 3 * most_triangles)) {  // its triangles have no more
-    return meshFault(fmt::format("has {} corners", points.size()),
+    return fileFault("", fmt::format("has {} corners", points.size()),
                      "remove those that belong to no face");
   }
   if (!std::all_of(points.begin(), points.end(), [](const Vector3d& p) { return p.allFinite(); })) {
-    return meshFault("has a corner that is not finite", "give finite coordinates");
+    return fileFault("", "has a corner that is not finite", "give finite coordinates");
   }
   const int count = static_cast<int>(points.size());
   for (const Vector3i& t : triangles) {
     if (t.minCoeff() < 0 || t.maxCoeff() >= count) {
-      return meshFault("has a face with a corner that does not exist", "export it again");
+      return fileFault("", "has a face with a corner that does not exist", "export it again");
     }
   }
   return std::nullopt;

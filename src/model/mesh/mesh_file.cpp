@@ -34,13 +34,6 @@ double seconds(MeshLoadTime::Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-Diagnostic fileFault(std::string problem, std::string remedy) {
-  Diagnostic d;
-  d.problem = std::move(problem);
-  d.remedy = std::move(remedy);
-  return d;
-}
-
 // The documented formats, whose readers are tested against damage.
 constexpr std::array<std::pair<std::string_view, MeshFile (*)(std::string_view)>, 5> kReaders = {
     {{"stl", readStl}, {"obj", readObj}, {"ply", readPly}, {"dae", readDae}, {"glb", readGlb}}};
@@ -67,21 +60,22 @@ std::optional<Diagnostic> nameFault(const std::string& path) {
   const std::string name = printable(path);
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    return fileFault("there is no such mesh file: " + name,
+    return fileFault("", "there is no such mesh file: " + name,
                      "check the name; it is relative to the file that names it");
   }
   if (std::filesystem::file_size(path, error) == 0) {
-    return fileFault("the mesh file " + name + " is empty", "give a closed convex surface");
+    return fileFault("", "the mesh file " + name + " is empty", "give a closed convex surface");
   }
   if (std::filesystem::file_size(path, error) > kLargestFile_bytes) {
-    return fileFault("the mesh file " + name + " is larger than 64 MB", "simplify the surface");
+    return fileFault("", "the mesh file " + name + " is larger than 64 MB", "simplify the surface");
   }
   const std::string ending = endingOf(path);
   if (readerOf(ending) != nullptr) return std::nullopt;
   if (const auto foreign = foreignFileAt(path)) {
-    return fileFault("the mesh file " + name + " " + foreign->problem, foreign->remedy);
+    return fileFault("", "the mesh file " + name + " " + foreign->problem, foreign->remedy);
   }
-  return fileFault("the mesh file " + name + " is not of a supported format: its name " +
+  return fileFault("",
+                   "the mesh file " + name + " is not of a supported format: its name " +
                        (ending.empty() ? "has no ending" : "ends in ." + printable(ending)),
                    kExport);
 }
@@ -102,7 +96,7 @@ Expected<MeshCollider> loadCollider(const std::string& path, const Eigen::Vector
   for (Diagnostic& notice : collider->notices) notice.problem = mesh + notice.problem;
   for (const std::string& notice : file->notices) {
     collider->notices.push_back(
-        fileFault(mesh + notice, "turn or export it otherwise if it is wrong"));
+        fileFault("", mesh + notice, "turn or export it otherwise if it is wrong"));
   }
   return collider;
 }
@@ -142,13 +136,9 @@ struct Head {
   std::uint32_t first = 0, second = 0, third = 0;
 };
 
-Diagnostic fault(std::string problem, std::string remedy) {
-  return {"", 0, "", "", std::move(problem), std::move(remedy)};
-}
-
 Diagnostic damaged() {
-  return fault("the result of the mesh reader is damaged",
-               "install the program and wholehand-read-mesh from one build");
+  return fileFault("", "the result of the mesh reader is damaged",
+                   "install the program and wholehand-read-mesh from one build");
 }
 
 template <class T>
@@ -243,13 +233,10 @@ Diagnostic MeshLoadTime::fault() const {
   if (slowest.size() > kNamed) {
     files += fmt::format(", {} more {:.1f} s", slowest.size() - kNamed, seconds(others));
   }
-  return {"",
-          0,
-          "",
-          "",
-          fmt::format("the meshes up to this one took longer than {:g} s to load ({})",
-                      seconds(total_), files),
-          "simplify the meshes that took longest, or name fewer meshes"};
+  return fileFault("",
+                   fmt::format("the meshes up to this one took longer than {:g} s to load ({})",
+                               seconds(total_), files),
+                   "simplify the meshes that took longest, or name fewer meshes");
 }
 
 Expected<MeshFile> readMeshHere(const std::string& path) {
@@ -270,8 +257,8 @@ Expected<MeshFile> readMeshHere(const std::string& path) {
     // A file of another program under a name of ours.
     const auto foreign = foreignFile(bytes.view().substr(0, 4096), "");
     if (foreign && !foreign->problem.starts_with("is a mesh"))
-      return fileFault(name + foreign->problem, foreign->remedy);
-    return fileFault(name + why.problem, why.remedy);
+      return fileFault("", name + foreign->problem, foreign->remedy);
+    return fileFault("", name + why.problem, why.remedy);
   }
 }
 
@@ -312,8 +299,8 @@ Expected<MeshFile> readMeshInChild(const std::string& program, const std::string
       .time = longest, .memory_bytes = 1ULL << 30, .output_bytes = 256ULL << 20};
   const ChildResult child = runChild(program, {path}, limits);
   if (child.ending == ChildEnding::kExited && child.code == 0) return decodeMesh(child.output);
-  return fault("the mesh file " + printable(path) + " " + ending(child, longest),
-               "export it again as STL, OBJ, PLY, DAE or GLB, with fewer triangles");
+  return fileFault("", "the mesh file " + printable(path) + " " + ending(child, longest),
+                   "export it again as STL, OBJ, PLY, DAE or GLB, with fewer triangles");
 }
 
 std::string encodeMesh(const Expected<MeshFile>& file) {
@@ -347,7 +334,8 @@ Expected<MeshFile> decodeMesh(std::string_view text) {
   if (head.what != kRefusal || text.size() != std::size_t{head.first} + head.second) {
     return damaged();
   }
-  return fault(std::string(text.substr(0, head.first)), std::string(text.substr(head.first)));
+  return fileFault("", std::string(text.substr(0, head.first)),
+                   std::string(text.substr(head.first)));
 }
 
 }  // namespace wholehand

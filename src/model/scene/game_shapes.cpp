@@ -180,8 +180,8 @@ Eigen::Vector3d extents(const Shape& shape) {
 Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const GameBudget& budget) {
   Diagnostics faults;
   if (pieces.empty() || std::cmp_greater(pieces.size(), budget.pieces)) {
-    faults.push_back({"", 0, "pieces", std::to_string(pieces.size()), "is out of range",
-                      fmt::format("must be in [1, {}] (budget.pieces)", budget.pieces)});
+    faults.push_back(keyFault("", "pieces", std::to_string(pieces.size()), "is out of range",
+                              fmt::format("must be in [1, {}] (budget.pieces)", budget.pieces)));
   }
   for (std::size_t i = 0; i < pieces.size(); ++i) checkPiece(pieces[i], i, budget, faults);
   if (faults.empty()) checkOverlaps(pieces, faults);
@@ -190,12 +190,8 @@ Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const G
   const MassProperties mass = uniformDensity(pieces, 1.0);
   const std::string impossible = inertiaFault(mass.inertia_kg_m2);
   if (!impossible.empty()) {
-    return Diagnostic{"",
-                      0,
-                      "pieces",
-                      "",
-                      "have an impossible inertia: " + impossible,
-                      "give pieces that have volume"};
+    return keyFault("", "pieces", "", "have an impossible inertia: " + impossible,
+                    "give pieces that have volume");
   }
   PreparedShapes out;
   out.com_m = mass.com_m;

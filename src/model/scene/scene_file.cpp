@@ -259,8 +259,8 @@ class BodyReader {
     SceneBody body;
     body.name = root.name + "/" + mover.name;
     const auto note = [&](std::string problem, std::string remedy) {
-      notices_.push_back({path, 0, fmt::format("link[{}]", mover.name), "", std::move(problem),
-                          std::move(remedy)});
+      notices_.push_back(keyFault(path, fmt::format("link[{}]", mover.name), "", std::move(problem),
+                                  std::move(remedy)));
     };
     if (mover.shapes.empty()) {
       note("moves on a joint and has no collider: it is left out", "give it a <collision>");
@@ -505,14 +505,13 @@ void noteHeavyOnLight(SceneModel& scene) {
     if (heavy == nullptr || body.mass_kg > heavy->mass_kg) heavy = &body;
   }
   if (light == nullptr || heavy->mass_kg <= kMostMassRatio * light->mass_kg) return;
-  scene.notices.push_back(
-      {scene.path, 0, "bodies", "",
-       fmt::format("\"{}\" ({:.3g} kg) is {:.0f} times as heavy as \"{}\" ({:.3g} kg): where it "
-                   "rests on it while the hand touches one of them, it may sink in",
-                   printable(heavy->name), heavy->mass_kg, heavy->mass_kg / light->mass_kg,
-                   printable(light->name), light->mass_kg),
-       fmt::format("keep bodies that rest on each other within a ratio of {:.0f}",
-                   kMostMassRatio)});
+  scene.notices.push_back(keyFault(
+      scene.path, "bodies", "",
+      fmt::format("\"{}\" ({:.3g} kg) is {:.0f} times as heavy as \"{}\" ({:.3g} kg): where it "
+                  "rests on it while the hand touches one of them, it may sink in",
+                  printable(heavy->name), heavy->mass_kg, heavy->mass_kg / light->mass_kg,
+                  printable(light->name), light->mass_kg),
+      fmt::format("keep bodies that rest on each other within a ratio of {:.0f}", kMostMassRatio)));
 }
 
 /// A body that falls onto a fixed one at more than kMostBodySpeed_m_s may pass through it.

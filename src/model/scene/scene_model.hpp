@@ -3,6 +3,7 @@
 #include "core/expected.hpp"
 #include "core/geometry.hpp"
 #include "model/scene/scene_joint.hpp"
+#include "schema_enums.hpp"
 
 #include <Eigen/Core>
 
@@ -18,8 +19,6 @@ class MeshLoadTime;  // model/mesh/mesh_file.hpp
 inline constexpr double kMostBodySpeed_m_s = 15.0;
 /// A body rests on one that is lighter by this factor within 0.1 mm.
 inline constexpr double kMostMassRatio = 100.0;
-
-enum class ShapeType { kBox, kSphere, kCylinder, kCapsule, kConvexMesh };
 
 /// A collider in its body's frame. Cylinder and capsule lie along the shape frame's z. A disk of a
 /// scene file is a cylinder.

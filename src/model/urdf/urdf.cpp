@@ -126,14 +126,8 @@ std::optional<std::vector<double>> parseNumbers(const std::string& text) {
 
 void UrdfFaults::add(const XMLElement* at, std::string key, std::string value, std::string problem,
                      std::string remedy) {
-  Diagnostic d;
-  d.file = file_;
-  d.line = at != nullptr ? at->GetLineNum() : 0;
-  d.key = std::move(key);
-  d.value = std::move(value);
-  d.problem = std::move(problem);
-  d.remedy = std::move(remedy);
-  all_.push_back(std::move(d));
+  all_.push_back({file_, at != nullptr ? at->GetLineNum() : 0, std::move(key), std::move(value),
+                  std::move(problem), std::move(remedy)});
 }
 
 void UrdfFaults::note(const XMLElement* at, std::string key, std::string value, Diagnostic notice) {
@@ -559,7 +553,7 @@ class Reader {
     const char* const value = e.Attribute("value");
     if (value == nullptr || parseNumbers(value) == std::vector<double>{0.0}) return;
     faults_.note(&e, key + "." + e.Name(), value,
-                 {"", 0, "", "", "is not applied", "the body keeps its own; friction is applied"});
+                 fileFault("", "is not applied", "the body keeps its own; friction is applied"));
   }
 
   /// Of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`, `<mu2>`).
@@ -573,15 +567,16 @@ class Reader {
                   "must be a number >= 0");
     } else if (value->front() > kMostFriction) {
       faults_.note(e, key + "." + e->Name(), text,
-                   {"", 0, "", "", fmt::format("is too large: {:g} is applied", kMostFriction),
-                    "must be in [0, 2]"});
+                   fileFault("", fmt::format("is too large: {:g} is applied", kMostFriction),
+                             "must be in [0, 2]"));
       friction_ = kMostFriction;
     } else if (friction_ && *friction_ != value->front()) {
-      faults_.note(e, key + "." + e->Name(), text,
-                   {"", 0, "", "",
+      faults_.note(
+          e, key + "." + e->Name(), text,
+          fileFault("",
                     fmt::format("is not applied: the body has one friction, {:g} as named before",
                                 *friction_),
-                    "give the body of the scene a friction of its own"});
+                    "give the body of the scene a friction of its own"));
     } else {
       friction_ = value->front();
     }

@@ -49,10 +49,10 @@ Expected<Done> AnalyticWorld::placeHand(const AxisPosition& q_s) {
   for (int a = 0; a < hand_->axis_count; ++a) {
     const AnalyticAxis& axis = scene_.axes[a];
     if (q_s[a] >= axis.lower_stop && q_s[a] <= axis.upper_stop) continue;
-    errors.push_back({"", 0, hand_->axis_names[a], std::to_string(q_s[a]),
-                      "puts the hand inside a stop",
-                      "must be in [" + std::to_string(axis.lower_stop) + ", " +
-                          std::to_string(axis.upper_stop) + "]"});
+    errors.push_back(keyFault("", hand_->axis_names[a], std::to_string(q_s[a]),
+                              "puts the hand inside a stop",
+                              "must be in [" + std::to_string(axis.lower_stop) + ", " +
+                                  std::to_string(axis.upper_stop) + "]"));
   }
   if (!errors.empty()) return errors;
   q_s_ = q_s;

@@ -28,7 +28,7 @@ class MoteusInStep final : public DeviceDriver {
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double) override {
     if (device_.control(verb) == WH_OK) return Done{};
-    return Diagnostic{"", 0, "", "", "control failed", ""};
+    return fileFault("", "control failed", "");
   }
   [[nodiscard]] int read(wh_sample& sample) noexcept override { return device_.read(sample); }
   [[nodiscard]] int write(const wh_command& command) noexcept override {

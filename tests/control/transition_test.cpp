@@ -1,4 +1,5 @@
-#include "control/virtual_wall.hpp"
+#include "control/transition.hpp"
+
 #include "support/constants.hpp"
 #include "support/seed.hpp"
 
@@ -11,47 +12,6 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-/// f_e of a wall of 5 N·m/rad and 0.1 N·m·s/rad at 1 rad that closes upwards.
-double wallAtOne(double position, double velocity, double alpha = 1.0, double cap = 100.0) {
-  return wallEffort({1.0, 1.0, 5.0, 0.1, cap}, position, velocity, alpha);
-}
-
-TEST(VirtualWall, MillionRandomStates_NeverPullAFingerIn) {
-  auto random = seededRandom(31);
-  std::uniform_real_distribution<double> unit(0.0, 1.0), both(-1.0, 1.0);
-  double most = -kInfinite;
-  for (int i = 0; i < cases(1'000'000); ++i) {
-    const double side = i % 2 == 0 ? 1.0 : -1.0;
-    const VirtualWall wall{both(random), side, 20.0 * unit(random), unit(random), unit(random)};
-    // Mostly near the wall, where signs matter; p up to 2 rad, ṗ up to 20 rad/s.
-    const double depth = both(random) * std::pow(10.0, -6.0 * unit(random)) * 2.0;
-    const double effort =
-        wallEffort(wall, wall.position + side * depth, 20.0 * both(random), unit(random));
-    most = std::max(most, effort * side);
-  }
-  EXPECT_LE(most, 0.0);  // f_e · closing direction: Eq. (15) as corrected
-}
-
-TEST(VirtualWall, InsideIt_IsStiffnessTimesDepthPlusDamping) {
-  // Eq. (15) by hand: −(5 · 0.2 + 0.1 · 0.5) = −1.05, halved by α.
-  EXPECT_NEAR(wallAtOne(1.2, 0.5), -1.05, tolerance(1e-12));
-  EXPECT_NEAR(wallAtOne(1.2, 0.5, 0.5), -0.525, tolerance(1e-12));
-  EXPECT_EQ(wallAtOne(1.2, -11.0), 0.0);           // 1 − 1.1 < 0: it would pull
-  EXPECT_EQ(wallAtOne(0.9, 5.0), 0.0);             // outside
-  EXPECT_EQ(wallAtOne(1.2, 0.0, 1.0, 0.3), -0.3);  // capped
-  EXPECT_NEAR(wallEffort({1.0, -1.0, 5.0, 0.1, 9.0}, 0.8, -0.5, 1.0), 1.05,
-              tolerance(1e-12));  // the mirror image
-}
-
-TEST(VirtualWall, NotANumber_PushesNobody) {
-  EXPECT_EQ(wallAtOne(kNan, 0.0), 0.0);
-  EXPECT_EQ(wallAtOne(1.2, kNan), 0.0);
-  EXPECT_EQ(wallAtOne(1.2, 0.0, kNan), 0.0);
-  EXPECT_EQ(wallAtOne(kInfinite, 0.0), 0.0);
-  EXPECT_EQ(wallEffort({kNan, 1.0, 5.0, 0.1, 9.0}, 1.2, 0.0, 1.0), 0.0);
-  EXPECT_EQ(wallEffort({1.0, 1.0, 5.0, 0.1, kNan}, 1.2, 0.0, 1.0), 0.0);
-}
 
 TEST(Transition, AtItsEndsAndInTheMiddle_IsTheCubic) {
   EXPECT_EQ(transitionAlpha({0.0, true}), 0.0);
@@ -119,15 +79,14 @@ TEST(Transition, SkippedPeriods_CountInFull) {
 }
 
 TEST(Transition, FingerHeldStill_TipForceChangesByAtMostFiveHundredthsOfANewton) {
-  // The figure: |f_e| ≤ 10 N, 1 kHz. The steepest: 10 N · 1.5 / 0.3 s · 1 ms = 0.05 N.
+  // 10 N along the fingertip's path, 1 kHz. The steepest: 10 N · 1.5 / 0.3 s · 1 ms = 0.05 N.
   const TransitionConfig config;
-  const VirtualWall wall{0.0, 1.0, 1000.0, 0.0, 10.0};  // along the fingertip's path: N/m, N
   double largest_n = 0.0, before_n = 0.0;
   TransitionState state;
   for (int tick = 0; tick < 4000; ++tick) {
     const bool in = tick % 2000 < 1200;
     state = advanceTransition(state, in ? 0.0 : 1.0, true, config, 1, kPeriod_s);
-    const double force_n = wallEffort(wall, 0.01, 0.0, transitionAlpha(state));
+    const double force_n = 10.0 * transitionAlpha(state);
     largest_n = std::max(largest_n, std::abs(force_n - before_n));
     before_n = force_n;
   }
