@@ -29,10 +29,9 @@ constinit thread_local LockCalls calls;
 template <class... Arguments>
 class Original {
  public:
-  /// @param version of the symbol, if it has more than one; a machine that never had the old one
-  /// has no such version
-  constexpr explicit Original(const char* name, const char* version = nullptr)
-      : name_(name), version_(version) {}
+  /// @param version of the symbol, if it has more than one, else null; a machine that never had the
+  /// old one has no such version
+  constexpr Original(const char* name, const char* version) : name_(name), version_(version) {}
   int operator()(Arguments... arguments) {
     void* found = found_.load(std::memory_order_relaxed);
     if (found == nullptr) {
@@ -66,123 +65,61 @@ LockCalls threadLockCalls() noexcept {
 
 #if WHOLEHAND_COUNTS_LOCKS
 
-// The names are the C library's.
-// NOLINTBEGIN(readability-identifier-naming)
+// Counts a call of the C library's function of that name, then calls it.
+// NOLINTBEGIN(readability-identifier-naming,bugprone-macro-parentheses)
+#define WHOLEHAND_COUNTED_1(kind, name, version, A)        \
+  int name(A a) {                                          \
+    static constinit Original<A> original{#name, version}; \
+    ++calls.kind;                                          \
+    return original(a);                                    \
+  }
+#define WHOLEHAND_COUNTED_2(kind, name, version, A, B)        \
+  int name(A a, B b) {                                        \
+    static constinit Original<A, B> original{#name, version}; \
+    ++calls.kind;                                             \
+    return original(a, b);                                    \
+  }
+#define WHOLEHAND_COUNTED_3(kind, name, version, A, B, C)        \
+  int name(A a, B b, C c) {                                      \
+    static constinit Original<A, B, C> original{#name, version}; \
+    ++calls.kind;                                                \
+    return original(a, b, c);                                    \
+  }
+#define WHOLEHAND_COUNTED_4(kind, name, version, A, B, C, D)        \
+  int name(A a, B b, C c, D d) {                                    \
+    static constinit Original<A, B, C, D> original{#name, version}; \
+    ++calls.kind;                                                   \
+    return original(a, b, c, d);                                    \
+  }
+using Mutex = pthread_mutex_t*;
+using SpinLock = pthread_spinlock_t*;
+using RwLock = pthread_rwlock_t*;
+using Condition = pthread_cond_t*;
+using Until = const timespec*;
 extern "C" {
-int pthread_mutex_lock(pthread_mutex_t* mutex) {
-  static constinit Original<pthread_mutex_t*> original{"pthread_mutex_lock"};
-  ++calls.locks;
-  return original(mutex);
+WHOLEHAND_COUNTED_1(locks, pthread_mutex_lock, nullptr, Mutex)
+WHOLEHAND_COUNTED_1(locks, pthread_mutex_trylock, nullptr, Mutex)
+WHOLEHAND_COUNTED_2(locks, pthread_mutex_timedlock, nullptr, Mutex, Until)
+WHOLEHAND_COUNTED_3(locks, pthread_mutex_clocklock, nullptr, Mutex, clockid_t, Until)
+WHOLEHAND_COUNTED_1(locks, pthread_spin_lock, nullptr, SpinLock)
+WHOLEHAND_COUNTED_1(locks, pthread_spin_trylock, nullptr, SpinLock)
+WHOLEHAND_COUNTED_1(locks, pthread_rwlock_rdlock, nullptr, RwLock)
+WHOLEHAND_COUNTED_1(locks, pthread_rwlock_wrlock, nullptr, RwLock)
+WHOLEHAND_COUNTED_1(locks, pthread_rwlock_tryrdlock, nullptr, RwLock)
+WHOLEHAND_COUNTED_1(locks, pthread_rwlock_trywrlock, nullptr, RwLock)
+WHOLEHAND_COUNTED_2(locks, pthread_rwlock_timedrdlock, nullptr, RwLock, Until)
+WHOLEHAND_COUNTED_2(locks, pthread_rwlock_timedwrlock, nullptr, RwLock, Until)
+WHOLEHAND_COUNTED_2(waits, pthread_cond_wait, kNewConditions, Condition, Mutex)
+WHOLEHAND_COUNTED_3(waits, pthread_cond_timedwait, kNewConditions, Condition, Mutex, Until)
+WHOLEHAND_COUNTED_4(waits, pthread_cond_clockwait, nullptr, Condition, Mutex, clockid_t, Until)
+WHOLEHAND_COUNTED_1(waits, sem_wait, nullptr, sem_t*)
+WHOLEHAND_COUNTED_1(waits, sem_trywait, nullptr, sem_t*)
+WHOLEHAND_COUNTED_2(waits, sem_timedwait, nullptr, sem_t*, Until)
+WHOLEHAND_COUNTED_1(wakes, pthread_cond_signal, kNewConditions, Condition)
+WHOLEHAND_COUNTED_1(wakes, pthread_cond_broadcast, kNewConditions, Condition)
+WHOLEHAND_COUNTED_1(wakes, sem_post, nullptr, sem_t*)
 }
-int pthread_mutex_trylock(pthread_mutex_t* mutex) {
-  static constinit Original<pthread_mutex_t*> original{"pthread_mutex_trylock"};
-  ++calls.locks;
-  return original(mutex);
-}
-int pthread_mutex_timedlock(pthread_mutex_t* mutex, const timespec* abstime) {
-  static constinit Original<pthread_mutex_t*, const timespec*> original{"pthread_mutex_timedlock"};
-  ++calls.locks;
-  return original(mutex, abstime);
-}
-int pthread_mutex_clocklock(pthread_mutex_t* mutex, clockid_t clockid, const timespec* abstime) {
-  static constinit Original<pthread_mutex_t*, clockid_t, const timespec*> original{
-      "pthread_mutex_clocklock"};
-  ++calls.locks;
-  return original(mutex, clockid, abstime);
-}
-int pthread_spin_lock(pthread_spinlock_t* lock) {
-  static constinit Original<pthread_spinlock_t*> original{"pthread_spin_lock"};
-  ++calls.locks;
-  return original(lock);
-}
-int pthread_spin_trylock(pthread_spinlock_t* lock) {
-  static constinit Original<pthread_spinlock_t*> original{"pthread_spin_trylock"};
-  ++calls.locks;
-  return original(lock);
-}
-int pthread_rwlock_rdlock(pthread_rwlock_t* rwlock) {
-  static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_rdlock"};
-  ++calls.locks;
-  return original(rwlock);
-}
-int pthread_rwlock_wrlock(pthread_rwlock_t* rwlock) {
-  static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_wrlock"};
-  ++calls.locks;
-  return original(rwlock);
-}
-int pthread_rwlock_tryrdlock(pthread_rwlock_t* rwlock) {
-  static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_tryrdlock"};
-  ++calls.locks;
-  return original(rwlock);
-}
-int pthread_rwlock_trywrlock(pthread_rwlock_t* rwlock) {
-  static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_trywrlock"};
-  ++calls.locks;
-  return original(rwlock);
-}
-int pthread_rwlock_timedrdlock(pthread_rwlock_t* rwlock, const timespec* abstime) {
-  static constinit Original<pthread_rwlock_t*, const timespec*> original{
-      "pthread_rwlock_timedrdlock"};
-  ++calls.locks;
-  return original(rwlock, abstime);
-}
-int pthread_rwlock_timedwrlock(pthread_rwlock_t* rwlock, const timespec* abstime) {
-  static constinit Original<pthread_rwlock_t*, const timespec*> original{
-      "pthread_rwlock_timedwrlock"};
-  ++calls.locks;
-  return original(rwlock, abstime);
-}
-int pthread_cond_wait(pthread_cond_t* cond, pthread_mutex_t* mutex) {
-  static constinit Original<pthread_cond_t*, pthread_mutex_t*> original{"pthread_cond_wait",
-                                                                        kNewConditions};
-  ++calls.waits;
-  return original(cond, mutex);
-}
-int pthread_cond_timedwait(pthread_cond_t* cond, pthread_mutex_t* mutex, const timespec* abstime) {
-  static constinit Original<pthread_cond_t*, pthread_mutex_t*, const timespec*> original{
-      "pthread_cond_timedwait", kNewConditions};
-  ++calls.waits;
-  return original(cond, mutex, abstime);
-}
-int pthread_cond_clockwait(pthread_cond_t* cond, pthread_mutex_t* mutex, clockid_t clock_id,
-                           const timespec* abstime) {
-  static constinit Original<pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*> original{
-      "pthread_cond_clockwait"};
-  ++calls.waits;
-  return original(cond, mutex, clock_id, abstime);
-}
-int sem_wait(sem_t* sem) {
-  static constinit Original<sem_t*> original{"sem_wait"};
-  ++calls.waits;
-  return original(sem);
-}
-int sem_trywait(sem_t* sem) {
-  static constinit Original<sem_t*> original{"sem_trywait"};
-  ++calls.waits;
-  return original(sem);
-}
-int sem_timedwait(sem_t* sem, const timespec* abstime) {
-  static constinit Original<sem_t*, const timespec*> original{"sem_timedwait"};
-  ++calls.waits;
-  return original(sem, abstime);
-}
-int pthread_cond_signal(pthread_cond_t* cond) {
-  static constinit Original<pthread_cond_t*> original{"pthread_cond_signal", kNewConditions};
-  ++calls.wakes;
-  return original(cond);
-}
-int pthread_cond_broadcast(pthread_cond_t* cond) {
-  static constinit Original<pthread_cond_t*> original{"pthread_cond_broadcast", kNewConditions};
-  ++calls.wakes;
-  return original(cond);
-}
-int sem_post(sem_t* sem) {
-  static constinit Original<sem_t*> original{"sem_post"};
-  ++calls.wakes;
-  return original(sem);
-}
-}
-// NOLINTEND(readability-identifier-naming)
+// NOLINTEND(readability-identifier-naming,bugprone-macro-parentheses)
 
 #endif
 

@@ -65,7 +65,8 @@ std::optional<Diagnostic> dentFault(const WeldedMesh& mesh) {
       if (outside_m <= worst_m) continue;
       worst_m = outside_m;
       found =
-          meshFault(fmt::format("is not convex: its corner {} lies {:.3g} mm outside the plane of "
+          fileFault("",
+                    fmt::format("is not convex: its corner {} lies {:.3g} mm outside the plane of "
                                 "the face at {}",
                                 place(p), 1e3 * outside_m, place(mesh.points_m[t[0]])),
                     "give its convex hull, or convex pieces (wholehand decompose makes them)");
@@ -84,7 +85,8 @@ std::optional<Diagnostic> holeFault(const WeldedMesh& mesh) {
   }
   for (const auto& [edge, count] : faces_at_edge) {
     if (count == 2) continue;
-    return meshFault(
+    return fileFault(
+        "",
         fmt::format("is not watertight: the edge from {} to {} belongs to {} face{}, not 2",
                     place(mesh.points_m[edge.first]), place(mesh.points_m[edge.second]), count,
                     count == 1 ? "" : "s"),
@@ -222,7 +224,7 @@ Diagnostic hullNotice(std::string why, const StandIn& hull) {
         "closed, not wound one way, or overlaps itself)",
         1e6 * is_m3);
   }
-  return meshFault(std::move(why),
+  return fileFault("", std::move(why),
                    "the hand cannot reach into a hollow of it; where it shall, give convex pieces "
                    "(wholehand decompose makes them)");
 }
@@ -321,7 +323,8 @@ std::optional<MeshCollider> convexParts(const MeshSurface& mesh, const std::vect
   }
   if (std::abs(is_m3 / was_m3 - 1.0) > kConvexShare) {
     found.notices.push_back(
-        meshFault(fmt::format("has {} parts whose convex hulls take their place, {}",
+        fileFault("",
+                  fmt::format("has {} parts whose convex hulls take their place, {}",
                               found.shapes.size(), volumeChange(is_m3, was_m3)),
                   "where this is too much, give convex parts"));
   }
@@ -329,13 +332,15 @@ std::optional<MeshCollider> convexParts(const MeshSurface& mesh, const std::vect
                     left_out = parts.size() - with_volume;
   if (inner > 0) {
     found.notices.push_back(
-        meshFault(fmt::format("has {} part{} inside another, left out of {}", inner, plural(inner),
+        fileFault("",
+                  fmt::format("has {} part{} inside another, left out of {}", inner, plural(inner),
                               parts.size()),
                   "nothing of them is felt; of a hollow, turn the faces the other way"));
   }
   if (left_out > 0) {
     found.notices.push_back(
-        meshFault(fmt::format("has {} part{} without volume or smaller than 1 mm, left out of {}",
+        fileFault("",
+                  fmt::format("has {} part{} without volume or smaller than 1 mm, left out of {}",
                               left_out, plural(left_out), parts.size()),
                   "give them a thickness if they shall be felt"));
   }

@@ -168,7 +168,7 @@ class Decomposition {
       result.pieces.push_back(std::move(*hull));
     }
     if (result.pieces.empty()) {
-      return meshFault("is too thin for convex pieces", "give it a thickness");
+      return fileFault("", "is too thin for convex pieces", "give it a thickness");
     }
     measure(result);
     return result;
@@ -375,7 +375,7 @@ class Decomposition {
     whole.points_m = solid_.surface.points;
     auto part = complete(std::move(whole));
     if (!part)
-      return meshFault("is flat or degenerate: it encloses no volume", "give it a thickness");
+      return fileFault("", "is flat or degenerate: it encloses no volume", "give it a thickness");
     parts_.push_back(std::move(*part));
     const int most = options_.most_pieces == 1 ? 1 : kPartsForPiece * options_.most_pieces;
     while (std::cmp_less(parts_.size(), most)) {

@@ -23,8 +23,6 @@ struct WeldedMesh {
   double size_m = 0.0;  ///< diagonal of the bounding box
 };
 
-[[nodiscard]] Diagnostic meshFault(std::string problem, std::string remedy);
-
 /// Fault of a mesh without volume, and whether a fault is that one, whatever names the mesh before
 /// it.
 [[nodiscard]] Diagnostic flatFault();

@@ -40,10 +40,11 @@ std::optional<Diagnostic> edgeFault(const WeldedMesh& mesh) {
         fmt::format("the edge from {} to {}", place(mesh.points_m[edge.first]),
                     place(mesh.points_m[edge.second]));
     if (faces % 2 == 0) {
-      return meshFault(fmt::format("is wound both ways: its faces at {} are", where),
+      return fileFault("", fmt::format("is wound both ways: its faces at {} are", where),
                        "let the modelling program turn all normals outward");
     }
-    return meshFault(fmt::format("is not closed, so that it has no volume: {} belongs to {} face{}",
+    return fileFault("",
+                     fmt::format("is not closed, so that it has no volume: {} belongs to {} face{}",
                                  where, faces, faces == 1 ? "" : "s"),
                      "close its holes; a sheet needs a thickness");
   }
