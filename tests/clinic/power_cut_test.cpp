@@ -201,7 +201,7 @@ TEST(PowerCut, AtRandomMoments_NothingAnsweredIsLost_TheDatabaseIsSound) {
   auto random = test::seededRandom(4010);
   const std::size_t end = disk.steps.size();
   int lost = 0;
-  const int cuts = kFew ? 10 : 100;
+  const int cuts = test::kFew ? 10 : 100;
   for (int cut = 0; cut < cuts; ++cut) {
     const std::size_t moment = begun + random() % (end - begun + 1);
     SCOPED_TRACE(fmt::format("cut {} before step {} of {}", cut, moment, end));

@@ -86,7 +86,7 @@ struct Lesson {
 };
 
 TEST(SimulatedPlant, OfEachShippedDevice_IsCommissionedByWhatIsSaidAndFoundAsItsFileStates) {
-  for (const std::string file :
+  for (const std::string& file :
        aTenth<std::string>({"desktop-3axis", "lambda-pride", "wrist-9axis"})) {
     Lesson lesson(file);
     ASSERT_TRUE(leadCommissioning(*lesson.commissioning, lesson.hands)) << lesson.person.said;
