@@ -278,7 +278,7 @@ TEST(UntouchedDigits, RandomHandsPosturesApproaches_GetNothingFromAnyExercise) {
          "% of the limit");
   figure("CPU time", static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC, "s");
   if (some != nullptr) return;
-  EXPECT_GT(tally.engaged, tally.cases / 10);
+  EXPECT_GT(tally.engaged, full ? tally.cases / 10 : 0);  // one case in seven engages
 }
 
 }  // namespace
