@@ -5,6 +5,8 @@
 //
 // Prints the CPU time of a tick and a digest of all that the ticks computed. Two programs that
 // print one digest computed the same to the last bit. scripts/tick_cost.py runs it under Callgrind.
+// SCENE-bare is the scene without contacts of the hand with itself, armature and energy tank.
+// SCENE may be "orders": then TICKS orders to the bodies of a game are obeyed in place of ticks.
 #include "assembly/rig.hpp"
 #include "bench/rig_files.hpp"
 #include "experiments/complexity_scenes.hpp"
@@ -12,6 +14,10 @@
 #include "experiments/grasp_script.hpp"
 #include "experiments/grip_target.hpp"
 #include "files/text_file.hpp"
+#include "model/mesh/convex_hull.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/scene/game_shapes.hpp"
+#include "physics/physics_world.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "realtime/thread_setup.hpp"
 
@@ -23,6 +29,7 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 #include <unistd.h>
 #include <vector>
 
@@ -33,9 +40,14 @@ namespace wholehand {
   renderer.tick(1, record);
 }
 
-/// Where Callgrind writes the count of one tick: its name is passed to --dump-before.
-[[gnu::noinline]] void countedTick(const TickRecord& record) {
-  asm volatile("" : : "r"(&record) : "memory");
+/// The same of one order.
+[[gnu::noinline]] void measuredOrder(BodyPool& pool, const Command& order) {
+  pool.obey(order);
+}
+
+/// Where Callgrind writes the count of one tick or order: its name is passed to --dump-before.
+[[gnu::noinline]] void countedOne(const void* of) {
+  asm volatile("" : : "r"(of) : "memory");
 }
 
 namespace {
@@ -46,6 +58,24 @@ struct Prepared {
   int ticks_before = 0;
 };
 
+constexpr double kEndless_s = 3600.0;
+
+/// SCENE-bare.
+void strip(Models& models, RigOptions& options) {
+  models.hand.self_contacts.clear();
+  for (AxisRendering& axis : models.rendering.axes) axis.armature = 0.0;
+  options.uncertified = true;
+}
+
+/// The rest of SCENE-bare: another renderer of the same rig.
+void leaveOutTank(Rig& rig) {
+  RendererConfig config = rig.renderer->config();
+  config.safety.tank = {};
+  rig.renderer =
+      std::make_unique<HapticRenderer>(*rig.device, *rig.world, rig.models.hand, rig.models.scene,
+                                       config, rig.models.exercise.get());
+}
+
 ModelFiles barFiles() {
   ModelFiles files = filesOf("cocktail-bar.toml");
   files.exercise = WHOLEHAND_SOURCE_DIR "/config/exercises/cocktail-bar.toml";
@@ -54,10 +84,11 @@ ModelFiles barFiles() {
 
 /// The bar with its walls: the first dispenser is squeezed again and again, as in
 /// `wholehand experiment timing`.
-Prepared squeezeInBar(int ticks_before, const RigOptions& options) {
+Prepared squeezeInBar(int ticks_before, RigOptions options, bool bare = false) {
   Models models = orThrow(loadModels(barFiles()));
   const GripTarget target = firstDispenser(models);
-  Intention aim = squeezeAgainAndAgain(models.device, target.grip_m, 3600.0);
+  if (bare) strip(models, options);
+  Intention aim = squeezeAgainAndAgain(models.device, target.grip_m, kEndless_s);
   return {orThrow(buildRig(std::move(models), std::move(aim), options)), ticks_before};
 }
 
@@ -100,30 +131,92 @@ Prepared holdObject(const std::string& shape, const RigOptions& options) {
           static_cast<int>(std::lround(grasp_times::kHoldBegins / 1e-3))};
 }
 
-/// A pile of balls with the hand in it, as in `wholehand experiment complexity`.
-Prepared pressOnPile(int balls, const RigOptions& options) {
+/// A scene of `wholehand experiment complexity`: a pile of balls with the hand in it, or bodies
+/// that it cannot reach.
+Prepared swayAmong(ComplexityKind kind, int bodies, const RigOptions& options) {
   constexpr int kDown = 500;  // ticks until the hand presses
   Models models = orThrow(loadModels(filesOf("empty.toml")));
-  models.scene = orThrow(complexityScene(ComplexityKind::kPile, balls, models));
-  Intention aim = swayingHand(models.device, 3600.0);
+  models.scene = orThrow(complexityScene(kind, bodies, models));
+  Intention aim = swayingHand(models.device, kEndless_s);
   return {orThrow(buildRig(std::move(models), std::move(aim), options)), kDown};
 }
 
-Prepared prepare(const std::string& scene, const RigOptions& options) {
+Models gameModels() {
+  ModelFiles files = barFiles();
+  files.scene.clear();
+  files.exercise = WHOLEHAND_SOURCE_DIR "/config/exercises/game-scene.toml";
+  return orThrow(loadModels(files));
+}
+
+/// The hand at rest beside the parked slots of a game, or without any.
+Prepared restBesideSlots(bool slots, const RigOptions& options) {
+  Models models = gameModels();
+  if (!slots) models.scene.game = {};
+  const AxisPosition rest(models.device.axisCount());
+  Intention aim = Intention::throughWaypoints({{0.0, rest}});
+  return {orThrow(buildRig(std::move(models), std::move(aim), options)), 100};
+}
+
+/// A hand that closes by so much of its range and opens, again and again, and touches no body.
+Prepared closeInTheAir(double share, RigOptions options, bool bare) {
+  constexpr double kHalf_s = 0.6, kSway_m = 0.05;
+  constexpr int kTurns = 100;
+  Models models = orThrow(loadModels(filesOf("empty.toml")));
+  if (bare) strip(models, options);
+  std::vector<Waypoint> way;
+  for (int k = 0; k < kTurns; ++k) {
+    AxisPosition at(models.device.axisCount());
+    for (int a = 0; a < at.size(); ++a) {
+      const DeviceAxis& axis = models.device.axes[a];
+      if (axis.group == AxisGroup::kHand && k % 2 == 1) at[a] = share * axis.upper;
+    }
+    at[0] = k % 4 < 2 ? kSway_m : -kSway_m;
+    way.push_back({k * kHalf_s, at});
+  }
+  Intention aim = Intention::throughWaypoints(way);
+  return {orThrow(buildRig(std::move(models), std::move(aim), options)), 0};
+}
+
+/// Whether `scene` ends in -bare, which is taken away.
+bool takeBare(std::string& scene) {
+  constexpr std::string_view kBare = "-bare";
+  if (!scene.ends_with(kBare)) return false;
+  scene.resize(scene.size() - kBare.size());
+  return true;
+}
+
+Prepared prepareScene(const std::string& scene, bool bare, const RigOptions& options) {
   constexpr int kSqueezed = 4000;  // of squeezeAgainAndAgain: the walls are felt, the grip is firm
+  const auto counted = [&scene](const std::string& kind) {
+    return scene.starts_with(kind) ? std::stoi(scene.substr(kind.size())) : -1;
+  };
+  if (scene == "squeeze") return squeezeInBar(kSqueezed, options, bare);
+  if (const int percent = counted("close-"); percent >= 0) {
+    return closeInTheAir(0.01 * percent, options, bare);
+  }
+  if (bare) throw std::runtime_error("only squeeze and close-PERCENT have a -bare");
   if (scene == "approach") return squeezeInBar(0, options);
-  if (scene == "squeeze") return squeezeInBar(kSqueezed, options);
   if (scene == "near") return restAmongFour(options);
-  if (scene.rfind("hold-", 0) == 0) return holdObject(scene.substr(5), options);
-  if (scene.rfind("pile-", 0) == 0) return pressOnPile(std::stoi(scene.substr(5)), options);
+  if (scene == "slots" || scene == "no-slots") return restBesideSlots(scene == "slots", options);
+  if (scene.starts_with("hold-")) return holdObject(scene.substr(5), options);
+  if (const int n = counted("pile-"); n >= 0) return swayAmong(ComplexityKind::kPile, n, options);
+  if (const int n = counted("far-"); n >= 0) return swayAmong(ComplexityKind::kFar, n, options);
   if (scene == "drawer") return play(scene, 1, 4000, options);  // its bar is grasped and pulled
-  if (scene.rfind("play-", 0) == 0) {
+  if (scene.starts_with("play-")) {
     return play("cocktail-bar", std::stoull(scene.substr(5)), 0, options);
   }
   throw std::runtime_error(
       "scene \"" + scene +
-      "\" is none of approach, squeeze, near, drawer, hold-cube, hold-cylinder, "
-      "hold-sphere, hold-disk, pile-BALLS, play-SEED");
+      "\" is none of approach, squeeze, near, drawer, slots, no-slots, orders, hold-cube, "
+      "hold-cylinder, hold-sphere, hold-disk, close-PERCENT, pile-BALLS, far-BODIES, play-SEED; "
+      "squeeze and close-PERCENT also with -bare");
+}
+
+Prepared prepare(std::string scene, const RigOptions& options) {
+  const bool bare = takeBare(scene);
+  Prepared prepared = prepareScene(scene, bare, options);
+  if (bare) leaveOutTank(*prepared.rig);
+  return prepared;
 }
 
 /// FNV-1a over all that a tick computes.
@@ -194,7 +287,7 @@ void measure(const std::string& scene, int ticks, const RigOptions& options) {
     const std::int64_t began_ns = threadCpuNow_ns();
     measuredTick(renderer, record);
     cpu_ns.push_back(threadCpuNow_ns() - began_ns);
-    countedTick(record);
+    countedOne(&record);
     see();
     digest.add(record);
     touched += record.contact_count > 0 ? 1 : 0;
@@ -204,6 +297,62 @@ void measure(const std::string& scene, int ticks, const RigOptions& options) {
   std::printf("CPU time of a tick: p50 %.1f us, p99.9 %.1f us\n", percentile_us(cpu_ns, 0.5),
               percentile_us(cpu_ns, 0.999));
   std::printf("digest: %016llx\n", static_cast<unsigned long long>(digest.value()));
+}
+
+/// A prism with as many vertices as the shipped game's budget allows.
+Shape prism() {
+  constexpr int kPoints = 32;
+  constexpr double kRadius_m = 0.025, kHalf_m = 0.02;
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle = 2.0 * M_PI * (i / 2) / (kPoints / 2.0);
+    points.emplace_back(kRadius_m * std::cos(angle), kRadius_m * std::sin(angle),
+                        i % 2 == 0 ? kHalf_m : -kHalf_m);
+  }
+  const MeshSurface hull = orThrow(convexHull(points));
+  return orThrow(convexMesh(hull.points, hull.triangles));
+}
+
+/// Removes, spawns and teleports twenty bodies over the hand in turn, three orders a step.
+void measureOrders(int orders, const RigOptions& options) {
+  constexpr int kSlots = 20;
+  const Models models = gameModels();
+  const auto world = orThrow(buildWorld(options.engine, models.hand, models.scene));
+  BodyPool* const pool = world->bodyPool();
+  const int axes = models.device.axisCount();
+  if (pool == nullptr || !world->placeHand(AxisPosition(axes))) {
+    throw std::runtime_error("engine \"" + options.engine + "\" has no bodies for a game");
+  }
+  Shape cube;
+  cube.half_extents_m.setConstant(0.02);
+  int set = 0;
+  for (const Shape& shape : {cube, prism()}) {
+    const PreparedShapes shapes = orThrow(prepareShapes({shape}, models.scene.game));
+    for (const Command& c : shapeCommands(set, shapes)) pool->obey(c);
+    ++set;
+  }
+  const AxisMatrix inverse = AxisMatrix::Identity(axes, axes);
+  HandDrive drive;
+  drive.effort = AxisEffort(axes);
+  drive.reduced_inertia_inverse = &inverse;
+  const auto obey = [pool](const Command& order) {
+    measuredOrder(*pool, order);
+    countedOne(&order);
+  };
+  for (int k = 0; 3 * k < orders; ++k) {
+    const int slot = k % kSlots, generation = 1 + k / kSlots;
+    SpawnOrder spawn;
+    spawn.slot = slot;
+    spawn.generation = generation;
+    spawn.shape_set = k % 2;
+    spawn.owner = BodyOwner::kFixed;
+    spawn.pose = {Vec3::from({0.02 * (slot % 5), 0.03 * (slot / 5) - 0.05, 0.0}),
+                  QuatXyzw::from(Eigen::Quaterniond::Identity())};
+    obey(removeCommand(slot, generation - 1));
+    obey(spawnCommand(spawn));
+    obey(teleportCommand(slot, generation, spawn.pose));
+    if (any(world->step(drive, 1e-3) & kStoppingFaults)) throw std::runtime_error("a step failed");
+  }
 }
 
 }  // namespace
@@ -217,7 +366,11 @@ int main(int argc, char** argv) {
       throw std::runtime_error(std::string("TICKS is \"") + argv[2] + "\": give 1 or more");
     wholehand::RigOptions options;
     if (argc > 3) options.engine = argv[3];
-    wholehand::measure(argv[1], ticks, options);
+    if (std::string_view(argv[1]) == "orders") {
+      wholehand::measureOrders(ticks, options);
+    } else {
+      wholehand::measure(argv[1], ticks, options);
+    }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "measure_tick: %s\n", error.what());
     return 1;

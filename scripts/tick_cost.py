@@ -3,6 +3,8 @@
 
 usage: tick_cost.py show [SCENE ...]   counts, and prints each scene's ratio to the baseline and its spread
        tick_cost.py check [SCENE ...]  counts, and fails where a tick takes more instructions than were kept
+       tick_cost.py compare            counts scenes that differ by one thing, and orders to bodies, and fails where
+                                       that costs more than is allowed
        tick_cost.py write              counts every scene, keeps the counts and writes docs/performance.md
        tick_cost.py baseline           the same, and makes these counts the baseline
        tick_cost.py spread             the spread of single ticks only; does not keep it
@@ -38,6 +40,16 @@ CHECKED, ALLOWED = ("near", "squeeze"), 1.03
 # Ticks whose spread is shown: the bar from its start, through the approach and the first squeeze, as well.
 FROM_START = "approach to squeeze"
 SPREADS = {**{scene: (scene, TICKS) for scene in SCENES if scene != "approach"}, FROM_START: ("approach", 5000)}
+# By how much a scene may cost more than another that lacks one thing: scene, other, stage (None: the whole tick),
+# what it may be times the other's, and what it may be more, in instructions.
+COMPARED = [
+    ("far-1000", "far-0", None, 1.85, 0, "a thousand bodies out of reach"),
+    ("slots", "no-slots", None, 1.0, 9000, "64 parked slots"),
+    ("close-50", "close-50-bare", "physics step", 1.10, 0, "self-contacts and armature in free motion"),
+    ("close-100", "close-100-bare", "physics step", 2.1, 0, "the same, into a pinch and out of it"),
+    ("squeeze", "squeeze-bare", None, 1.10, 0, "self-contacts, armature and energy tank"),
+]
+ORDERS, ORDER_P50, ORDER_WORST = 600, 45_000, 1.5  # the last: p99.9 over p50
 # What the tick calls, and the stage that it belongs to. The first that matches counts.
 STAGES = [
     ("device", r"readDevice|writeDevice|Device::(read|write)|judgeReading|judgeWrite"),
@@ -86,7 +98,7 @@ def read_profile(path, cost):
 def profile(scene, ticks, program, *options):
     """The files that Callgrind writes, in a folder that is removed afterwards."""
     with tempfile.TemporaryDirectory(prefix="wholehand-tick-cost-") as folder:
-        command = ["valgrind", "--tool=callgrind", "--toggle-collect=wholehand::measuredTick*", "--dump-line=no",
+        command = ["valgrind", "--tool=callgrind", "--toggle-collect=wholehand::measured*", "--dump-line=no",
                    *options, f"--callgrind-out-file={folder}/profile", str(program), scene, str(ticks)]
         try:
             done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
@@ -112,11 +124,15 @@ def count(scene, program=PROGRAM):
 def spread(name):
     """Instructions of single ticks: median and 99.9th percentile."""
     scene, ticks = SPREADS[name]
-    each = sorted(read_profile(path, Counter())
-                  for path in profile(scene, ticks, PROGRAM, "--dump-before=wholehand::countedTick*"))
+    return quantiles(scene, ticks, lambda path: read_profile(path, Counter()))
+
+
+def quantiles(scene, ticks, read):
+    """Instructions of single ticks or orders: median and 99.9th percentile. @param read of a profile's path"""
+    each = sorted(read(path) for path in profile(scene, ticks, PROGRAM, "--dump-before=wholehand::countedOne*"))
     each = each[-ticks:]  # without the empty profile of the program's end
     if len(each) < ticks or each[0] == 0:
-        sys.exit(f"{scene}: {len(each)} profiles of {ticks} ticks")
+        sys.exit(f"{scene}: {len(each)} profiles of {ticks}")
     return {"ticks": ticks, "p50": each[ceil(0.5 * ticks) - 1], "p99.9": each[ceil(0.999 * ticks) - 1]}
 
 
@@ -157,6 +173,32 @@ def check(scenes):
             dearer.append(f"{scene}: {ratio:.3f} x; most in " + ", ".join(f"{s} ({now[s] - before[s]:+,})" for s in stages))
     if dearer:
         sys.exit("a tick takes more instructions than were kept (if it must: scripts/tick_cost.py write):\n" + "\n".join(dearer))
+
+
+def compare():
+    """Ends with exit code 1 where one thing costs more than is allowed."""
+    dearer = []
+
+    def judge(what, instructions, most):
+        print(f"figure: {what} = {instructions:,} instructions", flush=True)
+        if instructions > most:
+            dearer.append(f"{what}: {instructions:,} instructions, at most {most:,.0f}")
+    for scene, other, stage, times, more, what in COMPARED:
+        now, without = (count(name) for name in (scene, other))
+        now, without = (counts[stage] if stage else total(counts) for counts in (now, without))
+        print(f"figure: {what}, over without = {now / without:.3f} ")
+        judge(f"{what}, {stage or 'tick'}", now, times * without + more)
+    orders = quantiles("orders", ORDERS, total_of_profile)
+    judge("an order to a body, p50", orders["p50"], ORDER_P50)
+    judge("an order to a body, p99.9", orders["p99.9"], ORDER_WORST * orders["p50"])
+    if dearer:
+        sys.exit("more instructions than are allowed:\n" + "\n".join(dearer))
+
+
+def total_of_profile(path):
+    """All instructions that Callgrind counted in it."""
+    found = re.search(r"^totals: (\d+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return int(found[1]) if found else 0
 
 
 def hardening_lines(hardening):
@@ -221,12 +263,14 @@ def write(as_baseline):
 def main():
     command, scenes = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
     unknown = [scene for scene in scenes if scene not in SCENES]
-    if command not in ("show", "check", "write", "baseline", "spread") or unknown:
+    if command not in ("show", "check", "compare", "write", "baseline", "spread") or unknown:
         sys.exit(__doc__ + "\nScenes: " + ", ".join(SCENES))
     if command == "show":
         show(scenes or SCENES)
     elif command == "check":
         check(scenes or CHECKED)
+    elif command == "compare":
+        compare()
     elif command == "spread":
         for name in SPREADS:
             print(f"{name}: {spread_text(spread(name))}", flush=True)

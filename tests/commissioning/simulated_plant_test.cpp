@@ -5,6 +5,7 @@
 #include "commissioning/commissioning.hpp"
 #include "passport_file.hpp"
 #include "support/says.hpp"
+#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
@@ -85,7 +86,8 @@ struct Lesson {
 };
 
 TEST(SimulatedPlant, OfEachShippedDevice_IsCommissionedByWhatIsSaidAndFoundAsItsFileStates) {
-  for (const char* file : {"desktop-3axis", "lambda-pride", "wrist-9axis"}) {
+  for (const std::string& file :
+       aTenth<std::string>({"desktop-3axis", "lambda-pride", "wrist-9axis"})) {
     Lesson lesson(file);
     ASSERT_TRUE(leadCommissioning(*lesson.commissioning, lesson.hands)) << lesson.person.said;
     EXPECT_TRUE(says(lesson.person.said, "no device is armed with it")) << file;

@@ -6,6 +6,7 @@
 #include "firmware_process.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
+#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
@@ -147,16 +148,13 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(Kinds, LostPart,
-                         testing::Values(Lost{"unplug", true}, Lost{"unplug", false},
-                                         Lost{"refuse", true}, Lost{"refuse", false},
-                                         Lost{"frozen", true}, Lost{"frozen", false},
-                                         Lost{"clock", true}, Lost{"backwards", false},
-                                         Lost{"silenced", true}, Lost{"drive", false}),
-                         [](const auto& tested) {
-                           return std::string(tested.param.name) +
-                                  (tested.param.hand ? "_hand" : "_base");
-                         });
+const std::vector<Lost> kLost = {{"unplug", true},  {"unplug", false},    {"refuse", true},
+                                 {"refuse", false}, {"frozen", true},     {"frozen", false},
+                                 {"clock", true},   {"backwards", false}, {"silenced", true},
+                                 {"drive", false}};
+INSTANTIATE_TEST_SUITE_P(Kinds, LostPart, testing::ValuesIn(aTenth(kLost)), [](const auto& tested) {
+  return std::string(tested.param.name) + (tested.param.hand ? "_hand" : "_base");
+});
 
 // A frame over shared memory and another over UDP, by names and file alone.
 TEST(CompositeOfFrames, FitsAndRendersOverTwoCarriers) {

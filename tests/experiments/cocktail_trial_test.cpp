@@ -248,8 +248,10 @@ TEST(CocktailBar, HandsOfPatients_CompleteEveryLevel) {
   }
 }
 
-/// The effort of the walls is gone within 2 s, no tick changes what is sent by more than the device
-/// allows, and the bottle is whole: the level is played to its end.
+/// The effort of the walls is gone within 2 s (where an open hand still rests at the bottle, all
+/// but a hundredth: friction keeps a digit some thousandths of a radian closed), no tick changes
+/// what is sent by more than the device allows, and the bottle is whole: the level is played to its
+/// end.
 TEST(CocktailBar, HandThatGoesAtFullSqueeze_LeavesASoundBottle) {
   auto random = seededRandom(77);
   const char* const ways[] = {"lets go", "slips off", "stop", "gentle stop", "emergency stop"};
@@ -274,6 +276,7 @@ TEST(CocktailBar, HandThatGoesAtFullSqueeze_LeavesASoundBottle) {
     const int across = device.axisIndex("y"), fingers = device.axisIndex("finger_flexion"),
               thumb = device.axisIndex("thumb_flexion");
     AxisPosition aim = record.intention;
+    const AxisEffort squeezed = record.exercise.effort;
     if (how == 0) {
       for (const int a : {fingers, thumb}) aim[a] = device.axes[a].lower;
     }
@@ -294,7 +297,11 @@ TEST(CocktailBar, HandThatGoesAtFullSqueeze_LeavesASoundBottle) {
       }
     }
     for (int a = 0; a < aim.size(); ++a) {
-      EXPECT_NEAR(record.exercise.effort.size() > a ? record.exercise.effort[a] : 0.0, 0.0, 1e-12);
+      const bool rests = how <= 1 && record.contact_count > 0;
+      const double most = rests ? 0.01 * std::abs(squeezed[a]) : 0.0;
+      EXPECT_NEAR(record.exercise.effort.size() > a ? record.exercise.effort[a] : 0.0, 0.0,
+                  most + 1e-12)
+          << device.axes[a].name;
       if (how >= 2) EXPECT_EQ(record.sent[a], device.axes[a].neutral_effort) << a;
     }
     if (how >= 2) {

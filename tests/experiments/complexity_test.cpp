@@ -70,20 +70,6 @@ TEST(ComplexityTrial, OfAPile_TouchesItAndNothingBreaks) {
   }
 }
 
-/// Bodies that the hand cannot reach cost a tick half as much again at most, a thousand of them.
-TEST(ComplexityTrial, OfAThousandBodiesOutOfReach_CostsLittleMoreThanOfNone) {
-  ComplexityPlan plan = shortPlan("far");
-  if (kCountsTell) plan.ticks = 500, plan.passes = 10;
-  const std::vector<ComplexityPoint> points = orThrow(measureComplexity(plan)).curves.at(0).points;
-  ASSERT_EQ(points.front().count, 0);
-  ASSERT_EQ(points.back().count, 1000);
-  const double ratio = points.back().p50_us / points.front().p50_us;
-  figure("tick beside 1,000 bodies out of reach over none", ratio, "");
-  if (kCountsTell) {
-    EXPECT_LE(ratio, 1.5);
-  }
-}
-
 TEST(ComplexityCurve, OfAPowerLaw_HasItsExponentAndItsCount) {
   ComplexityCurve curve;
   for (const int n : {0, 8, 16, 32, 64}) {

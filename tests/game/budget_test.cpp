@@ -1,16 +1,12 @@
 // The budget of a game scene: what a file may say, which engines and devices take it, and shapes.
 #include "assembly/engines.hpp"
 #include "game/game_tools.hpp"
-#include "model/mesh/convex_hull.hpp"
-#include "physics/physics_world.hpp"
 #include "support/constants.hpp"
-#include "support/cpu_time.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
 
 #include <sstream>
-#include <time.h>
 
 namespace wholehand::test {
 namespace {
@@ -122,101 +118,6 @@ TEST(GameShapes, TwoBalls_HaveTheMomentsOfADumbbell) {
   EXPECT_NEAR(shapes.moments_per_kg.x(), across, tolerance(1e-12));
   EXPECT_NEAR(shapes.moments_per_kg.y(), along, tolerance(1e-12));
   EXPECT_NEAR(shapes.moments_per_kg.z(), across, tolerance(1e-12));
-}
-
-// CPU time of one tick, taken in turn: a busy machine slows both.
-TEST(GameBudget, ParkedSlots_CostAlmostNothing_slow) {
-  Models without = gameModels();
-  without.scene.game = {};
-  Game slots(gameModels(), atRest()), none(std::move(without), atRest());
-  std::vector<double> difference_us;
-  for (int k = 0; k < 4000; ++k) {
-    const double a = cpu_s();
-    slots.tick();
-    const double b = cpu_s();
-    none.tick();
-    difference_us.push_back(1e6 * ((b - a) - (cpu_s() - b)));
-  }
-  std::nth_element(difference_us.begin(), difference_us.begin() + 2000, difference_us.end());
-  figure("64 parked slots, p50 of a tick", difference_us[2000], "us");
-  if (WHOLEHAND_SANITIZED == 0) {
-    EXPECT_LE(difference_us[2000], tolerance(3.0));
-  }
-}
-
-/// A prism with as many vertices as the shipped budget allows.
-Shape prismMesh() {
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 32; ++i) {
-    const double angle = 2.0 * M_PI * (i / 2) / 16.0;
-    points.emplace_back(0.025 * std::cos(angle), 0.025 * std::sin(angle),
-                        i % 2 == 0 ? 0.02 : -0.02);
-  }
-  const MeshSurface hull = orThrow(convexHull(points));
-  return orThrow(convexMesh(hull.points, hull.triangles));
-}
-
-/// CPU time of every order among twenty bodies over the hand [us]. The same orders every time.
-std::vector<double> orderTimes_us() {
-  const Models models = gameModels();
-  const auto world = orThrow(buildWorld(defaultEngine(), models.hand, models.scene));
-  BodyPool* const pool = world->bodyPool();
-  if (pool == nullptr || !world->placeHand(AxisPosition(6))) throw std::runtime_error("no pool");
-  int set = 0;
-  for (const Shape& shape : {boxShape({0.04, 0.04, 0.04}), prismMesh()}) {
-    const auto shapes = orThrow(prepareShapes({shape}, models.scene.game));
-    for (const Command& c : shapeCommands(set, shapes)) pool->obey(c);
-    ++set;
-  }
-  const AxisMatrix inverse = AxisMatrix::Identity(6, 6);
-  HandDrive drive;
-  drive.effort = AxisEffort(6);
-  drive.reduced_inertia_inverse = &inverse;
-  std::vector<double> times_us;
-  const auto obey = [&](const Command& command) {
-    const double before = cpu_s();
-    pool->obey(command);
-    times_us.push_back(1e6 * (cpu_s() - before));
-  };
-  for (int k = 0; k < 2000; ++k) {
-    const int slot = k % 20, generation = 1 + k / 20;
-    const BodyPose at = poseAt({0.02 * (slot % 5), 0.03 * (slot / 5) - 0.05, 0.0});
-    obey(removeCommand(slot, generation - 1));
-    SpawnOrder spawn = spawnOf(slot, k % 2, BodyOwner::kFixed, at);
-    spawn.generation = generation;
-    obey(spawnCommand(spawn));
-    obey(teleportCommand(slot, generation, at));
-    if (any(world->step(drive, 1e-3) & kStoppingFaults)) throw std::runtime_error("a step failed");
-  }
-  return times_us;
-}
-
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size()))];
-}
-
-// What the machine does to a run (interrupts, emptied caches) hits another order in every run: the
-// least time of an order over the runs is its own.
-TEST(GameBudget, AnOrder_TakesMicroseconds_slow) {
-  std::vector<double> least_us = orderTimes_us();
-  figure("an order, p50", quantile(least_us, 0.5), "us");
-  figure("an order, p99.9 of one run", quantile(least_us, 0.999), "us");
-  for (int run = 1; run < (kFew ? 2 : 5); ++run) {  // no time is judged there
-    const std::vector<double> times_us = orderTimes_us();
-    for (std::size_t i = 0; i < times_us.size(); ++i) {
-      least_us[i] = std::min(least_us[i], times_us[i]);
-    }
-  }
-  figure("an order, p99.9 of the least of 5 runs", quantile(least_us, 0.999), "us");
-  figure("an order, most of the least of 5 runs", quantile(least_us, 1.0 - 1e-9), "us");
-  // On a busy machine every order is slower: the rare one is judged by the usual one.
-  const double usual_us = quantile(least_us, 0.5);
-  figure("an order, p99.9 of the least over its p50", quantile(least_us, 0.999) / usual_us, "1");
-  if (WHOLEHAND_SANITIZED == 0) {
-    EXPECT_LE(usual_us, tolerance(5.0));
-    EXPECT_LE(quantile(least_us, 0.999), tolerance(4.0) * usual_us);
-  }
 }
 
 }  // namespace

@@ -226,24 +226,24 @@ TEST(PoolFilling, OddBudgets_AreFilledToo) {
 }
 
 TEST(PoolRehearsal, BudgetBeyondTheLimit_IsRefusedAndTheNamedOnePasses) {
-  const Models models = smallGame(16, 12);
+  const Models models = smallGame(8, 6);
   std::vector<std::string> said;
-  RehearsalOptions options = slowAbove(7);
+  RehearsalOptions options = slowAbove(3);
   options.status = [&](const std::string& what) { said.push_back(what); };
   const auto refused = rehearse(models, AxisPosition(kAxes), {}, options);
   ASSERT_FALSE(refused);
   const Diagnostic& why = refused.errors().front();
   EXPECT_EQ(why.file, models.files.exercise);
   EXPECT_EQ(why.key, "budget.awake");
-  EXPECT_EQ(why.value, "12");
-  EXPECT_TRUE(says(why.remedy, "state awake = 7,"));
+  EXPECT_EQ(why.value, "6");
+  EXPECT_TRUE(says(why.remedy, "state awake = 3,"));
   EXPECT_GE(said.size(), 3U);
 
-  const auto named = rehearse(smallGame(16, 7), AxisPosition(kAxes), {}, slowAbove(7));
+  const auto named = rehearse(smallGame(8, 3), AxisPosition(kAxes), {}, slowAbove(3));
   ASSERT_TRUE(named) << format(named.errors());
   ASSERT_TRUE(named->pool);
-  EXPECT_EQ(named->pool->moving_max, 7);
-  EXPECT_FALSE(rehearse(smallGame(16, 8), AxisPosition(kAxes), {}, slowAbove(7)));
+  EXPECT_EQ(named->pool->moving_max, 3);
+  EXPECT_FALSE(rehearse(smallGame(8, 4), AxisPosition(kAxes), {}, slowAbove(3)));
 }
 
 TEST(PoolRehearsal, NothingPasses_SaysWhatElseToDo) {

@@ -20,7 +20,7 @@ ROOT = HERE.parents[1]
 GOLDEN = ROOT / "protocol/golden"
 FEWEST_MESSAGES, FEWEST_DATAGRAMS = 60, 30
 MUTATED, MUTATED_ROUNDS = (4000, 25) if os.environ.get("WHOLEHAND_FULL") == "1" else (400, 1)
-LONGEST_S = 3.0    # of one message; a tenth of a millisecond is usual
+LONGEST_S = 3.0    # of the processor, for one message (Godot: by the clock); a tenth of a millisecond is usual
 LARGEST_MB = 1024  # of a client with 4,000 messages of up to 26 kB
 MAKE = "/usr/bin/python3 tests/golden/make.py"
 

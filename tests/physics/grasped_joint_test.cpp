@@ -104,7 +104,7 @@ TEST_P(Drawer, PulledByItsHandle_FollowsTheHandAndIsFeltAsItsFriction) {
   EXPECT_GT(start_x - last->bodies[0].position_m.x, 0.03);
   EXPECT_LE((bar.inPalm(*last) - held).norm(), 1e-4);
 }
-INSTANTIATE_TEST_SUITE_P(Radii, Drawer, testing::Values(0.0125, 0.015, 0.025));
+INSTANTIATE_TEST_SUITE_P(Radii, Drawer, testing::ValuesIn(aTenth<double>({0.0125, 0.015, 0.025})));
 
 TEST(SprungHandle, HeldFor60SAgainst5N_DoesNotSlip) {
   SceneJoint joint = drawerSlide();

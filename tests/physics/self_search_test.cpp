@@ -3,7 +3,6 @@
 #include "model/scene/separation.hpp"
 #include "physics/engine_bench.hpp"
 #include "physics/self_contact_search.hpp"
-#include "support/cpu_time.hpp"
 #include "support/seed.hpp"
 
 #include <cmath>
@@ -108,47 +107,6 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
     }
   }
   if (kCountsTell) EXPECT_GT(reported, 100);
-}
-
-/// The least CPU time of a block of free motion: the hand opens and closes while the arm moves.
-double leastCost_s(Bench& bench, double closes_to) {
-  const auto posture = [&](int k) {
-    AxisPosition q(6);
-    const double u = 0.5 - 0.5 * std::cos(0.01 * k);
-    q[0] = 0.05 * std::sin(0.004 * k);
-    q[3] = closes_to * u, q[4] = 1.0, q[5] = 0.6 * closes_to * u;
-    return q;
-  };
-  const double before_s = cpu_s();
-  for (int k = 0; k < 629; ++k) bench.step(posture(k), AxisVelocity(6));
-  return cpu_s() - before_s;
-}
-
-TEST(SelfContact, InFreeMotion_CostsLittleOfATick_slow) {
-  Bench with(defaultEngine(), weightless({})), without(defaultEngine(), weightless({}));
-  without.models.hand.self_contacts.clear();
-  for (HandLink& link : without.models.hand.links) link.lower = -10.0, link.upper = 10.0;
-  without.world = orThrow(buildWorld(defaultEngine(), without.models.hand, without.scene));
-  for (const double closes_to : {1.2, 2.4}) {  // 2.4: into a pinch and out of it
-    // 1.02 on an idle machine; 1.09 where a neighbour has most of the caches.
-    const double most = closes_to < 2.0 ? 1.15 : 1.25;
-    double with_s = 1e9, without_s = 1e9;
-    // Other work only adds to a cost: where the least of 30 rounds is too large, that of more may
-    // do.
-    for (int round = 0; round < 30 || (round < 150 && with_s > most * without_s); ++round) {
-      for (Bench* bench : {&with, &without}) {
-        AxisPosition open(6);
-        open[4] = 1.0;
-        ASSERT_TRUE(bench->world->placeHand(open));
-        double& least_s = bench == &with ? with_s : without_s;
-        least_s = std::min(least_s, leastCost_s(*bench, closes_to));
-      }
-    }
-    figure(closes_to < 2.0 ? "free motion: step with self-contact over without"
-                           : "free motion and pinches: step with self-contact over without",
-           with_s / without_s, "");
-    EXPECT_LE(with_s / without_s, most);
-  }
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST_F(Visits, NextPatient_HasNoValueOfTheLast) {
   auto random = seededRandom(4001);
   const std::vector<std::string> exercises = {"cocktail-bar", "squeeze-to-level", "free-grasping"};
   const std::vector<std::string> hands = {"man-p95-right", "woman-p05-left", "woman-p50-right"};
-  for (int i = 1; i <= (fullCounts() ? 1000 : 100); ++i) {
+  for (int i = 1; i <= (fullCounts() ? 1000 : cases(40)); ++i) {
     orders::OpenVisit visit = ofVisit(static_cast<std::uint64_t>(i));
     visit.exercise = exercises[random() % exercises.size()];
     visit.hand = hands[random() % hands.size()];

@@ -35,10 +35,10 @@ class Port {
     ASSERT_TRUE(loaded) << format(loaded.errors()) << said;
     ASSERT_TRUE(driver->control(WH_ENABLE, 0.0)) << said;
   }
-  // Ticks until `done`, for up to 20 s: how fast the machine is decides nothing.
+  // Ticks until `done`, for up to 300 s: how fast the machine is decides nothing.
   template <class Done>
   bool ticksUntil(Done done, double effort_nm = 0.0) {
-    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(300);
     while (std::chrono::steady_clock::now() < until) {
       read = driver->read(sample);
       wh_command command{};

@@ -66,7 +66,7 @@ public static class Golden
 
     private static object TimedRead(byte[] bytes)
     {
-        Stopwatch clock = Stopwatch.StartNew();
+        TimeSpan began = UsedTime();
         try
         {
             return Read(bytes);
@@ -77,8 +77,14 @@ public static class Golden
         }
         finally
         {
-            longestS = Math.Max(longestS, clock.Elapsed.TotalSeconds);
+            longestS = Math.Max(longestS, (UsedTime() - began).TotalSeconds);
         }
+    }
+
+    // Of the processor: no pause of the machine counts.
+    private static TimeSpan UsedTime()
+    {
+        using (Process here = Process.GetCurrentProcess()) return here.TotalProcessorTime;
     }
 
     private static object Read(byte[] bytes)

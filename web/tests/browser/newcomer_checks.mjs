@@ -24,7 +24,7 @@ export async function newcomerFinds(t) {
 
   const before_px = await words_px();
   await find('larger text', () => button(game, 'Text: Large').click());
-  await until('larger text', async () => (await words_px()) > before_px, { within_ms: 5000 });
+  await until('larger text', async () => (await words_px()) > before_px);
 
   await button(game, 'Start').click();
   await plays();
