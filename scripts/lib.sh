@@ -14,14 +14,18 @@ duration() {
   if (($1 < 60)); then printf '%d s' "$1"; else printf '%d min %02d s' $(($1 / 60)) $(($1 % 60)); fi
 }
 
-# Names of packages under the given sections of scripts/packages.txt.
+# Names of packages under the given sections of scripts/packages.txt, each once.
 packages_of() {
-  local section line wanted=" $* "
+  local section line listed=" " wanted=" $* "
   while read -r line _; do
     case $line in
       '' | \#*) ;;
       \[*\]*) section=${line#[} section=${section%%]*} ;;
-      *) [[ $wanted == *" $section "* ]] && printf '%s\n' "$line" ;;
+      *)
+        [[ $wanted == *" $section "* && $listed != *" $line "* ]] || continue
+        printf '%s\n' "$line"
+        listed+="$line "
+        ;;
     esac
   done <"$root/scripts/packages.txt"
   return 0
