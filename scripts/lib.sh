@@ -14,14 +14,18 @@ duration() {
   if (($1 < 60)); then printf '%d s' "$1"; else printf '%d min %02d s' $(($1 / 60)) $(($1 % 60)); fi
 }
 
-# Names of packages under the given sections of scripts/packages.txt.
+# Names of packages under the given sections of scripts/packages.txt, each once.
 packages_of() {
-  local section line wanted=" $* "
+  local section line listed=" " wanted=" $* "
   while read -r line _; do
     case $line in
       '' | \#*) ;;
       \[*\]*) section=${line#[} section=${section%%]*} ;;
-      *) [[ $wanted == *" $section "* ]] && printf '%s\n' "$line" ;;
+      *)
+        [[ $wanted == *" $section "* && $listed != *" $line "* ]] || continue
+        printf '%s\n' "$line"
+        listed+="$line "
+        ;;
     esac
   done <"$root/scripts/packages.txt"
   return 0
@@ -167,7 +171,10 @@ build_web() {
 begin_pages() {
   pages_are_current && return
   make_log "$root/build/logs/pages.log"
-  if (install_node); then
+  if ((EUID == 0)); then  # nobody is asked
+    (install_node && build_web) >"$root/build/logs/pages.log" 2>&1 &
+    pages=$!
+  elif (install_node); then
     build_web >"$root/build/logs/pages.log" 2>&1 &
     pages=$!
   else

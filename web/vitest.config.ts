@@ -4,5 +4,12 @@ import { defineConfig } from 'vitest/config';
 const isolate = process.env.WHOLEHAND_FULL === '1';
 
 export default defineConfig({
-  test: { include: ['tests/**/*.test.ts'], environment: 'node', testTimeout: 60_000, pool: 'threads', isolate },
+  test: {
+    include: ['tests/**/*.test.ts'],
+    setupFiles: ['tests/as_in_a_browser.ts'],
+    environment: 'node',
+    testTimeout: 60_000,
+    pool: 'threads',
+    isolate,
+  },
 });

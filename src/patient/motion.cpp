@@ -300,11 +300,8 @@ bool Reader::header(std::string_view line) {
 }
 
 bool Reader::line(std::string_view text) {
-  if (line_ == 1 && (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))) {
-    refuse("is a text in UTF-16", "save it as UTF-8");
-    return false;
-  }
-  if (holdsControl(text)) {
+  const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");  // UTF-16
+  if (marked || holdsControl(text)) {
     refuse("is not a CSV text: it holds bytes that no text has");
     return false;
   }

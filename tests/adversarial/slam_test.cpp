@@ -4,6 +4,8 @@
 
 #include "support/tolerance.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace wholehand::test {
@@ -89,6 +91,72 @@ TEST(Slam, JustBelowTheSpeedLimit_StaysWithinTheEffortLimitAndTheWallHolds) {
     EXPECT_LE(bounce.peak_n, axis.effort_limit + 1e-9);
     EXPECT_LT(bounce.rebound_m_s, bounce.impact_m_s);
     EXPECT_LT(bounce.depth_m, 5e-3);  // of a wall of 100 mm
+  }
+}
+
+/// Impulses along an axis from the touch on, over the time in which the damping fades.
+struct Impact {
+  double acted_n_s = 0.0;  ///< of the contacts on the hand
+  double felt_n_s = 0.0;   ///< of the device on whoever moves it
+  double coupling_peak_n = 0.0;
+  int ticks = 0;
+};
+
+struct Strike {
+  double ball_kg, speed_m_s;
+};
+
+/// A hand that goes on whatever it feels strikes a free ball.
+Impact struck(const Strike& strike, bool adaptive) {
+  constexpr double kFrom_m = -0.08, kTo_m = 0.08, kGap_m = 0.02, kRadius_m = 0.03;
+  constexpr double kRamp_s = 0.1;  // to its speed
+  Throw how = alone();
+  how.adaptive = adaptive;
+  Models m = thrown(how);
+  m.scene.gravity_m_s2.setZero();
+  const double face_m = reach(m.hand, AxisPosition(1, kFrom_m), how.ahead());
+  m.scene.bodies = {ball((face_m + kGap_m + kRadius_m) * how.ahead(), kRadius_m, strike.ball_kg)};
+  const auto at = [&](int read) {
+    const double t_s = 1e-3 * read;
+    const double at_speed_s = t_s < kRamp_s ? 0.5 * t_s * t_s / kRamp_s : t_s - 0.5 * kRamp_s;
+    return AxisPosition(1, kFrom_m + strike.speed_m_s * at_speed_s);
+  };
+  const int ticks = static_cast<int>(1e3 * ((kTo_m - kFrom_m) / strike.speed_m_s + 0.5 * kRamp_s));
+  const auto rig = build(std::move(m), std::make_unique<ScriptedDevice>(at));
+  EXPECT_TRUE(rig->renderer->arm());
+  Impact out;
+  bool touched = false;
+  runTicks(*rig->renderer, ticks, [&](const TickRecord& r) {
+    EXPECT_EQ(r.faults & kStoppingFaults, Fault::kNone);
+    if (!(touched = touched || r.contact_count > 0)) return;
+    for (int i = 0; i < r.contact_count; ++i) {
+      out.acted_n_s -= 1e-3 * how.ahead().dot(r.contacts[i].force_n.eigen());
+    }
+    out.felt_n_s -= 1e-3 * r.sent[0];
+    out.coupling_peak_n = std::max(out.coupling_peak_n, std::abs(r.coupling[0]));
+    ++out.ticks;
+  });
+  return out;
+}
+
+TEST(Impact, OfAHandThatGoesOn_IsFeltAsItActedAndWithDampingAsMuchMoreAsAlgorithm1Says) {
+  const AxisRendering gains = thrown(alone()).rendering.axes[0];
+  for (const Strike& strike :
+       {Strike{0.2, 0.15}, {0.5, 0.15}, {1.0, 0.15}, {0.5, 0.3}, {1.0, 0.3}}) {
+    const Impact plain = struck(strike, false), damped = struck(strike, true);
+    const std::string what = fmt::format("{} m/s on a free body of {} kg, felt over acted impulse",
+                                         strike.speed_m_s, strike.ball_kg);
+    figure(what + ", without Algorithm 1", plain.felt_n_s / plain.acted_n_s, "");
+    figure(what + ", with it", damped.felt_n_s / damped.acted_n_s, "");
+    // The hand has its speed again: what acted went through the coupling.
+    EXPECT_NEAR(plain.felt_n_s, plain.acted_n_s, tolerance(0.02) * plain.acted_n_s);
+    // Phi rises to the peak's, then fades with tau: K_dm v times its integral.
+    const double phi = std::min(1.0, (damped.coupling_peak_n - gains.effort_dead) /
+                                         (gains.effort_full - gains.effort_dead));
+    const double faded = 1.0 - std::exp(-1e-3 * damped.ticks / gains.decay_s);
+    const double expected =
+        damped.acted_n_s + gains.k_dm * strike.speed_m_s * phi * gains.decay_s * faded;
+    EXPECT_NEAR(damped.felt_n_s, expected, tolerance(0.05) * expected);
   }
 }
 

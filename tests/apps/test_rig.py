@@ -4,9 +4,11 @@ import os
 import pickle
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
+from pathlib import Path
 
 import numpy
 from app import BINARY, CONFIG, HANG_S, LAB, MOTION, SOURCE, AppTest, main
@@ -299,6 +301,19 @@ class BadInputs(unittest.TestCase):
         with self.assertRaises(BadInput) as both:
             Rig(scene="/no-scene.toml", hand="/no-hand.toml")
         self.assertLessEqual({"/no-scene.toml", "/no-hand.toml"}, {d["file"] for d in both.exception.diagnostics})
+
+    def test_what_of_a_file_is_not_applied_is_a_warning(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = Path(folder, "thing.toml")
+            Path(folder, "thing.urdf").write_text(
+                '<robot name="r"><link name="a"><collision><geometry><sphere radius="0.02"/></geometry><surface>'
+                '<friction><ode><mu>0.1</mu></ode></friction></surface></collision></link></robot>')
+            scene.write_text('kind = "scene"\nversion = 1\nname = "s"\ngravity_m_s2 = [0, 0, 0]\n[[bodies]]\n'
+                             'name = "t"\nshape = "urdf"\nfile = "thing.urdf"\nposition_m = [0.5, 0, 0]\n'
+                             'mass_kg = 0.1\n')
+            with self.assertWarnsRegex(UserWarning, "thing.urdf:1: mu = 0.1: is friction where none is read") as told:
+                Rig(scene=str(scene))
+            self.assertEqual(told.filename, __file__)
 
 
 class Vectors(unittest.TestCase):

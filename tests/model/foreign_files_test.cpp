@@ -427,6 +427,10 @@ TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
   expectBox(folder.write("c.stl", bare + std::string(16, '\0')), Affine3d::Identity(), 1e-9);
   std::replace(bare.begin(), bare.end(), '\n', '\r');
   expectBox(folder.write("c.stl", bare), Affine3d::Identity(), 1e-9);
+  std::replace(bare.begin(), bare.end(), '\r', ' ');  // all in one line
+  expectBox(folder.write("c.stl", bare), Affine3d::Identity(), 1e-9);
+  expectBox(folder.write("c.stl", bare + "solid facets" + bare.substr(bare.find("ENDSOLID"))),
+            Affine3d::Identity(), 1e-9);
   EXPECT_TRUE(says(refusalOf(folder, "c.stl", binary.substr(0, binary.size() - 60)),
                    "announces 12 triangles and holds 10"));
 }
@@ -701,10 +705,111 @@ TEST(ForeignUrdf, Origins_AreInRadOrQuaternions) {
                    "origin.rpy = 0 0 90: is beyond two turns (4π rad); must be in rad"));
 }
 
-TEST(ForeignUrdf, TextInUtf16_IsNamed) {
+/// An ASCII text of characters of so many bytes.
+std::string widened(const std::string& text, std::size_t bytes, bool little_end_first) {
+  std::string wide;
+  for (const char c : text) {
+    if (little_end_first) wide += c;
+    wide.append(bytes - 1, '\0');
+    if (!little_end_first) wide += c;
+  }
+  return wide;
+}
+
+TEST(ForeignFile, TextOfWideCharacters_IsNamed) {
+  using namespace std::string_literals;
+  const std::pair<const char*, std::string> texts[] = {
+      {"u.urdf", "<robot name=\"r\">" + kBoxLink + "</robot>"},
+      {"u.obj", kBoxObj},
+      {"u.stl", "solid box\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"},
+      {"u.ply", "ply\nformat ascii 1.0\n"},
+      {"u.dae", "<?xml version=\"1.0\"?><COLLADA/>"},
+      {"u.toml", kSceneHead}};
   const Folder folder;
-  const std::string path = folder.write("u.urdf", "\xFF\xFE<");
-  EXPECT_TRUE(says(format(loadUrdf(path).errors()), "is a text in UTF-16; save it as UTF-8"));
+  for (const auto& [name, text] : texts) {
+    const struct {
+      std::string bytes, kind;
+    } forms[] = {{"\xFF\xFE" + widened(text, 2, true), "UTF-16"},
+                 {"\xFE\xFF" + widened(text, 2, false), "UTF-16"},
+                 {widened(text, 2, true), "UTF-16"},
+                 {widened(text, 2, false), "UTF-16"},
+                 {"\xFF\xFE\0\0"s + widened(text, 4, true), "UTF-32"},
+                 {widened(text, 4, false), "UTF-32"}};
+    for (const auto& form : forms) {
+      const std::string path = folder.write(name, form.bytes);
+      const std::string ending = path.substr(path.rfind('.') + 1);
+      const Diagnostics faults = ending == "urdf" ? loadUrdf(path).errors()
+                                 : ending == "toml"
+                                     ? loadSceneFile(path).errors()
+                                     : loadMeshCollider(path, Vector3d::Ones()).errors();
+      EXPECT_TRUE(says(format(faults), "is a text in " + form.kind + "; save it as UTF-8"));
+    }
+  }
+}
+
+TEST(ForeignUrdf, SecondOfWhatALinkHasOnce_IsNamed) {
+  const Folder folder;
+  const std::string once =
+      R"(<mass value="0.1"/><inertia ixx="1.667e-5" iyy="3.333e-5" izz="4.333e-5"/>)";
+  const std::string box = R"(<geometry><box size="0.06 0.04 0.02"/></geometry>)";
+  const auto said = [&](const std::string& inertials, const std::string& collision) {
+    const auto scene = sceneOf(folder, "<link name=\"b\">\n" + inertials + "<collision>" +
+                                           collision + "</collision></link>");
+    return scene.ok() ? "" : format(scene.errors());
+  };
+  const auto inertial = [](const std::string& inner) {
+    return "<inertial>" + inner + "</inertial>\n";
+  };
+  EXPECT_EQ(said(inertial(once), box), "");
+  EXPECT_TRUE(says(said(inertial(once) + inertial(once), box),
+                   "r.urdf:3: link[b].inertial: stands there twice, first in line 2; keep one"));
+  EXPECT_TRUE(says(said(inertial(once + "<mass value=\"3\"/>"), box),
+                   "r.urdf:2: link[b].inertial.mass: stands there twice"));
+  EXPECT_TRUE(says(said(inertial(once + "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>"), box),
+                   "link[b].inertial.inertia: stands there twice"));
+  const std::string origin = "<origin xyz=\"0 0 0\"/>";
+  EXPECT_TRUE(says(said(inertial(origin + origin + once), box), "link[b].inertial.origin: stands"));
+  EXPECT_TRUE(says(said(inertial(once), box + box), "link[b].collision[0].geometry: stands"));
+  // What is not used is not judged.
+  folder.write("r.urdf", "<robot name=\"r\"><link name=\"b\">" + inertial(once) + inertial(once) +
+                             "<collision>" + box + "</collision></link></robot>");
+  EXPECT_TRUE(
+      loadSceneFile(folder.write("f.toml", kSceneHead + fileBody("t", "urdf", "r.urdf", 0.3) +
+                                               "fixed = true\n"))
+          .ok());
+}
+
+TEST(ForeignUrdf, FrictionThatIsNotApplied_IsNamedUntilTheSceneGivesOne) {
+  const std::string ode = "<surface><friction><ode><mu>0.1</mu></ode></friction></surface>";
+  const struct {
+    std::string in_collision, in_link, in_robot, said;
+  } cases[] = {
+      {"<contact><lateral_friction value=\"0.1\"/></contact>", "", "", "lateral_friction = 0.1"},
+      {ode, "", "", "mu = 0.1"},
+      {"<drake:proximity_properties><drake:mu_static value=\"0.1\"/></drake:proximity_properties>",
+       "", "", "drake:mu_static = 0.1"},
+      {"", "<contact_coefficients mu=\"0.1\" kp=\"1\"/>", "", "contact_coefficients = 0.1"},
+      {"", "", "<gazebo><mu1>0.1</mu1></gazebo>", "mu1 = 0.1"},
+      {"", "", "<gazebo reference=\"none\"><mu1>0.1</mu1></gazebo>", "mu1 = 0.1"},
+      {"", "", "<gazebo reference=\"b\"><collision>" + ode + "</collision></gazebo>", "mu = 0.1"},
+      {"", "", "<mujoco><default><geom friction=\"0.1 0.005\"/></default></mujoco>",
+       "geom = 0.1 0.005"},
+  };
+  const Folder folder;
+  for (const auto& c : cases) {
+    std::string link = kBoxLink;
+    link.insert(link.find("</collision>"), c.in_collision);
+    link.insert(link.find("</link>"), c.in_link);
+    const SceneModel scene = orThrow(sceneOf(folder, link + c.in_robot));
+    EXPECT_EQ(scene.bodies[0].friction, 0.8);  // a body's own
+    ASSERT_EQ(scene.notices.size(), 1U) << c.said << format(scene.notices);
+    EXPECT_TRUE(says(format(scene.notices), c.said + ": is friction where none is read"));
+    EXPECT_TRUE(says(format(scene.notices), "give the body of the scene friction = 0 to 2"));
+    const SceneModel own = orThrow(loadSceneFile(folder.write(
+        "own.toml", kSceneHead + fileBody("t", "urdf", "r.urdf", 0.3) + "friction = 0.1\n")));
+    EXPECT_EQ(own.bodies[0].friction, 0.1);
+    EXPECT_TRUE(own.notices.empty()) << format(own.notices);
+  }
 }
 
 TEST(ForeignUrdf, Scale_IsNamedOnce) {

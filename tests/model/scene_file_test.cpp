@@ -3,10 +3,12 @@
 #include "model/scene/separation.hpp"
 #include "model/scene_text.hpp"
 #include "support/figure.hpp"
+#include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -182,6 +184,23 @@ TEST(SceneFile, FallBeyondTheSpeedOfContacts_IsRefused) {
   EXPECT_TRUE(says(why, "11.5 m above the lowest top of a fixed shape")) << why;
 }
 
+// At 30 m/s2 15 m/s are reached after 3.75 m. The hand is about the origin.
+TEST(SceneFile, FallOntoTheHandBeyondTheSpeedOfContacts_IsRefusedWhereverItsFileHasTheMass) {
+  const Folder folder;
+  const std::string head = replaced(kSceneHead, "-9.81", "-30");
+  const auto said = [&](const std::string& body) {
+    const auto scene = loadSceneFile(folder.write("s.toml", head + body));
+    return scene.ok() ? "" : format(scene.errors());
+  };
+  const std::string ball =
+      "[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\nmass_kg = 0.1\n";
+  EXPECT_EQ(said(ball + "position_m = [0, 0, 3.7]\n"), "");
+  EXPECT_TRUE(says(said(ball + "position_m = [0, 0, 3.8]\n"), "may fall 3.8 m"));
+  folder.write("thing.urdf", R"(<robot name="r"><link name="a"><collision><origin xyz="0 0 4"/>
+<geometry><sphere radius="0.02"/></geometry></collision></link></robot>)");
+  EXPECT_TRUE(says(said(kUrdfBody + "mass_kg = 0.1\n"), "may fall 4 m and arrive at 15.5 m/s"));
+}
+
 TEST(SceneFile, UrdfWithAnInertialThatNoSuchBodyHas_IsRefusedOrReplaced) {
   const Folder folder;
   const auto write = [&](const std::string& inertial) {
@@ -211,6 +230,43 @@ TEST(SceneFile, UrdfWithAnInertialThatNoSuchBodyHas_IsRefusedOrReplaced) {
   ASSERT_FALSE(far.ok());
   EXPECT_TRUE(says(format(far.errors()), "59.9 m outside of its colliders"))
       << format(far.errors());
+}
+
+// 0.1 kg of osmium are a ball of r = 10.18 mm: 2/5 m r² = 4.15e-6 kg m2. Nothing has less.
+TEST(SceneFile, UrdfWithLessInertiaThanABallOfOsmium_IsRefused) {
+  const Folder folder;
+  const auto said = [&](const std::string& mass, const std::string& moment) {
+    folder.write("thing.urdf",
+                 fmt::format(R"(<robot name="r"><link name="a"><inertial><mass value="{0}"/>
+<inertia ixx="{1}" iyy="{1}" izz="{1}"/></inertial><collision><geometry>
+<box size="0.06 0.04 0.02"/></geometry></collision></link></robot>)",
+                             mass, moment));
+    const auto scene = loadSceneFile(folder.write("s.toml", kSceneHead + kUrdfBody));
+    return scene.ok() ? "" : format(scene.errors());
+  };
+  EXPECT_EQ(said("0.1", "4.16e-6"), "");
+  EXPECT_TRUE(says(said("0.1", "4.13e-6"), "0.1 kg have 4.15e-06 at least"));
+  EXPECT_TRUE(says(said("0.1", "1e-30"), "are 1e-30 kg·m² in the mean"));
+  // 100 g read as 100 kg: a 48 cm3 body of 2.1e6 kg/m3, nowhere ten times as dense, 2/5 m (3 V /
+  // 40 π)^(2/3) = 0.00438.
+  EXPECT_TRUE(says(said("100", "3e-5"), "100 kg have 0.00438 at least, as a ball of 2.08e+07 kg"));
+  EXPECT_TRUE(says(said("100", "3e-5"), "uniform_density = true"));
+}
+
+TEST(SceneFile, BallastFarFromTheColliders_IsRefused) {
+  const Folder folder;
+  const auto at = [&](const std::string& z_m) {
+    folder.write("thing.urdf", R"(<robot name="r"><link name="a"><inertial><mass value="0.1"/>
+<inertia ixx="1.667e-5" iyy="3.333e-5" izz="4.333e-5"/></inertial><collision><geometry>
+<box size="0.06 0.04 0.02"/></geometry></collision></link><link name="w"><inertial><origin xyz="0 0 )" +
+                                   z_m + R"("/><mass value="0.01"/>
+<inertia ixx="1e-6" iyy="1e-6" izz="1e-6"/></inertial></link><joint name="j" type="fixed">
+<parent link="a"/><child link="w"/></joint></robot>)");
+    return loadSceneFile(folder.write("s.toml", kSceneHead + kUrdfBody));
+  };
+  EXPECT_TRUE(at("0.05").ok());
+  ASSERT_FALSE(at("60").ok());  // mm read as m; ten diagonals of the box are 0.748 m
+  EXPECT_TRUE(says(format(at("60").errors()), "is 60 m outside of its colliders; 0.748 m at most"));
 }
 
 TEST(SceneFile, Overlaps_NameBothAndTheDepth) {

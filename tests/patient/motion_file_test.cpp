@@ -83,7 +83,7 @@ TEST(MotionFile, SomethingElse_IsSaidOnce) {
   for (int i = 0; i < 1024; ++i) every_byte += static_cast<char>(i);
   EXPECT_SAYS(once(every_byte), "is not a CSV text");
   EXPECT_SAYS(once("\x89HDF\r\n\x1a\n"), "is not a motion");
-  EXPECT_SAYS(once(std::string("t\0i\0m\0e\0", 8)), "is not a CSV text");  // UTF-16
+  EXPECT_SAYS(faultsOf(std::string("t\0i\0m\0e\0", 8)), "is a text in UTF-16; save it as UTF-8");
   EXPECT_SAYS(once("# A scene.\nkind = \"scene\"\nversion = 1\nsize_m = [1, 2, 3]\n"),
               ":2: is not a motion");
   EXPECT_SAYS(once("0.0,0.1,0.2\n0.1,0.1,0.2\n"), ":1: is not a motion");  // no header

@@ -2,6 +2,7 @@
 // are in wholehand/_rig.pyi.
 #include "arguments.hpp"
 #include "bound_rigs.hpp"
+#include "core/expected.hpp"
 #include "exceptions.hpp"
 #include "record_views.hpp"
 
@@ -121,6 +122,16 @@ void addState(py::class_<Of>& type) {
 }
 
 // Binds what Rig and VectorRig share: the arguments of the constructor, facts and state.
+// What differs from the files of a scene, or is not applied, as a warning at the caller's line.
+void warn(const Diagnostics& notices) {
+  constexpr int kCallerOfRig = 2;  // beyond wholehand/rig.py
+  for (const Diagnostic& notice : notices) {
+    if (PyErr_WarnEx(PyExc_UserWarning, format(notice).c_str(), kCallerOfRig) != 0) {
+      throw py::error_already_set();
+    }
+  }
+}
+
 // @tparam Own arguments of Of's constructor after RigArguments, first in Python
 // @param own pybind11's names of them, and where keyword-only arguments begin
 template <class Of, class... Own, class... Extra>
@@ -142,7 +153,9 @@ py::class_<Of> addRigs(py::module_& module, const char* name, const Extra&... ow
                                           rate_hz,
                                           uncertified,
                                           seed};
-             return std::make_unique<Of>(arguments, values...);
+             auto made = std::make_unique<Of>(arguments, values...);
+             warn(made->models().scene.notices);
+             return made;
            }),
            own..., py::arg("device"), py::arg("hand"), py::arg("scene"), py::arg("exercise"),
            py::arg("level"), py::arg("patient"), py::arg("rendering"), py::arg("motion"),

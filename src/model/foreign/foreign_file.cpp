@@ -46,6 +46,8 @@ constexpr ForeignKind kC3d = {"c3d", "is C3D, a motion of markers",
 constexpr ForeignKind kOpenSim = {"mot", "is a motion of OpenSim",
                                   "convert it: sed '1,/endheader/d' IN | tr '\\t' ',' > out.csv, "
                                   "then name the columns time_s, x_m, ..."};
+constexpr ForeignKind kWide = {"", "is a text in UTF-16", "save it as UTF-8"};
+constexpr ForeignKind kWidest = {"", "is a text in UTF-32", kWide.remedy};
 constexpr ForeignKind kLfs = {"", "is a pointer of Git LFS, not the file itself",
                               "fetch the file: git lfs pull"};
 
@@ -93,7 +95,29 @@ std::string_view firstElement(std::string_view text) {
 
 }  // namespace
 
+std::optional<Diagnostic> wideText(std::string_view head) {
+  using namespace std::string_view_literals;
+  if (head.starts_with("\xFF\xFE\0\0"sv) || head.starts_with("\0\0\xFE\xFF"sv)) {
+    return asFault(kWidest);
+  }
+  if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF")) return asFault(kWide);
+  constexpr std::size_t kLooked = 4;  // characters
+  const auto isWide = [&](std::size_t bytes, std::size_t letter) {
+    if (head.size() < kLooked * bytes) return false;
+    for (std::size_t i = 0; i < kLooked * bytes; ++i) {
+      const auto c = static_cast<unsigned char>(head[i]);
+      const bool text = std::isprint(c) != 0 || std::isspace(c) != 0;
+      if (i % bytes == letter ? !text : c != 0) return false;
+    }
+    return true;
+  };
+  if (isWide(2, 0) || isWide(2, 1)) return asFault(kWide);
+  if (isWide(4, 0) || isWide(4, 3)) return asFault(kWidest);
+  return std::nullopt;
+}
+
 std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view ending) {
+  if (auto wide = wideText(head)) return wide;
   if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
   if (head.starts_with("version https://git-lfs")) return asFault(kLfs);
   const std::string_view element = firstElement(head);

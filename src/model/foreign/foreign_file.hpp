@@ -15,7 +15,11 @@ namespace wholehand {
 /// @param ending "step"; in any case
 [[nodiscard]] std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view ending);
 
-/// As above, of a file. Empty also when it cannot be read.
+/// A text of characters of 2 or 4 bytes: by its byte order mark, or because all but one byte of its
+/// first characters are 0. Part of the above; also to be asked of what may be read as binary.
+[[nodiscard]] std::optional<Diagnostic> wideText(std::string_view head);
+
+/// As foreignFile(), of a file. Empty also when it cannot be read.
 [[nodiscard]] std::optional<Diagnostic> foreignFileAt(const std::string& path);
 
 }  // namespace wholehand

@@ -114,9 +114,6 @@ std::int64_t MeshWords::whole(std::int64_t least, std::int64_t most) {
 
 std::string_view withoutByteOrderMark(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
-    throw UnreadableMesh{"is a text in UTF-16", "save it as UTF-8"};
-  }
   return text;
 }
 

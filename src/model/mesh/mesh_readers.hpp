@@ -48,6 +48,10 @@ class MeshWords {
   std::string_view next();
   /// The rest of the line, without its blanks at both ends.
   std::string_view restOfLine();
+  /// Goes on at the start of a part of what was returned.
+  void resumeAt(std::string_view part) {
+    at_ = static_cast<std::size_t>(part.data() - text_.data());
+  }
   /// The next word as a number. @throws UnreadableMesh with line and word, when it is none
   double number();
   /// As number(), a whole one. @throws also when it is not within [least, most]
@@ -62,7 +66,7 @@ class MeshWords {
   int line_ = 1;
 };
 
-/// Text without a byte order mark of UTF-8. @throws UnreadableMesh for UTF-16
+/// Text without a byte order mark of UTF-8.
 [[nodiscard]] std::string_view withoutByteOrderMark(std::string_view text);
 
 /// Appends a polygon as triangles: a fan from its first corner; where it is not convex, by cutting

@@ -29,6 +29,19 @@ std::string lowerCase(std::string_view word) {
       "export it again"};
 }
 
+/// Skips the name of a solid that starts or ends: the rest of its line, but for facets in it.
+void skipStlName(MeshWords& words, bool ends) {
+  constexpr std::size_t kLongest = 1000;
+  const std::string_view rest = words.restOfLine();
+  const std::string line = " " + lowerCase(rest.substr(0, kLongest));
+  for (std::size_t at = line.find(" facet"); at != line.npos; at = line.find(" facet", at + 1)) {
+    MeshWords next(std::string_view(line).substr(at));
+    if (next.next() != "facet" || next.next() != "normal") continue;
+    const std::size_t solid = ends ? line.rfind(" solid", at) : line.npos;
+    return words.resumeAt(rest.substr(std::min(at, solid)));
+  }
+}
+
 /// A text of "solid", "facet normal", "outer loop", "vertex", "endloop", "endfacet", "endsolid", in
 /// any case. Each solid is a part.
 MeshFile readStlText(std::string_view text) {
@@ -40,10 +53,10 @@ MeshFile readStlText(std::string_view text) {
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     const std::string key = lowerCase(word);
     if (key == "solid") {
-      words.restOfLine();
+      skipStlName(words, false);
       ++part;
     } else if (key == "endsolid") {
-      words.restOfLine();
+      skipStlName(words, true);
     } else if (key == "facet") {
       if (open) failStlWord(words, word, "endfacet");
       open = true;

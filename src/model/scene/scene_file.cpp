@@ -35,6 +35,11 @@ constexpr double kTouch_m = 1e-4;  ///< allowed initial overlap of bodies: round
 
 constexpr double kWood_kg_m3 = 600.0;  ///< of what moves on a joint and has no inertial
 
+// No matter is denser than osmium. Light colliders that stand for a heavy thing may be.
+constexpr double kOsmium_kg_m3 = 22.6e3, kMostConcentration = 10.0;
+/// Ballast has no collider, but its place is in metres: within this many extents of the colliders.
+constexpr double kMostBallastReach = 10.0;
+
 constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
 
 NumberRule dimension() {
@@ -85,13 +90,24 @@ double farthestFrom(const std::vector<Shape>& shapes, const Vector3d& from_m) {
   return most_m;
 }
 
-/// How far a point is outside of the box of the shapes and some points [m]; 0 within.
-double besideShapes(const std::vector<Shape>& shapes, const std::vector<Vector3d>& points_m,
-                    const Vector3d& point_m) {
+Eigen::AlignedBox3d boxOf(const std::vector<Shape>& shapes) {
   Eigen::AlignedBox3d box;
-  for (const Vector3d& p : points_m) box.extend(p);
   eachBound(shapes, [&](const Vector3d& p) { box.extend(p); });
-  return box.exteriorDistance(point_m);
+  return box;
+}
+
+/// The densest that a body of these colliders may be anywhere [kg/m3].
+double mostDensity(const std::vector<Shape>& shapes, double mass_kg) {
+  double volume_m3 = 0.0;
+  for (const Shape& shape : shapes) volume_m3 += moments(shape).volume_m3;
+  return std::max(kOsmium_kg_m3, kMostConcentration * mass_kg / volume_m3);
+}
+
+/// Moment of inertia of a ball [kg·m²]. Of all bodies of a mass and at most a density, the ball's
+/// moments have the least sum.
+double ballInertia(double mass_kg, double density_kg_m3) {
+  const double radius_m = std::cbrt(mass_kg / density_kg_m3 / (4.0 / 3.0 * pi));
+  return 0.4 * mass_kg * radius_m * radius_m;
 }
 
 /// Reads one `[[bodies]]` table.
@@ -225,7 +241,7 @@ class BodyReader {
       return;
     }
     Expected<UrdfBody> urdf =
-        loadUrdf(path.string(), *time_, UrdfUse{body.fixed, uniform_density_});
+        loadUrdf(path.string(), *time_, UrdfUse{body.fixed, uniform_density_, t_.has("friction")});
     if (!urdf) {
       urdf_faults_ = urdf.errors();
       return;
@@ -392,28 +408,57 @@ class BodyReader {
 
   /// Many URDFs carry placeholders, or moments in other units than kg·m².
   void judgeInertial(const SceneBody& body, const MassProperties& m) {
-    const char* const remedy =
+    std::string problem = ballastProblem(body);
+    if (problem.empty()) problem = inertialProblem(body, m);
+    if (problem.empty()) return;
+    t_.fail(
+        "file", "the URDF's " + problem,
         "correct the URDF's <inertial> (kg, m, kg·m²), or set uniform_density = true to use its "
-        "colliders' own";
-    const double aside_m = besideShapes(body.shapes, ballast_m_, m.com_m);
-    if (aside_m > 0.0) {
-      t_.fail(
-          "file",
-          fmt::format("the URDF's centre of mass is {:.3g} m outside of its colliders", aside_m),
-          remedy);
-      return;
+        "colliders' own");
+  }
+
+  /// What is wrong with the places of ballast; empty: nothing.
+  [[nodiscard]] std::string ballastProblem(const SceneBody& body) const {
+    const Eigen::AlignedBox3d colliders = boxOf(body.shapes);
+    const double most_m = kMostBallastReach * colliders.diagonal().norm();
+    for (const Vector3d& p : ballast_m_) {
+      const double aside_m = colliders.exteriorDistance(p);
+      if (aside_m <= most_m) continue;
+      return fmt::format(
+          "ballast, the mass of a link without a collider, is {:.3g} m outside of its colliders; "
+          "{:.3g} m at most",
+          aside_m, most_m);
     }
+    return {};
+  }
+
+  /// Why no body of that mass between its colliders and ballast has this inertial; empty: one may.
+  [[nodiscard]] std::string inertialProblem(const SceneBody& body, const MassProperties& m) const {
+    Eigen::AlignedBox3d box = boxOf(body.shapes);
     double reach_m = farthestFrom(body.shapes, m.com_m);
-    for (const Vector3d& p : ballast_m_) reach_m = std::max(reach_m, (p - m.com_m).norm());
-    const double most = m.mass_kg * reach_m * reach_m;
-    const double is =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m.inertia_kg_m2).eigenvalues().maxCoeff();
-    if (is <= most) return;
-    t_.fail("file",
-            fmt::format("the URDF's largest moment of inertia is {:.3g} kg·m²; {:.3g} kg within "
-                        "{:.3g} m of their centre have {:.3g} at most",
-                        is, m.mass_kg, reach_m, most),
-            remedy);
+    for (const Vector3d& p : ballast_m_) {
+      box.extend(p);
+      reach_m = std::max(reach_m, (p - m.com_m).norm());
+    }
+    if (const double aside_m = box.exteriorDistance(m.com_m); aside_m > 0.0) {
+      return fmt::format("centre of mass is {:.3g} m outside of its colliders", aside_m);
+    }
+    const Vector3d principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m.inertia_kg_m2).eigenvalues();
+    if (const double most = m.mass_kg * reach_m * reach_m; principal.maxCoeff() > most) {
+      return fmt::format(
+          "largest moment of inertia is {:.3g} kg·m²; {:.3g} kg within {:.3g} m of their centre "
+          "have {:.3g} at most",
+          principal.maxCoeff(), m.mass_kg, reach_m, most);
+    }
+    const double density_kg_m3 = mostDensity(body.shapes, m.mass_kg);
+    if (const double least = ballInertia(m.mass_kg, density_kg_m3); principal.mean() < least) {
+      return fmt::format(
+          "moments of inertia are {:.3g} kg·m² in the mean; {:.3g} kg have {:.3g} at least, as a "
+          "ball of {:.3g} kg/m³",
+          principal.mean(), m.mass_kg, least, density_kg_m3);
+    }
+    return {};
   }
 
   TomlTable t_;
@@ -514,12 +559,12 @@ void noteHeavyOnLight(SceneModel& scene) {
       fmt::format("keep bodies that rest on each other within a ratio of {:.0f}", kMostMassRatio)));
 }
 
-/// A body that falls onto a fixed one at more than kMostBodySpeed_m_s may pass through it.
+/// A body that falls onto a fixed one or the hand at more than kMostBodySpeed_m_s may pass through.
 void reportFalls(const SceneModel& scene, std::vector<BodyReader>& readers) {
   const double g_m_s2 = scene.gravity_m_s2.norm();
   if (!(g_m_s2 > 0.0)) return;
   const Vector3d down = scene.gravity_m_s2 / g_m_s2;
-  double ground_m = -std::numeric_limits<double>::infinity();
+  double ground_m = 0.0;  // the hand is about the origin
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const SceneBody& body = scene.bodies[i];
     if (!body.fixed || !readers[i].placed()) continue;
@@ -534,16 +579,15 @@ void reportFalls(const SceneModel& scene, std::vector<BodyReader>& readers) {
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const SceneBody& body = scene.bodies[i];
     if (body.fixed || body.joint || !readers[i].placed()) continue;
-    const double fall_m = ground_m - down.dot(body.pose.translation_m);
+    const double fall_m = ground_m - down.dot(body.pose * body.com_m);
     if (!(fall_m > most_m)) continue;
-    readers[i].table().fail(
-        "position_m",
-        fmt::format("may fall {:.3g} m and arrive at {:.3g} m/s", fall_m,
-                    std::sqrt(2.0 * g_m_s2 * fall_m)),
-        fmt::format(
-            "must be at most {:.3g} m above the lowest top of a fixed shape: contacts are found "
-            "up to {:.3g} m/s",
-            most_m, kMostBodySpeed_m_s));
+    readers[i].table().fail("position_m",
+                            fmt::format("may fall {:.3g} m and arrive at {:.3g} m/s", fall_m,
+                                        std::sqrt(2.0 * g_m_s2 * fall_m)),
+                            fmt::format("must be at most {:.3g} m above the lowest top of a fixed "
+                                        "shape, and above the hand (the "
+                                        "origin): contacts are found up to {:.3g} m/s",
+                                        most_m, kMostBodySpeed_m_s));
   }
 }
 

@@ -49,6 +49,8 @@ class UrdfFaults {
   [[nodiscard]] const Diagnostics& notices() const { return notices_; }
   [[nodiscard]] const std::string& file() const { return file_; }
 
+  /// The first child of a name, or nullptr; a second one is a fault.
+  const XMLElement* only(const XMLElement& parent, const char* name, const std::string& key);
   /// Text of an attribute; empty, with a fault, when it is missing or empty.
   std::string text(const XMLElement& e, const char* attribute, const std::string& key);
   /// Exactly `count` finite numbers separated by blanks; zeros, with a fault, otherwise.
@@ -143,6 +145,18 @@ void UrdfFaults::addAtLine(int line, std::string problem, std::string remedy) {
   all_.back().line = line;
 }
 
+const XMLElement* UrdfFaults::only(const XMLElement& parent, const char* name,
+                                   const std::string& key) {
+  const XMLElement* const first = parent.FirstChildElement(name);
+  const XMLElement* const second = first != nullptr ? first->NextSiblingElement(name) : nullptr;
+  if (second != nullptr) {
+    add(second, key + "." + name, "",
+        fmt::format("stands there twice, first in line {}", first->GetLineNum()),
+        "keep one of the two");
+  }
+  return first;
+}
+
 std::string UrdfFaults::text(const XMLElement& e, const char* attribute, const std::string& key) {
   const char* found = e.Attribute(attribute);
   if (found != nullptr && *found != '\0') return found;
@@ -192,7 +206,7 @@ double UrdfFaults::length_m(const XMLElement& e, const char* attribute, const st
 
 Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
   Pose pose;
-  const XMLElement* e = parent.FirstChildElement("origin");
+  const XMLElement* e = only(parent, "origin", key);
   if (e == nullptr) return pose;
   if (e->Attribute("xyz") != nullptr) {
     const std::vector<double> xyz = numbers(*e, "xyz", key + ".origin", 3);
@@ -345,7 +359,7 @@ std::vector<Shape> readGeometry(const XMLElement& e, const std::string& key, Urd
 /// Appends the path of its mesh to `meshes`. After the end of their time, meshes are not read.
 std::vector<Shape> readUrdfCollision(const XMLElement& collision, const std::string& key,
                                      UrdfFaults& faults, UrdfMeshes& meshes) {
-  const XMLElement* geometry = collision.FirstChildElement("geometry");
+  const XMLElement* geometry = faults.only(collision, "geometry", key);
   const XMLElement* kind = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
   if (kind == nullptr || kind->NextSiblingElement() != nullptr) {
     faults.add(&collision, key + ".geometry", "", "does not hold exactly one shape",
@@ -411,9 +425,11 @@ class Reader {
     for (const XMLElement* e = robot_->FirstChildElement("gazebo"); e != nullptr;
          e = e->NextSiblingElement("gazebo")) {
       const char* link = e->Attribute("reference");
-      const std::string key = fmt::format("gazebo[{}]", link != nullptr ? link : "");
+      if (link == nullptr || linkIndex(link) < 0) continue;
+      const std::string key = fmt::format("gazebo[{}]", link);
       for (const char* name : {"mu1", "mu2"}) readFriction(e->FirstChildElement(name), key);
     }
+    noteFriction(*robot_);
     judgeColliders();
     if (faults_.all().empty()) checkTree();
     if (faults_.all().empty()) checkCarried();
@@ -454,11 +470,12 @@ class Reader {
     return false;
   }
 
-  /// Adds what the file is when another program's. @return true when it is known
+  /// Adds what the file is when another program's. @return true when it is known and no URDF
   bool addForeignFault(const XMLElement* at) {
     const auto foreign = foreignFileAt(faults_.file());
-    if (foreign) faults_.add(at, "", "", foreign->problem, foreign->remedy);
-    return foreign.has_value();
+    if (!foreign || foreign->problem == "is a URDF") return false;
+    faults_.add(at, "", "", foreign->problem, foreign->remedy);
+    return true;
   }
 
   /// Reports an XML error in words, with the parser's name for it in brackets.
@@ -467,12 +484,10 @@ class Reader {
     const XMLError code = document_.ErrorID();
     const bool no_xml =
         code == XMLError::XML_ERROR_EMPTY_DOCUMENT || code == XMLError::XML_ERROR_PARSING_TEXT;
-    if (no_xml && addForeignFault(nullptr)) return;
+    if (addForeignFault(nullptr)) return;
     std::error_code error;
     if (fs::file_size(faults_.file(), error) == 0) {
       faults_.addAtLine(0, "is empty", "give a URDF with at least one <link>");
-    } else if (isUtf16()) {
-      faults_.addAtLine(0, "is a text in UTF-16", "save it as UTF-8");
     } else if (no_xml) {
       faults_.addAtLine(0, "is no URDF: it holds no XML",
                         "give a URDF: XML that starts <robot ...>");
@@ -485,14 +500,6 @@ class Reader {
           fmt::format("is not well-formed XML: {} ({})", xmlProblem(code), document_.ErrorName()),
           "correct it at or above this line");
     }
-  }
-
-  /// True for a byte order mark of UTF-16.
-  [[nodiscard]] bool isUtf16() const {
-    std::array<char, 2> head{};
-    std::ifstream(faults_.file(), std::ios::binary).read(head.data(), head.size());
-    const std::string_view mark(head.data(), head.size());
-    return mark == "\xFF\xFE" || mark == "\xFE\xFF";
   }
 
   [[nodiscard]] int linkIndex(const std::string& name) const {
@@ -536,13 +543,16 @@ class Reader {
         link.shapes.push_back(std::move(shape));
       }
     }
-    const XMLElement* contact = e.FirstChildElement("contact");
-    for (const XMLElement* c = contact != nullptr ? contact->FirstChildElement() : nullptr;
-         c != nullptr; c = c->NextSiblingElement()) {
-      readContact(*c, key + ".contact");
+    for (const XMLElement* contact = e.FirstChildElement("contact"); contact != nullptr;
+         contact = contact->NextSiblingElement("contact")) {
+      for (const XMLElement* c = contact->FirstChildElement(); c != nullptr;
+           c = c->NextSiblingElement()) {
+        readContact(*c, key + ".contact");
+      }
     }
     const XMLElement* i = e.FirstChildElement("inertial");
-    const bool frame = number == 0 && i != nullptr && isMassless(*i);
+    const bool frame = number == 0 && i != nullptr && isMassless(*i) &&
+                       i->NextSiblingElement("inertial") == nullptr;
     if (i != nullptr && !frame) link.inertial_element = i;
     links_.push_back(std::move(link));
   }
@@ -550,6 +560,7 @@ class Reader {
   /// An element of Bullet's `<contact>`: friction is applied, the others are not.
   void readContact(const XMLElement& e, const std::string& key) {
     if (std::string_view(e.Name()) == "lateral_friction") return readFriction(&e, key);
+    frictions_.push_back(&e);
     const char* const value = e.Attribute("value");
     if (value == nullptr || parseNumbers(value) == std::vector<double>{0.0}) return;
     faults_.note(&e, key + "." + e.Name(), value,
@@ -558,7 +569,8 @@ class Reader {
 
   /// Of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`, `<mu2>`).
   void readFriction(const XMLElement* e, const std::string& key) {
-    if (e == nullptr) return;
+    if (e == nullptr || use_.friction) return;
+    frictions_.push_back(e);
     const char* const text =
         e->Attribute("value") != nullptr ? e->Attribute("value") : e->GetText();
     const auto value = parseNumbers(text != nullptr ? text : "");
@@ -580,6 +592,36 @@ class Reader {
     } else {
       friction_ = value->front();
     }
+  }
+
+  /// Notes friction in an element or below that is written where no link's is looked for.
+  void noteFriction(const XMLElement& e) {
+    if (use_.friction) return;
+    const char* const text = frictionIn(e);
+    if (text != nullptr &&
+        std::find(frictions_.begin(), frictions_.end(), &e) == frictions_.end()) {
+      faults_.note(&e, e.Name(), text,
+                   {"", 0, "", "", "is friction where none is read: it is not applied",
+                    fmt::format("give the body of the scene friction = 0 to {:g}", kMostFriction)});
+    }
+    for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
+      noteFriction(*c);
+    }
+  }
+
+  /// The friction that an element names, of any dialect; nullptr: none. A joint's is its own.
+  static const char* frictionIn(const XMLElement& e) {
+    const std::string_view name = e.Name();
+    const std::string_view last = name.substr(name.rfind(':') + 1);
+    if (last == "dynamics") return nullptr;
+    for (const char* attribute : {"mu", "mu1", "friction", "static_friction"}) {
+      if (const char* const value = e.Attribute(attribute)) return value;
+    }
+    constexpr std::array<std::string_view, 5> kNames{"mu", "mu1", "mu2", "mu_static", "mu_dynamic"};
+    const bool named = std::find(kNames.begin(), kNames.end(), last) != kNames.end() ||
+                       last.find("friction") != last.npos;
+    if (!named || e.FirstChildElement() != nullptr) return nullptr;
+    return e.Attribute("value") != nullptr ? e.Attribute("value") : e.GetText();
   }
 
   static bool isMassless(const XMLElement& inertial) {
@@ -604,10 +646,12 @@ class Reader {
 
   std::optional<MassProperties> readInertial(const XMLElement& e, const Link& link, bool moves) {
     const std::string key = fmt::format("link[{}].inertial", link.name);
-    const XMLElement* mass = e.FirstChildElement("mass");
+    const std::size_t before = faults_.all().size();
+    (void)faults_.only(*link.element, "inertial", fmt::format("link[{}]", link.name));
+    const XMLElement* mass = faults_.only(e, "mass", key);
     const XMLElement* density = e.FirstChildElement("density");
     if (mass == nullptr && density != nullptr) return readDensity(*density, key, link.shapes);
-    const XMLElement* inertia = e.FirstChildElement("inertia");
+    const XMLElement* inertia = faults_.only(e, "inertia", key);
     if (mass == nullptr || (inertia == nullptr && !use_.uniform_density)) {
       faults_.add(&e, key, "", fmt::format("has no <{}>", mass == nullptr ? "mass" : "inertia"),
                   mass == nullptr
@@ -616,7 +660,6 @@ class Reader {
                         "scene");
       return std::nullopt;
     }
-    const std::size_t before = faults_.all().size();
     MassProperties m;
     m.mass_kg = faults_.mass_kg(*mass, key + ".mass", moves);
     if (use_.uniform_density) {
@@ -682,7 +725,7 @@ class Reader {
     }
     if (type == "prismatic") joint.type = SceneJoint::Type::kSlide;
     joint.axis = Eigen::Vector3d::UnitX();
-    if (const XMLElement* axis = e.FirstChildElement("axis")) {
+    if (const XMLElement* axis = faults_.only(e, "axis", key)) {
       const std::size_t before = faults_.all().size();
       const std::vector<double> v = faults_.numbers(*axis, "xyz", key + ".axis", 3);
       joint.axis = {v[0], v[1], v[2]};
@@ -693,7 +736,7 @@ class Reader {
       joint.axis.normalize();
     }
     if (type != "continuous") readLimit(e, key, joint);
-    if (const XMLElement* dynamics = e.FirstChildElement("dynamics")) {
+    if (const XMLElement* dynamics = faults_.only(e, "dynamics", key)) {
       joint.viscous_friction = notNegative(*dynamics, "damping", key + ".dynamics");
       joint.dry_friction = notNegative(*dynamics, "friction", key + ".dynamics");
     }
@@ -701,7 +744,7 @@ class Reader {
   }
 
   void readLimit(const XMLElement& e, const std::string& key, SceneJoint& joint) {
-    const XMLElement* limit = e.FirstChildElement("limit");
+    const XMLElement* limit = faults_.only(e, "limit", key);
     if (limit == nullptr) {
       faults_.add(&e, key + ".limit", "", "is missing",
                   "give <limit lower=\"...\" upper=\"...\"/>");
@@ -759,7 +802,7 @@ class Reader {
 
   /// Index of the link that a joint's <parent> or <child> names; -1, and a fault, without one.
   int joined(const XMLElement& joint, const char* role, const std::string& key) {
-    const XMLElement* e = joint.FirstChildElement(role);
+    const XMLElement* e = faults_.only(joint, role, key);
     if (e == nullptr) {
       faults_.add(&joint, key + "." + role, "", "is missing",
                   fmt::format("give <{} link=\"...\"/>", role));
@@ -840,6 +883,7 @@ class Reader {
   std::vector<Link> links_;
   UrdfMeshes meshes_{};
   std::optional<double> friction_;
+  std::vector<const XMLElement*> frictions_;  ///< elements that were read
   UrdfUse use_;
 };
 

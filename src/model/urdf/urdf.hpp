@@ -14,10 +14,11 @@ namespace wholehand {
 
 class MeshLoadTime;  // model/mesh/mesh_file.hpp
 
-/// What a body takes from a URDF's inertials.
+/// What a body does not take from a URDF.
 struct UrdfUse {
-  bool fixed = false;            ///< nothing, of the root: it never moves
-  bool uniform_density = false;  ///< the masses alone
+  bool fixed = false;            ///< no inertial of the root: it never moves
+  bool uniform_density = false;  ///< inertials but their masses
+  bool friction = false;         ///< no friction: the body has its own
 };
 
 /// What a movable joint of a URDF carries: one rigid body.
