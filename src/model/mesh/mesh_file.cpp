@@ -246,7 +246,7 @@ Expected<MeshFile> readMeshHere(const std::string& path) {
   bytes << in.rdbuf();
   const std::string name = "the mesh file " + printable(path) + " ";
   if (const auto wide = wideText(bytes.view()))
-    return fileFault(name + wide->problem, wide->remedy);
+    return fileFault("", name + wide->problem, wide->remedy);
   try {
     MeshFile file = readerOf(endingOf(path))(bytes.view());
     if (file.surface.triangles.empty()) throw withoutTriangles(file.surface);
