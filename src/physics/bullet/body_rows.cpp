@@ -644,8 +644,9 @@ void BodyRows::shortenStart(const Bodies& bodies) noexcept {
   for (Group* group : all_) {
     for (int k = 0; k < group->used; ++k) {
       const double share = start_[islandOf(moverOf(*group, k))].share;
-      for (Row* row : {&group->normal, &group->tangent1, &group->tangent2})
+      for (Row* row : {&group->normal, &group->tangent1, &group->tangent2}) {
         row->impulse[k] *= share;
+      }
     }
   }
 }
