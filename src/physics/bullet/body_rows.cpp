@@ -241,7 +241,6 @@ void BodyRows::clear() noexcept {
   free_.clear();
   if (any()) std::fill(depth_.begin(), depth_.end(), 0);
   contacts_ = group_count_ = runs_ = 0;
-  was_uneven_ = uneven_;
   uneven_ = near_uneven_ = false;
 }
 
@@ -443,10 +442,8 @@ void BodyRows::begin(Bodies& bodies, const std::vector<bool>& touched) noexcept 
     for (int place = group->used; place < kWide; ++place) leaveEmpty(*group, place);
   }
   lay(all_);
-  if (uneven_ || was_uneven_) {
-    findIslands(bodies);
-    shortenStart(bodies);
-  }
+  findIslands(bodies);
+  shortenStart(bodies);
   for (const int i : touched_) {
     copyVector(motions_[i].linear, bodies[i].m_deltaLinearVelocity);
     copyVector(motions_[i].angular, bodies[i].m_deltaAngularVelocity);

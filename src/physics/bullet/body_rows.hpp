@@ -162,7 +162,6 @@ class BodyRows {
   std::vector<Group*> open_;
   std::vector<int> first_;            ///< per run: its first place in all_
   bool uneven_ = false;               ///< a contact in this step is
-  bool was_uneven_ = false;           ///< one in the last step was
   bool near_uneven_ = false;          ///< one of a body that the hand touches is
   std::vector<Start> start_;          ///< per island
   std::vector<int> island_;           ///< per body: one of its island; itself for one of each
