@@ -17,7 +17,7 @@ namespace wholehand::test {
 namespace {
 
 constexpr double kCycle_s = 250e-6, kMass_kg = 0.6;
-std::int64_t g_now_ns = 0;
+std::int64_t g_cycle_ns = 0;
 
 /// Three carriages that weigh something and fall while they are not enabled. Their first enabling
 /// takes them off a stand.
@@ -40,7 +40,7 @@ class HeavyDriver final : public PlainDriver {
   [[nodiscard]] bool enablesAtNeutral() const noexcept override { return at_neutral_; }
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
     sample.sequence = ++samples_;
-    sample.monotonic_ns = g_now_ns;
+    sample.monotonic_ns = g_cycle_ns;
     sample.status = WH_HOMED | (enabled ? static_cast<std::uint32_t>(WH_ENABLED) : 0U);
     sample.valid = 7;
     std::copy(position_m.begin(), position_m.end(), sample.position);
@@ -92,10 +92,10 @@ struct HeldDevice {
       : weight_n(weight), driver(weight, WH_FALLS, true), model(modelOf(weight)) {
     config = guardConfig(driver, model, kCycle_s);
     describeDevice(*frame, driver, config, 1);
-    host = std::make_unique<DeviceHost>(driver, *frame, config, []() noexcept { return g_now_ns; });
+    host = std::make_unique<DeviceHost>(driver, *frame, config, []() noexcept { return g_cycle_ns; });
   }
   void cycle() {
-    g_now_ns += static_cast<std::int64_t>(kCycle_s * 1e9);
+    g_cycle_ns += static_cast<std::int64_t>(kCycle_s * 1e9);
     (void)host->cycle(1);
     driver.pass();
   }
@@ -112,7 +112,7 @@ struct HeldDevice {
     HostCommand command{};
     command.session = session;
     command.sequence = ++commands;
-    command.monotonic_ns = g_now_ns;
+    command.monotonic_ns = g_cycle_ns;
     command.axes = 3;
     for (std::size_t i = 0; i < 3; ++i) command.effort[i] = weight_n[i] + effort_n;
     frame->command.publish(command);
@@ -135,7 +135,7 @@ struct HeldDevice {
 TEST(HeavyAxis, HeldByAHost_MovesAsItsWeightlessTwin) {
   auto random = seededRandom(3406);
   for (int i = 0; i < cases(200); ++i) {
-    g_now_ns = 1'000'000'000;
+    g_cycle_ns = 1'000'000'000;
     const std::array<double, 3> weight_n = {uniform(random, -10.0, 10.0),
                                             uniform(random, 0.0, 10.0), 0.0};
     HeldDevice heavy(weight_n);
@@ -146,9 +146,9 @@ TEST(HeavyAxis, HeldByAHost_MovesAsItsWeightlessTwin) {
     const double amplitude_n = uniform(random, 0.0, 3.0);
     double farthest_m = 0.0;
     const auto both = [&](const auto& act) {
-      const std::int64_t began_ns = g_now_ns;
+      const std::int64_t began_ns = g_cycle_ns;
       act(heavy);
-      g_now_ns = began_ns;
+      g_cycle_ns = began_ns;
       act(light);
       for (std::size_t a = 0; a < 3; ++a) {
         farthest_m =

@@ -32,8 +32,29 @@ struct Carried {
   double shift_m = 0.0;    ///< of the cylinder in the palm since then
   double slip_m = 0.0;     ///< of it in the palm during the last 2 s
   double sunk_m = 0.0;     ///< deepest of what lies on it, during the last second
+  /// What the cylinder has, over what tips it over its pedestal's edge, when the hand that knocked
+  /// against it on its way has let it go. Above 1 it falls. 0: the hand touches it.
+  double tips = 0.0;
   bool faulted = false;
 };
+
+/// Whether what was knocked tips over the edge of its pedestal: what it moves with, over the weight
+/// times the height by which its middle has yet to rise, to stand above the edge.
+double tipping(const TickRecord& r, const SceneModel& scene) {
+  const SceneBody &cylinder = scene.bodies[0], &pedestal = scene.bodies[1];
+  const BodyState& is = r.bodies[0];
+  const Eigen::Vector3d way = is.position_m.eigen() - pedestal.pose.translation_m;
+  const Eigen::Vector3d half = pedestal.shapes[0].half_extents_m;
+  const Eigen::Vector3d axis = is.orientation_xyzw.eigen() * Eigen::Vector3d::UnitZ();
+  // Pushed along y, it turns about the edge there.
+  const double aside_m = half.y() - std::abs(way.y()), above_m = way.z() - half.z();
+  const double rise_m = std::hypot(aside_m, above_m) - above_m;
+  const Eigen::Vector3d spin = is.angular_velocity_rad_s.eigen();
+  const double about = axis.dot(spin);
+  const double turning_j = 0.5 * cylinder.inertia_kg_m2(0, 0) * (spin - about * axis).squaredNorm();
+  const double moving_j = 0.5 * cylinder.mass_kg * is.velocity_m_s.eigen().squaredNorm();
+  return (turning_j + moving_j) / (cylinder.mass_kg * kGravity * rise_m);
+}
 
 /// @param top_kg of a disk that lies on the cylinder; 0: none
 Carried carry(double mass_kg, double top_kg, double hold_s, double period_s) {
@@ -62,8 +83,15 @@ Carried carry(double mass_kg, double top_kg, double hold_s, double period_s) {
   Eigen::Vector3d before = Eigen::Vector3d::Zero(), late = before;
   Carried out;
   const double end_s = grasp_times::kHoldBegins + hold_s;
+  bool touched = false;
   runTicks(*rig->renderer, static_cast<int>(end_s / period_s), [&](const TickRecord& r) {
     out.faulted = out.faulted || any(r.faults & kStoppingFaults);
+    bool touches = false;
+    for (int i = 0; i < r.contact_count; ++i) touches = touches || r.contacts[i].body == 0;
+    if (r.time_s < grasp_times::kApproached && touches != touched) {
+      out.tips = touches ? 0.0 : tipping(r, rig->models.scene);
+    }
+    touched = touches;
     kinematics.updateKinematics(r.theta);
     const Pose palm = kinematics.linkPose(hand.palm_link);
     const Eigen::Vector3d center = r.bodies[0].position_m.eigen();
@@ -89,8 +117,10 @@ Carried carry(double mass_kg, double top_kg, double hold_s, double period_s) {
 }
 
 /// The tuned grasp of the paper's cylinder: what friction at its fingers bears is picked up and
-/// held, whatever it weighs. One of 5 g may be knocked over before it is gripped, as at 2 kHz: then
-/// nothing is pressed, and nothing is judged.
+/// held, whatever it weighs. The script's open hand knocks against it on its way, at 72 mm/s and
+/// low, and a light one takes all of that speed: on its pedestal, 20 mm wide, it may tip over
+/// before it is gripped. It does where what it has lifts its middle above the pedestal's edge: at 5
+/// g it has about that.
 TEST(Weights, OfCylindersThatTheGraspBears_ArePickedUpAndHeld) {
   auto random = seededRandom(3630);
   double slip_m = 0.0;
@@ -104,6 +134,7 @@ TEST(Weights, OfCylindersThatTheGraspBears_ArePickedUpAndHeld) {
     SCOPED_TRACE(std::to_string(mass_kg) + " kg at " + std::to_string(1.0 / period_s) + " Hz");
     const Carried carried = carry(mass_kg, 0.0, 3.0, period_s);
     EXPECT_FALSE(carried.faulted);
+    if (carried.tips > 0.0) EXPECT_EQ(carried.pressed_n == 0.0, carried.tips > 1.0) << carried.tips;
     if (kFriction * carried.pressed_n <= 1.2 * mass_kg * kGravity) continue;
     ++borne;
     EXPECT_LE(carried.shift_m, 2e-3);

@@ -1,6 +1,7 @@
 #include "physics/bullet/body_rows.hpp"
 
 #include "core/vector_clones.hpp"
+#include "physics/bullet/free_motion.hpp"
 #include "physics/bullet/joint_rows.hpp"
 #include "physics/bullet/row_arithmetic.hpp"
 
@@ -223,6 +224,7 @@ BodyRows::BodyRows(int contacts, int bodies)
       depth_(bodies),
       open_(2 * contacts),
       first_(2 * contacts + 1),
+      start_(bodies),
       island_(bodies),
       solved_at_once_(bodies),
       slot_(bodies) {
@@ -395,7 +397,9 @@ void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGo
     const btVector3 arm_b = arm(rigid_b, point.getPositionWorldOnB());
     write(arm_a, group.arm_a, place), write(arm_b, group.arm_b, place);
     const double apart_m = point.getDistance() + goals.slop_m;
-    double goal = apart_m > 0.0 ? -apart_m / goals.step_s : -apart_m * goals.erp / goals.step_s;
+    double goal = apart_m > 0.0
+                      ? -apart_m / goals.step_s
+                      : std::min(-apart_m * goals.erp / goals.step_s, goals.most_push_m_s);
     if (point.m_combinedRestitution > 0.0) {
       const btVector3 of_a = rigid_a != nullptr ? rigid_a->getVelocityInLocalPoint(arm_a) : none;
       const btVector3 of_b = rigid_b != nullptr ? rigid_b->getVelocityInLocalPoint(arm_b) : none;
@@ -438,6 +442,8 @@ void BodyRows::begin(Bodies& bodies, const std::vector<bool>& touched) noexcept 
     for (int place = group->used; place < kWide; ++place) leaveEmpty(*group, place);
   }
   lay(all_);
+  findIslands(bodies);
+  shortenStart(bodies);
   for (const int i : touched_) {
     copyVector(motions_[i].linear, bodies[i].m_deltaLinearVelocity);
     copyVector(motions_[i].angular, bodies[i].m_deltaAngularVelocity);
@@ -575,10 +581,14 @@ int BodyRows::islandOf(int body) noexcept {
   return body;
 }
 
+int BodyRows::moverOf(const Group& group, int place) const noexcept {
+  const bool a_moves = group.inverse_mass_a[place] > 0.0 || group.joint_a[place] != nullptr;
+  return static_cast<int>((a_moves ? group.a[place] : group.b[place]) - motions_.data());
+}
+
 // Movable bodies that touch are of one island.
 void BodyRows::findIslands(const Bodies& bodies) noexcept {
   std::iota(island_.begin(), island_.begin() + bodies.size(), 0);
-  std::fill_n(solved_at_once_.begin(), bodies.size(), false);
   for (const Group* group : all_) {
     for (int k = 0; k < group->used; ++k) {
       const int a = static_cast<int>(group->a[k] - motions_.data());
@@ -588,10 +598,62 @@ void BodyRows::findIslands(const Bodies& bodies) noexcept {
       }
     }
   }
+}
+
+// The last step's impulses may be those of a blow. Let go once more they would throw what is light
+// faster than the sweeps can stop it again. With J v the rows' velocities before contacts and g
+// their goals, each sweep lowers f(r) = ½ (Jᵀr)ᵀ M⁻¹ (Jᵀr) + rᵀ(J v − g): kinetic energy given,
+// less what the goals ask for. Nothing has f = 0. An island whose impulses r have more starts from
+// the share of r with the least f.
+void BodyRows::shortenStart(const Bodies& bodies) noexcept {
+  std::fill_n(start_.begin(), bodies.size(), Start{});
   for (const Group* group : all_) {
     for (int k = 0; k < group->used; ++k) {
-      if (!isUneven(*group, k)) continue;
-      solved_at_once_[islandOf(static_cast<int>(group->a[k] - motions_.data()))] = true;
+      double& gain_j = start_[islandOf(moverOf(*group, k))].gain_j;
+      for (const Row* row : {&group->normal, &group->tangent1, &group->tangent2}) {
+        if (row->effective_mass[k] == 0.0) continue;
+        gain_j += row->impulse[k] * row->target[k] / row->effective_mass[k];
+      }
+    }
+  }
+  for (const int i : free_) {
+    const auto vector = [](const std::array<double, 4>& of) {
+      return btVector3(of[0], of[1], of[2]);
+    };
+    start_[islandOf(i)].cost_j += kineticEnergy(
+        *bodies[i].m_originalBody, vector(motions_[i].linear), vector(motions_[i].angular));
+  }
+  // What the hand does to an island is not among its rows.
+  for (const int i : touched_) start_[islandOf(i)].cost_j = 0.0;
+  bool all_whole = true;
+  for (int i = 0; i < bodies.size(); ++i) {
+    Start& of = start_[i];
+    if (of.cost_j <= std::max(of.gain_j, 0.0)) continue;
+    of.share = std::max(0.0, 0.5 * of.gain_j / of.cost_j);
+    all_whole = false;
+  }
+  if (all_whole) return;
+  for (const int i : free_) {
+    const double share = start_[islandOf(i)].share;
+    for (double& number : motions_[i].linear) number *= share;
+    for (double& number : motions_[i].angular) number *= share;
+  }
+  for (Group* group : all_) {
+    for (int k = 0; k < group->used; ++k) {
+      const double share = start_[islandOf(moverOf(*group, k))].share;
+      for (Row* row : {&group->normal, &group->tangent1, &group->tangent2}) {
+        row->impulse[k] *= share;
+      }
+    }
+  }
+}
+
+// Those in which one body lies on another ten times lighter, and that the hand does not touch.
+void BodyRows::findUneven(const Bodies& bodies) noexcept {
+  std::fill_n(solved_at_once_.begin(), bodies.size(), false);
+  for (const Group* group : all_) {
+    for (int k = 0; k < group->used; ++k) {
+      if (isUneven(*group, k)) solved_at_once_[islandOf(moverOf(*group, k))] = true;
     }
   }
   for (const int body : touched_) solved_at_once_[islandOf(body)] = false;
@@ -650,10 +712,12 @@ bool BodyRows::solveIsland(ConeNewton& newton, int most_steps) noexcept {
     writeRow(at.group->normal, at, rows[0]);
     writeRow(at.group->tangent1, at, rows[1]);
     writeRow(at.group->tangent2, at, rows[2]);
-    // What the last step ended with, whole: the solution is exact where nothing changes.
-    rows[0].start = point.m_appliedImpulse;
-    rows[1].start = point.m_appliedImpulseLateral1;
-    rows[2].start = point.m_appliedImpulseLateral2;
+    // What the last step ended with, unless that was a blow: the solution is exact where nothing
+    // changes.
+    const double share = start_[islandOf(members_[0])].share;
+    rows[0].start = share * point.m_appliedImpulse;
+    rows[1].start = share * point.m_appliedImpulseLateral1;
+    rows[2].start = share * point.m_appliedImpulseLateral2;
   }
   bool found = newton.solve();
   for (std::size_t i = 1; found; ++i) {
@@ -683,7 +747,7 @@ void BodyRows::takeImpulses(const ConeNewton& newton) noexcept {
 bool BodyRows::solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept {
   if (!uneven_) return false;
   bool solved = true;
-  findIslands(bodies);
+  findUneven(bodies);
   int work = kMostWork;
   for (const int body : free_) {
     if (islandOf(body) != body || !solved_at_once_[body]) continue;

@@ -21,6 +21,7 @@ struct ContactGoals {
   double step_s = 0.0;
   double slop_m = 0.0;           ///< overlap that is left alone
   double erp = 0.0;              ///< fraction of a deeper overlap that is removed
+  double most_push_m_s = 0.0;    ///< the fastest that this pushes: bodies keep the speed
   double warm_start = 0.0;       ///< fraction of the last step's impulses
   double bounce_from_m_s = 0.0;  ///< slower bodies do not bounce
 };
@@ -119,9 +120,19 @@ class BodyRows {
     int place = 0;
   };
 
+  /// Of an island's starting impulses (shortenStart()) [J].
+  struct Start {
+    double cost_j = 0.0, gain_j = 0.0;
+    double share = 1.0;  ///< that is let go
+  };
+
+  /// The body of a contact that moves, or one of the two.
+  [[nodiscard]] int moverOf(const Group& group, int place) const noexcept;
   [[nodiscard]] static bool isUneven(const Group& group, int place) noexcept;
   [[nodiscard]] int islandOf(int body) noexcept;
   void findIslands(const Bodies& bodies) noexcept;
+  void shortenStart(const Bodies& bodies) noexcept;
+  void findUneven(const Bodies& bodies) noexcept;
   [[nodiscard]] bool listIsland(int island, const Bodies& bodies) noexcept;
   void writeRow(const Row& row, const Place& at, ConeNewton::Row& out) const noexcept;
   bool solveIsland(ConeNewton& newton, int most_steps) noexcept;
@@ -152,6 +163,7 @@ class BodyRows {
   std::vector<int> first_;            ///< per run: its first place in all_
   bool uneven_ = false;               ///< a contact in this step is
   bool near_uneven_ = false;          ///< one of a body that the hand touches is
+  std::vector<Start> start_;          ///< per island
   std::vector<int> island_;           ///< per body: one of its island; itself for one of each
   std::vector<bool> solved_at_once_;  ///< per island, at that body
   std::vector<int> slot_;             ///< per body: its index in the island, or −1

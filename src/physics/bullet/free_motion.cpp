@@ -45,10 +45,15 @@ void moveFree(btRigidBody& body, double step_s) noexcept {
 }
 
 double kineticEnergy(const btRigidBody& body) noexcept {
+  return kineticEnergy(body, body.getLinearVelocity(), body.getAngularVelocity());
+}
+
+double kineticEnergy(const btRigidBody& body, const btVector3& velocity_m_s,
+                     const btVector3& spin_rad_s) noexcept {
   if (body.getInvMass() == 0.0) return 0.0;
-  double twice_j = body.getLinearVelocity().length2() / body.getInvMass();
-  if (!body.getAngularVelocity().isZero()) {
-    const btVector3 spin = body.getAngularVelocity() * body.getWorldTransform().getBasis();
+  double twice_j = velocity_m_s.length2() / body.getInvMass();
+  if (!spin_rad_s.isZero()) {
+    const btVector3 spin = spin_rad_s * body.getWorldTransform().getBasis();
     const btVector3& inverse = body.getInvInertiaDiagLocal();
     for (int k = 0; k < 3; ++k) {
       if (inverse[k] > 0.0) twice_j += spin[k] * spin[k] / inverse[k];

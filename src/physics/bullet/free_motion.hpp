@@ -13,5 +13,9 @@ WHOLEHAND_RT void moveFree(btRigidBody& body, double step_s) noexcept;
 
 /// ½ m v² + ½ ω·I ω; 0 for a body that does not move. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double kineticEnergy(const btRigidBody& body) noexcept;
+/// The same with another velocity of its centre of mass and another spin, world.
+[[nodiscard]] WHOLEHAND_RT double kineticEnergy(const btRigidBody& body,
+                                                const btVector3& velocity_m_s,
+                                                const btVector3& spin_rad_s) noexcept;
 
 }  // namespace wholehand::bullet

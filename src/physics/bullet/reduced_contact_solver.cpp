@@ -122,7 +122,8 @@ void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
     dropped_ += manifold.getNumContacts();
     return;
   }
-  const ContactGoals goals{info.m_timeStep, settings_.penetration_slop_m, settings_.contact_erp,
+  const ContactGoals goals{info.m_timeStep,           settings_.penetration_slop_m,
+                           settings_.contact_erp,     settings_.body_push_m_s,
                            settings_.body_warm_start, info.m_restitutionVelocityThreshold};
   const int a = getOrInitSolverBody(*tagOf(manifold.getBody0())->rigid, info.m_timeStep);
   const int b = getOrInitSolverBody(*tagOf(manifold.getBody1())->rigid, info.m_timeStep);

@@ -19,6 +19,7 @@ struct SolverSettings {
   double far_tolerance = 1e-4;
   double body_warm_start = 0.97;  ///< fraction of the last step's impulses between bodies
   double contact_erp = 0.05;      ///< fraction of a penetration removed per step
+  double body_push_m_s = 0.02;    ///< the fastest that it moves two bodies apart
   /// Of a contact between hand and body in its normal direction. Row's softness:
   /// R = contact_erp / (contact_stiffness h²), so that λ = h · stiffness · depth at rest.
   double contact_stiffness_n_m = 2.5e6;
