@@ -231,7 +231,7 @@ class ArmAmidOthers : public WaitingOrders {
 // waited, and it waited for 3 s at most behind others; its own work may take as long as it takes.
 TEST_F(ArmAmidOthers, InRandomInterleavings_StartsForWhoMayAndNobodyElse) {
   begin();
-  const int drawn = cases(200);
+  const int drawn = fullCounts() ? 30000 : cases(200);
   for (int i = 0; i < drawn && !HasFailure(); ++i) {
     SCOPED_TRACE("case " + std::to_string(i));
     drawCase();
@@ -727,7 +727,7 @@ TEST_F(WaitingOrders, StopInEveryState_LeadsToNeutral) {
   begin();
   auto random = seededRandom(3403);
   enum { kDisarmed, kArming, kRendering, kStopping, kStopped, kStates };
-  for (int i = 0; i < cases(60) && !HasFailure(); ++i) {
+  for (int i = 0; i < (fullCounts() ? 6000 : cases(60)) && !HasFailure(); ++i) {
     const int state = static_cast<int>(random() % kStates);
     SCOPED_TRACE("state " + std::to_string(state));
     const Person stops = person();

@@ -102,7 +102,7 @@ std::optional<Diagnostic> wideText(std::string_view head) {
   }
   if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF")) return asFault(kWide);
   constexpr std::size_t kLooked = 4;  // characters
-  const auto isWide = [&](std::size_t bytes, std::size_t letter) {
+  const auto is_wide = [&](std::size_t bytes, std::size_t letter) {
     if (head.size() < kLooked * bytes) return false;
     for (std::size_t i = 0; i < kLooked * bytes; ++i) {
       const auto c = static_cast<unsigned char>(head[i]);
@@ -111,8 +111,8 @@ std::optional<Diagnostic> wideText(std::string_view head) {
     }
     return true;
   };
-  if (isWide(2, 0) || isWide(2, 1)) return asFault(kWide);
-  if (isWide(4, 0) || isWide(4, 3)) return asFault(kWidest);
+  if (is_wide(2, 0) || is_wide(2, 1)) return asFault(kWide);
+  if (is_wide(4, 0) || is_wide(4, 3)) return asFault(kWidest);
   return std::nullopt;
 }
 
