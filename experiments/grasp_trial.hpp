@@ -24,7 +24,8 @@ struct GraspTrial {
   double thumb_closed_rad = 0.0;                             ///< commanded
   double friction = 0.8;                                     ///< of hand and object
   double size = 1.0;                                         ///< factor on the object's lengths
-  /// Of the whole in the world: object, gravity and the hand's ways. The device's mount turns alike.
+  /// Of the whole in the world: object, gravity and the hand's ways. The device's mount turns
+  /// alike.
   Eigen::Vector3d turn_rpy_rad{0, 0, 0};
 
   [[nodiscard]] std::string name() const;

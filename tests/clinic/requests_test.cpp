@@ -2,7 +2,6 @@
 #include "clinic_bench.hpp"
 #include "support/cpu_time.hpp"
 
-
 namespace wholehand::clinic {
 namespace {
 

@@ -92,7 +92,8 @@ struct HeldDevice {
       : weight_n(weight), driver(weight, WH_FALLS, true), model(modelOf(weight)) {
     config = guardConfig(driver, model, kCycle_s);
     describeDevice(*frame, driver, config, 1);
-    host = std::make_unique<DeviceHost>(driver, *frame, config, []() noexcept { return g_cycle_ns; });
+    host =
+        std::make_unique<DeviceHost>(driver, *frame, config, []() noexcept { return g_cycle_ns; });
   }
   void cycle() {
     g_cycle_ns += static_cast<std::int64_t>(kCycle_s * 1e9);

@@ -5,7 +5,6 @@
 #include "support/cpu_time.hpp"
 #include "support/test_names.hpp"
 
-
 namespace wholehand::test {
 namespace {
 
