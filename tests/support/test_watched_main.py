@@ -16,8 +16,9 @@ class Case(unittest.TestCase):
     paced = True
 
     def stall(self):
-        """The sleeper alone is stopped: a stall that this process need not suffer itself."""
-        sleeper = int(subprocess.run(["pgrep", "-P", str(os.getpid()), "-f", "select"], capture_output=True, text=True).stdout)
+        """One sleeper alone is stopped, that of the last processor: a stall that this process need not suffer itself."""
+        sleepers = subprocess.run(["pgrep", "-P", str(os.getpid()), "-f", "select"], capture_output=True, text=True).stdout
+        sleeper = int(sleepers.split()[-1])
         os.kill(sleeper, signal.SIGSTOP)
         time.sleep(0.05)
         os.kill(sleeper, signal.SIGCONT)

@@ -1,7 +1,7 @@
-// main() of programs with tests in real time. A thread beside them only sleeps. A test that said
-// seesRealTime() and fails while even that thread was kept waiting is named as not judged, and
-// fails nothing; every other failure does, and so do crashes, reports of sanitizers and hangs.
-// Nothing is tried again.
+// main() of programs with tests in real time. Threads beside them only sleep, one a processor. A
+// test that said seesRealTime() and fails while even one of these was kept waiting is named as not
+// judged, and fails nothing; every other failure does, and so do crashes, reports of sanitizers and
+// hangs. Nothing is tried again.
 #include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <mutex>
 #include <pthread.h>
+#include <sched.h>
 #include <string>
 #include <time.h>
+#include <vector>
 
 namespace wholehand::test {
 namespace {
@@ -25,55 +28,77 @@ double now_ms() {
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
-/// Sleeps a millisecond at a time. Of ordinary priority, as the threads of clients and servers in
-/// the tests are: one of real-time priority would run where these do not. It is never joined: a
-/// child that a test forks has no such thread and may end as it likes.
-class Sleeper {
+/// One thread a processor, bound to it, that sleeps a millisecond at a time: a thread that may move
+/// wakes on a processor that is idle, while the test waits for one that is not. Of ordinary
+/// priority, as the threads of clients and servers in the tests are: one of real-time priority
+/// would run where these do not. They are never joined: a child that a test forks has no such
+/// threads and may end as it likes.
+class Sleepers {
  public:
-  Sleeper() {
+  Sleepers() {
+    cpu_set_t allowed;
+    CPU_ZERO(&allowed);
+    ::sched_getaffinity(0, sizeof allowed, &allowed);
     pthread_attr_t attributes;
     ::pthread_attr_init(&attributes);
     ::pthread_attr_setstacksize(&attributes, std::size_t{256} << 10U);  // tests lock all memory
     ::pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
-    pthread_t thread{};
-    runs_ = ::pthread_create(&thread, &attributes, &Sleeper::sleep, this) == 0;
+    for (int processor = 0; processor < CPU_SETSIZE; ++processor) {
+      if (!CPU_ISSET(processor, &allowed)) continue;
+      cpu_set_t one;
+      CPU_ZERO(&one);
+      CPU_SET(processor, &one);
+      ::pthread_attr_setaffinity_np(&attributes, sizeof one, &one);
+      auto sleeper = std::make_unique<Sleeper>();
+      pthread_t thread{};
+      if (::pthread_create(&thread, &attributes, &Sleeper::sleep, sleeper.get()) == 0) {
+        sleepers_.push_back(std::move(sleeper));
+      }
+    }
     ::pthread_attr_destroy(&attributes);
   }
   void begin() {
-    const std::lock_guard lock(mutex_);
-    begun_ms_ = now_ms();
-    longest_ms_ = 0.0;
+    for (const auto& sleeper : sleepers_) {
+      const std::lock_guard lock(sleeper->mutex);
+      sleeper->begun_ms = now_ms();
+      sleeper->longest_ms = 0.0;
+    }
   }
-  /// The longest that it was kept waiting since then. Zero where there is no such thread.
+  /// The longest that one was kept waiting since then.
   double longest_ms() {
-    const std::lock_guard lock(mutex_);
-    if (runs_) look();
-    return longest_ms_;
+    double longest_ms = 0.0;
+    for (const auto& sleeper : sleepers_) {
+      const std::lock_guard lock(sleeper->mutex);
+      sleeper->look();
+      longest_ms = std::max(longest_ms, sleeper->longest_ms);
+    }
+    return longest_ms;
   }
 
  private:
-  static void* sleep(void* self) {
-    auto& sleeper = *static_cast<Sleeper*>(self);
-    for (;;) {
-      {
-        const std::lock_guard lock(sleeper.mutex_);
-        sleeper.look();
-        sleeper.asleep_ms_ = now_ms();
+  struct Sleeper {
+    static void* sleep(void* self) {
+      auto& sleeper = *static_cast<Sleeper*>(self);
+      for (;;) {
+        {
+          const std::lock_guard lock(sleeper.mutex);
+          sleeper.look();
+          sleeper.asleep_ms = now_ms();
+        }
+        const timespec duration{0, static_cast<long>(1e6 * kSleep_ms)};
+        ::nanosleep(&duration, nullptr);
       }
-      const timespec duration{0, static_cast<long>(1e6 * kSleep_ms)};
-      ::nanosleep(&duration, nullptr);
+      return nullptr;
     }
-    return nullptr;
-  }
-  /// Of a sleep that began before the test, only what reaches into the test counts.
-  void look() {
-    const double over_ms = now_ms() - std::max(asleep_ms_, begun_ms_) - kSleep_ms;
-    longest_ms_ = std::max(longest_ms_, over_ms);
-  }
-
-  std::mutex mutex_;
-  double asleep_ms_ = now_ms(), begun_ms_ = asleep_ms_, longest_ms_ = 0.0;
-  bool runs_ = false;
+    /// Of a sleep that began before the test, only what reaches into the test counts.
+    void look() {
+      const double over_ms = now_ms() - std::max(asleep_ms, begun_ms) - kSleep_ms;
+      longest_ms = std::max(longest_ms, over_ms);
+    }
+    std::mutex mutex;
+    double asleep_ms = now_ms(), begun_ms = asleep_ms, longest_ms = 0.0;
+  };
+  std::vector<std::unique_ptr<Sleeper>> sleepers_;
 };
 
 class Judge final : public testing::EmptyTestEventListener {
@@ -82,7 +107,7 @@ class Judge final : public testing::EmptyTestEventListener {
     failure_.clear();
     excusable_ = true;
     g_sees_real_time = false;
-    sleeper_.begin();
+    sleepers_.begin();
   }
   void OnTestPartResult(const testing::TestPartResult& part) override {
     if (!part.failed()) return;
@@ -95,7 +120,7 @@ class Judge final : public testing::EmptyTestEventListener {
   }
   void OnTestEnd(const testing::TestInfo& test) override {
     if (test.result()->Skipped()) return;
-    const double waited_ms = sleeper_.longest_ms();
+    const double waited_ms = sleepers_.longest_ms();
     const bool failed = test.result()->Failed();
     if (!failed || !excusable_ || !g_sees_real_time || waited_ms <= kKeptWaiting_ms) {
       judged_ += g_sees_real_time ? 1 : 0;
@@ -122,7 +147,7 @@ class Judge final : public testing::EmptyTestEventListener {
   }
 
  private:
-  Sleeper sleeper_;
+  Sleepers sleepers_;
   std::string failure_;  ///< the first of the test that runs
   bool excusable_ = true, failed_ = false;
   int judged_ = 0, not_judged_ = 0;

@@ -1,6 +1,6 @@
-"""main() of the tests in Python. A test whose class says `paced = True` sees real time: a process that only sleeps runs
-beside it. One that fails while even that was kept waiting is named as not judged, and fails nothing; nothing is tried
-again. Errors, crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
+"""main() of the tests in Python. A test whose class says `paced = True` sees real time: processes that only sleep
+run beside it, one a processor. One that fails while even one of these was kept waiting is named as not judged, and
+fails nothing; nothing is tried again. Errors, crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
 
 A test whose name ends in _slow runs where WHOLEHAND_FULL=1, or where it is asked for by its name."""
 import os
@@ -15,9 +15,11 @@ ALWAYS = "(whatever the machine does) "
 KEPT_WAITING_S = 0.005  # watched_main.hpp says why
 HANG_S = 300.0  # ends what hangs, not what is slow
 
-# Sleeps a millisecond at a time; reports at every line how much longer than that it took at most, since the last.
+# Sleeps a millisecond at a time on one processor, since a process that may move wakes on one that is idle; reports at
+# every line how much longer than that it took at most, since the last.
 SLEEPER = """
-import select, sys, time
+import os, select, sys, time
+os.sched_setaffinity(0, {int(sys.argv[1])})
 longest, last = 0.0, time.monotonic()
 while True:
     asked = select.select([sys.stdin], [], [], 0.001)[0]
@@ -31,47 +33,49 @@ while True:
 """
 
 
-class Sleeper:
+class Sleepers:
     """How long this machine let a process wait that only sleeps."""
 
     def __init__(self):
-        self.process = subprocess.Popen([sys.executable, "-ISc", SLEEPER], text=True, stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE)
+        self.processes = [subprocess.Popen([sys.executable, "-ISc", SLEEPER, str(processor)], text=True, stdin=subprocess.PIPE,
+                                           stdout=subprocess.PIPE) for processor in sorted(os.sched_getaffinity(0))]
         self.longest = 0.0
         self.longest_s()
         self.longest = 0.0  # from here on
 
     def longest_s(self):
-        self.process.stdin.write("\n")
-        self.process.stdin.flush()
-        self.longest = max(self.longest, float(self.process.stdout.readline()))
+        for process in self.processes:
+            process.stdin.write("\n")
+            process.stdin.flush()
+            self.longest = max(self.longest, float(process.stdout.readline()))
         return self.longest
 
     def end(self):
-        self.process.communicate()
+        for process in self.processes:
+            process.communicate()
 
 
 class Judge(unittest.TextTestResult):
-    judged, not_judged, sleeper = 0, 0, None
+    judged, not_judged, sleepers = 0, 0, None
 
     def startTest(self, test):
         super().startTest(test)
         if getattr(test, "paced", False):
-            self.sleeper, self.excused = Sleeper(), False
+            self.sleepers, self.excused = Sleepers(), False
 
     def stopTest(self, test):
         super().stopTest(test)
-        if self.sleeper:
-            self.sleeper.end()
-            self.sleeper = None
+        if self.sleepers:
+            self.sleepers.end()
+            self.sleepers = None
             self.judged, self.not_judged = self.judged + (not self.excused), self.not_judged + self.excused
 
     def excuses(self, test, error):
         """And says so."""
         kind, failure, trace = error
-        if not self.sleeper or not issubclass(kind, test.failureException) or ALWAYS in str(failure):
+        if not self.sleepers or not issubclass(kind, test.failureException) or ALWAYS in str(failure):
             return False
-        waited_s = self.sleeper.longest_s()
+        waited_s = self.sleepers.longest_s()
         if waited_s <= KEPT_WAITING_S:
             return False
         place = next(frame for frame in reversed(traceback.extract_tb(trace)) if "unittest" not in frame.filename)
