@@ -259,7 +259,7 @@ TEST_F(Demonstration, RecordingThatTakesTheNameOfAnother_GetsItsOwnReport) {
 // scripts begin with time alone, in which the program begins anew.
 TEST_F(Demonstration, DrawnScripts_LeaveNoSessionOfAPersonUnrecorded) {
   auto random = seededRandom(3501);
-  const int scripts = kFew ? 4 : 20;
+  const int scripts = fullCounts() ? 20 : 4;
   for (int script = 0; script < scripts; ++script) {
     ahead_s_ = 0;
     begin();
