@@ -205,6 +205,23 @@ describe('help near a dispenser', () => {
     expect(model.onItsWay).toBe(false);
   });
 
+  it('an open hand that is kept from the grip presses with no more than 1.5 N for over 3 s', () => {
+    for (let short_m = 0; short_m < 0.03; short_m += 0.001) {
+      const model = begun();
+      const device = [grip.x - short_m, grip.y, grip.z, ...START.slice(3)];
+      model.begin(device);
+      // Wherever the target stands against the hand, it presses with 300 N/m times what the aim leads by.
+      const look = (): number => {
+        const press_n = 300 * (model.aim[0] - device[0]);
+        const touches = press_n > 0 ? [{ at: 0, force_n: { x: -press_n, y: 0, z: 0 } }] : [];
+        model.step(forward, seen(device, { grips: [grip], touches }), 1 / 60);
+        return press_n;
+      };
+      for (let k = 0; k < 180; k += 1) look();
+      expect(look(), `${1e3 * short_m} mm short of it`).toBeLessThanOrEqual(1.5);
+    }
+  });
+
   it('a person who asks to go sideways goes sideways', () => {
     const model = begun();
     model.begin([0, -0.034, 0.004, 8 * DEGREE, 5 * DEGREE, 0]);
