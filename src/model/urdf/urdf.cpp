@@ -590,7 +590,8 @@ class Reader {
     } else if (no_xml) {
       faults_.addAtLine(0, "is no URDF: it holds no XML",
                         "give a URDF: XML that starts <robot ...>");
-    } else if (code == XMLError::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
+    } else if (code == XMLError::XML_ERROR_FILE_NOT_FOUND ||  // it is there
+               code == XMLError::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
                code == XMLError::XML_ERROR_FILE_READ_ERROR) {
       faults_.addAtLine(0, "cannot be read", "check that the file may be read");
     } else {
