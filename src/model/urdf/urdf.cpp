@@ -248,7 +248,7 @@ Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
 }
 
 Pose UrdfFaults::place(const XMLElement& parent, const std::string& key) {
-  const Pose pose = origin(parent, key);
+  Pose pose = origin(parent, key);
   if (pose.translation_m.cwiseAbs().maxCoeff() > kMostPlace_m) {
     add(parent.FirstChildElement("origin"), key + ".origin.xyz",
         parent.FirstChildElement("origin")->Attribute("xyz"), "is out of range",
