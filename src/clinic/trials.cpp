@@ -96,7 +96,11 @@ Outcome judged(Database& db, const std::string& name, const Json& json) {
   }
   const bool ticks = integerOf(recording, "ticks") > 0;
   out.state = ticks ? "measured" : "failed";
-  if (!ticks) out.why = "the recording has no tick";
+  if (!ticks) {
+    out.why = "the recording has no tick";
+  } else if (!recording.value("complete", true)) {
+    out.why = "the recording is not whole: its measures are of a part";
+  }
   return out;
 }
 

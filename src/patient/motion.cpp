@@ -317,7 +317,7 @@ std::optional<double> Reader::number(const std::string& cell, std::size_t place)
   double value = 0.0;
   // from_chars accepts no leading plus; unlike strtod it ignores the locale.
   std::string_view digits = cell;
-  if (digits.starts_with('+')) digits.remove_prefix(1);
+  if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (cell.empty()) {
     fault(key, cell, "is empty", "write a number");
@@ -372,7 +372,8 @@ void Reader::row(std::string_view line) {
 
 /// Values that no hand and no device has are of another unit. The first of each column is named.
 void Reader::checkValues() {
-  constexpr double kMostTurn_rad = 4.0 * std::numbers::pi, kBeyond = 10.0;
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi, kMostTurn_rad = 2.0 * kTurn_rad;
+  constexpr double kBeyond = 10.0;
   for (std::size_t c = 0; c < motion_.columns.size(); ++c) {
     const std::string& name = motion_.columns[c];
     const bool turns = kindOf(name, device_) == AxisKind::kRotation;
@@ -389,6 +390,10 @@ void Reader::checkValues() {
       const std::string shown_value = fmt::format("{:g}", value);
       if (turns && std::abs(value) > kMostTurn_rad) {
         fault(key, shown_value, "is beyond two turns (4π rad)",
+              "must be in rad: multiply degrees by π / 180");
+      } else if (at >= 0 && turns && axis.group == AxisGroup::kHand &&
+                 std::abs(value) > kTurn_rad) {
+        fault(key, shown_value, "is beyond a turn (2π rad), which no finger's joints make together",
               "must be in rad: multiply degrees by π / 180");
       } else if (width > 0.0 && std::abs(value - first) > kBeyond * width) {
         fault(

@@ -92,8 +92,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
         {"ticks", ticks},
         {"duration_s", ticks == 0 ? 0.0 : static_cast<double>(last + 1) * meta.period_s},
         {"began_utc", meta.created_utc},
-        {"complete", ticks == reader.size() && !viewed->unreadable_from_tick &&
-                         reader.outline().missing == 0}}},
+        {"complete", notShown(*viewed, {reader.size() - ticks, 0}, path).empty()}}},
       {"hand", embeddedName(meta, "hand")},
       {"visit", meta.clinic_visit},
       {"item", meta.clinic_item},

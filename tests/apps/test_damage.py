@@ -41,6 +41,20 @@ class DamagedRecording(AppTest):
         shown = [round(10 * float(line.split()[0])) for line in lines if "missing" not in line]
         self.assertEqual(shown, [tenth for tenth in range((ticks + 99) // 100) if not 10 <= tenth < 20])
 
+    def test_measures_of_a_part_are_not_called_complete(self):
+        path = self.record(duration=2.0)
+        def complete():
+            return json.loads(self.expect(self.run_app("measures", path), DONE).out)["recording"]["complete"]
+        self.assertIs(complete(), True)
+        with h5py.File(path, "r") as f:  # of the last ticks' numbers, behind which none shows that they are missing
+            numbers = f["ticks/tick"].id
+            chunk = numbers.get_chunk_info(numbers.get_num_chunks() - 1)
+        whole = bytearray(path.read_bytes())
+        for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
+            whole[at] ^= 0xFF
+        path.write_bytes(whole)
+        self.assertIs(complete(), False)
+
     def test_hole_is_reported_and_what_follows_is_read(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r+", libver="latest") as f:

@@ -139,6 +139,15 @@ class Decompose(AppTest):
         # The hull of the cup: 24 sectors of a cylinder against its wall and floor.
         self.expect(self.decompose(mesh, "--pieces", "1", "--volume-bound", "4"), DONE, "written  1 piece,")
 
+    def test_what_of_a_file_is_not_applied_is_said(self):
+        points, faces = CUBE
+        rows = "".join(f"{x} {y} {z}\n" for x, y, z in points)
+        rows += "".join(f"{len(face)} " + " ".join(map(str, face)) + "\n" for face in faces)
+        ply = self.write("cube.ply", "ply\nformat ascii 1.0\nMade by hand\nelement vertex 8\nproperty float x\n"
+                         "property float y\nproperty float z\n" f"element face {len(faces)}\n"
+                         "property list uchar int vertex_indices\nend_header\n" + rows)
+        self.expect(self.decompose(ply), DONE, 'note     the mesh has "Made" in line 3 of its head, which is ignored')
+
     def test_bad_meshes_are_named_with_the_remedy(self):
         points, faces = CUBE
         faulty = {

@@ -426,13 +426,16 @@ TEST(Trials, ForeignTruncatedEmptyCopiedRenamedDeleted_AreSaid) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
-  for (const char* name : {"ours.h5", "copy.h5", "foreign.h5", "none.h5", "broken.h5", "empty.h5"})
+  for (const char* name :
+       {"ours.h5", "copy.h5", "foreign.h5", "none.h5", "broken.h5", "empty.h5", "part.h5"})
     record(b, name);
   measures.says = {{"ours.h5", FakeMeasures::of(visit, "aa", 1)},
                    {"copy.h5", FakeMeasures::of(visit, "aa", 1)},
                    {"foreign.h5", FakeMeasures::of(12345, "bb", 1)},
                    {"none.h5", FakeMeasures::of(0, "cc", 1)},
-                   {"empty.h5", FakeMeasures::of(visit, "dd", 1, 0)}};
+                   {"empty.h5", FakeMeasures::of(visit, "dd", 1, 0)},
+                   {"part.h5", FakeMeasures::of(0, "ff", 1)}};
+  measures.says["part.h5"]["recording"]["complete"] = false;
   look(b, measures);
   const auto trials = [&] { return b.get("/api/visits/open")["visit"]["trials"]; };
   ASSERT_EQ(trials().size(), 2U);  // the copy counts once
@@ -445,6 +448,7 @@ TEST(Trials, ForeignTruncatedEmptyCopiedRenamedDeleted_AreSaid) {
   EXPECT_EQ(why("none.h5"), "measured: ");  // of nobody yet
   EXPECT_EQ(why("broken.h5"), "failed: is truncated");
   EXPECT_EQ(why("empty.h5"), "failed: the recording has no tick");
+  EXPECT_EQ(why("part.h5"), "measured: the recording is not whole: its measures are of a part");
   const std::string kept = why("ours.h5") == "measured: " ? "ours.h5" : "copy.h5";
   std::filesystem::remove(b.options.recordings + "/ours.h5");
   std::filesystem::remove(b.options.recordings + "/copy.h5");

@@ -9,6 +9,7 @@
 #include "model/toml/toml_file.hpp"
 #include "model/urdf/urdf.hpp"
 #include "support/figure.hpp"
+#include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
 
@@ -161,6 +162,15 @@ TEST(ForeignMesh, NodesOfDaeAndGlb_ArePlacedHoweverLittle) {
               c.map, 1e-9);
     expectBox(folder.write("n.glb", glb(std::string("{\"mesh\":0,") + c.glb + "}")), c.map, 1e-6);
   }
+  // w = 2 would be half as large in homogeneous coordinates.
+  const char* const kNotAffine = "has a node whose matrix does not end in 0 0 0 1";
+  EXPECT_TRUE(says(refusalOf(folder, "n.dae",
+                             dae("<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2</matrix>" +
+                                 kInstance + "</node>")),
+                   kNotAffine));
+  EXPECT_TRUE(says(
+      refusalOf(folder, "n.glb", glb(R"({"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,2]})")),
+      kNotAffine));
   expectBox(folder.write("n.dae", dae("<node><translate>0 0 0.005</translate><rotate>1 0 0 0.5"
                                       "</rotate><node><scale>1 2 0.995</scale><node><translate>"
                                       "0.001 0 0</translate>" +
@@ -199,6 +209,12 @@ TEST(ForeignMesh, UpAxis_IsNamedAsIgnored) {
   const MeshCollider mesh = orThrow(load(folder, "y.dae", y_up));
   ASSERT_EQ(mesh.notices.size(), 1U);
   EXPECT_TRUE(says(format(mesh.notices), "y.dae has <up_axis> Y_UP, which is ignored"));
+  const auto noticed = [&](const std::string& element) {
+    return format(
+        orThrow(load(folder, "u.dae", replaced(y_up, "<up_axis>Y_UP</up_axis>", element))).notices);
+  };
+  EXPECT_TRUE(says(noticed(""), "has <up_axis> Y_UP"));  // the default of COLLADA 1.4.1
+  EXPECT_EQ(noticed("<up_axis>\n  Z_UP </up_axis>"), "");
   EXPECT_TRUE(says(format(orThrow(load(folder, "y.glb", glb(R"({"mesh":0})"))).notices),
                    "y.glb is of glTF, whose y axis points up, which is ignored"));
 }
@@ -226,6 +242,8 @@ TEST(ForeignMesh, DaeAsWritersLeaveIt_IsRead) {
   names.replace(names.find("\"X\""), 3, "\"Y\"").replace(names.rfind("\"Y\""), 3, "\"X\"");
   Affine3d swapped = Affine3d::Identity();
   swapped.linear() << 0, 1, 0, 1, 0, 0, 0, 0, 1;  // which turns the box inside out
+  EXPECT_TRUE(says(refusalOf(folder, "c.dae", replaced(plain, "<p>0 1 3", "<p>0 1 2.7")),
+                   "has a face with the corner 2.7; there are 8, in line"));
   const ShapeMoments m = moments(orThrow(load(folder, "c.dae", names)).shapes[0]);
   EXPECT_NEAR(m.volume_m3, kBox_m3, 1e-15);
   EXPECT_LT((m.center_m - swapped * (kBox_m / 2.0)).norm(), 1e-12);
@@ -296,6 +314,8 @@ TEST(ForeignMesh, LineOfAnObjThatIsNot_IsNamed) {
       {"\nv 1 2 x\n", "its line 2 has \"x\" where a number belongs"},
       {"v 1 2 3 0.5\n", "its line 1 has a corner of weight 0.5"},
       {"v 1,0 2 3\n", "its line 1 has \"1,0\""},
+      {"v +-1 2 3\n", "its line 1 has \"+-1\""},
+      {"call box.obj\n", "its line 1 starts with \"call\", which names another file"},
       {"vertex 1 2 3\n", "its line 1 starts with \"vertex\", which is no word of OBJ"},
       {"# a\nsurf 0 1 0 1\n", "its line 2 starts with \"surf\", of curved surfaces"},
       {"f 1 2 99\n", "its line 1 names the corner 99; there are 8"},
@@ -431,6 +451,10 @@ TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
   expectBox(folder.write("c.stl", bare), Affine3d::Identity(), 1e-9);
   expectBox(folder.write("c.stl", bare + "solid facets" + bare.substr(bare.find("ENDSOLID"))),
             Affine3d::Identity(), 1e-9);
+  const std::string twice = folder.write("c.stl", binary + binary);
+  expectBox(twice, Affine3d::Identity(), 1e-6);
+  EXPECT_TRUE(says(format(orThrow(loadMeshCollider(twice, Vector3d::Ones())).notices),
+                   "has 684 bytes behind the 12 triangles"));  // 84 + 12 x 50
   EXPECT_TRUE(says(refusalOf(folder, "c.stl", binary.substr(0, binary.size() - 60)),
                    "announces 12 triangles and holds 10"));
 }
@@ -496,6 +520,15 @@ TEST(ForeignMesh, PlyAsWritersLeaveIt_IsRead) {
   const MeshCollider remark = orThrow(load(folder, "c.ply", cases[3].bytes));
   EXPECT_TRUE(
       says(format(remark.notices), "has \"Created\" in line 3 of its head, which is ignored"));
+  const std::string twice = folder.write("c.ply", blank + values + values);
+  expectBox(twice, Affine3d::Identity(), 1e-6);
+  EXPECT_TRUE(says(format(orThrow(loadMeshCollider(twice, Vector3d::Ones())).notices),
+                   "goes on behind the values of its head"));
+  const std::string half = replaced(plyHead("") + rows, "3 0 1 3", "3 0 1 2.7");
+  EXPECT_TRUE(
+      says(refusalOf(folder, "c.ply", half), "has a face with the corner 2.7; there are 8"));
+  const std::string capital = replaced(plyHead("") + rows, "float x", "float X");
+  EXPECT_TRUE(says(refusalOf(folder, "c.ply", capital), "has vertices without a property \"x\""));
   std::string other = plyHead("") + rows;
   other.replace(other.find("vertex_index"), 12, "corners");
   EXPECT_TRUE(says(refusalOf(folder, "c.ply", other), "faces without a list \"vertex_indices\""));
@@ -630,6 +663,25 @@ TEST(ForeignMesh, SizeOutOfRange_NamesTheScaleThatHelps) {
   EXPECT_TRUE(says(said(0.001), "with its scale times 1000 it is 0.07483 m across"));
 }
 
+// 48 cm3 times 0.0012 and 22.6 g/cm3 are 0.0576 g and 1.0848 kg; in metres read as centimetres,
+// 0.1 kg in 48 m3.
+TEST(ForeignMesh, DensityOfNoMatter_IsNamed) {
+  const Folder folder;
+  folder.write("box.obj", kBoxObj);
+  const auto noticed = [&](const std::string& keys) {
+    const SceneModel scene = orThrow(loadSceneFile(
+        folder.write("s.toml", kSceneHead + fileBody("t", "mesh", "box.obj", 0.3) + keys)));
+    return format(scene.notices);
+  };
+  EXPECT_EQ(noticed("mass_kg = 1.084\n"), "");
+  EXPECT_EQ(noticed("mass_kg = 1e-4\n"), "");
+  EXPECT_TRUE(says(noticed("mass_kg = 1.086\n"),
+                   "s.toml:8: bodies[t].file: makes 't' heavier than any matter"));
+  EXPECT_TRUE(says(noticed("scale = 100.0\nmass_kg = 0.1\n"),
+                   "lighter than air (0.00208 kg/m³: 0.1 kg in 4.8e+07 cm³); check its size"));
+  EXPECT_EQ(noticed("scale = 100.0\nfixed = true\n"), "");
+}
+
 const std::string kBoxLink =
     R"(<link name="b"><inertial><mass value="0.1"/><inertia ixx="1.667e-5" iyy="3.333e-5"
 izz="4.333e-5"/></inertial><collision><geometry><box size="0.06 0.04 0.02"/></geometry></collision>
@@ -669,6 +721,30 @@ iyy="1e-5" izz="1e-5"/></inertial></link>)" +
   EXPECT_NEAR(heavy.bodies[0].com_m.z(), 0.3 / 0.4 * 0.05, 1e-15);
   EXPECT_TRUE(says(format(sceneOf(folder, "<link name=\"f\"/>").errors()),
                    "link[f]: has no collider, nor has any other link"));
+}
+
+TEST(ForeignUrdf, WhatHoldsABodyInOtherPrograms_IsNamedUntilTheSceneFixesIt) {
+  const Folder folder;
+  const struct {
+    std::string links, said;
+  } cases[] = {
+      {"<link name=\"world\"/>" + kBoxLink + fixedJoint("world", "b"),
+       "link[world]: does not hold the body, which moves"},
+      {kBoxLink + "<gazebo><static>true</static></gazebo>", "gazebo.static = true: is not applied"},
+      {kBoxLink + "<gazebo reference=\"b\"><turnGravityOff>1</turnGravityOff></gazebo>",
+       "gazebo.turnGravityOff = 1: is not applied"},
+      {kBoxLink + "<gazebo reference=\"b\"><gravity>0</gravity></gazebo>", "gazebo.gravity = 0"},
+  };
+  for (const auto& c : cases) {
+    const std::string said = format(orThrow(sceneOf(folder, c.links)).notices);
+    EXPECT_TRUE(says(said, c.said));
+    EXPECT_TRUE(says(said, "set fixed = true in the scene if it shall stand"));
+    const SceneModel stands = orThrow(loadSceneFile(folder.write(
+        "f.toml", kSceneHead + fileBody("t", "urdf", "r.urdf", 0.3) + "fixed = true\n")));
+    EXPECT_TRUE(stands.notices.empty()) << format(stands.notices);
+  }
+  EXPECT_TRUE(
+      orThrow(sceneOf(folder, kBoxLink + "<gazebo><static>0</static></gazebo>")).notices.empty());
 }
 
 TEST(ForeignUrdf, FlatMesh_IsLeftOutOfABodyThatHasMore) {
@@ -861,11 +937,12 @@ upper="1"/></joint></robot>)");
 TEST(ForeignUrdf, MeshNamesOfEveryForm_AreFound) {
   const Folder folder;
   folder.write("my cups/meshes/a cup.obj", kBoxObj);
-  for (const char* name :
-       {"../meshes/a%20cup.obj", "../meshes/a cup.obj", "..\\meshes\\a cup.obj",
-        "..\\meshes\\a%20cup.obj", "package://my cups/meshes/a%20cup.obj",
-        "package://my%20cups/meshes/a%20cup.obj", "model://my cups/meshes/a cup.obj",
-        "my cups/meshes/a cup.obj", "meshes/a cup.obj"}) {
+  folder.write("my cups/urdf/cup.obj", kBoxObj);
+  for (const char* name : {"../meshes/a%20cup.obj", "../meshes/a cup.obj", "..\\meshes\\a cup.obj",
+                           "..\\meshes\\a%20cup.obj", "package://my cups/meshes/a%20cup.obj",
+                           "package://my%20cups/meshes/a%20cup.obj",
+                           "model://my cups/meshes/a cup.obj", "my cups/meshes/a cup.obj",
+                           "meshes/a cup.obj", "package://cup.obj", "package:///cup.obj"}) {
     const UrdfBody body = orThrow(loadUrdf(folder.write(
         "my cups/urdf/c.urdf",
         R"(<robot name="r"><link name="a"><collision><geometry><mesh filename=")" +
@@ -885,6 +962,10 @@ TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {
        "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:box/><link name=\"a\"/></robot>",
        "is xacro", "xacro IN > out.urdf"},
       {"m.gltf", "{\"asset\":{\"version\":\"2.0\"}}", "is glTF", "npx @gltf-transform/cli copy"},
+      {"m.usda", "#usda 1.0\ndef Xform \"cup\"\n", "is USD", "as GLB"},
+      {"m.wbt", "#VRML_SIM R2023b utf8\nWorldInfo {\n}\n", "of Webots", "as URDF"},
+      {"m.gz", "\x1F\x8B\x08", "is compressed (gzip)", "gunzip"},
+      {"m.zip", "PK\x03\x04", "is a ZIP archive", "unzip"},
       {"m.step", "ISO-10303-21;\nHEADER;\n", "is STEP", "gmsh"},
       {"m.c3d", "\x02\x50\x08{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{", "is C3D", "c3d2csv"},
       {"m.bvh", "HIERARCHY\nROOT Hips\n", "is BVH", "bvh2csv"},

@@ -268,7 +268,7 @@ TEST(MeshCollider, NoticeOfAScene_NamesFileLineKeyAndRemedy) {
   folder.write("dent.urdf", R"(<robot name="r"><link name="a"><collision><geometry>
 <mesh filename="dent.obj" scale="0.1 0.1 0.1"/></geometry></collision></link></robot>)");
   const std::string path = folder.write(
-      "scene.toml", kSceneHead + fileBody("mesh", "mesh", "dent.obj") + "mass_kg = 0.1\n" +
+      "scene.toml", kSceneHead + fileBody("mesh", "mesh", "dent.obj") + "mass_kg = 1.0\n" +
                         fileBody("urdf", "urdf", "dent.urdf", 2.0) + "mass_kg = 0.1\n");
   const SceneModel scene = orThrow(loadSceneFile(path));
   ASSERT_EQ(scene.notices.size(), 2U);

@@ -322,6 +322,9 @@ TEST(Urdf, PlaceholdersOfWhatMoves_AreRefusedWithARemedyThatHelps) {
     EXPECT_NEAR(scene.bodies[1].inertia_kg_m2(0, 0), about_x, 1e-15);
     EXPECT_NEAR(scene.bodies[1].inertia_kg_m2(2, 2), about_z, 1e-15);
   }
+  write("<mass value=\"1e-9\"/>");
+  EXPECT_TRUE(says(format(load("uniform_density = true\n").errors()),
+                   "the URDF's 'lid' has 1e-09 kg; must be in [1e-04, 1000] kg"));
 }
 
 TEST(Urdf, BadFiles_NameLineElementAndFault) {
@@ -341,6 +344,9 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
   };
   const auto inertial = [](const std::string& i) {
     return "<link name=\"a\">" + kBall + "<inertial>" + i + "</inertial></link>";
+  };
+  const auto placed = [](const std::string& origin) {
+    return "<link name=\"a\"><collision><origin " + origin + "/>" + kBall.substr(11) + "</link>";
   };
   const struct {
     std::string body, place, problem;
@@ -375,6 +381,32 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
        "inertial.mass.value", "not positive"},
       {inertial("<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"3\"/>"), "inertial.inertia",
        "triangle inequality"},
+      {ok + b + moving("<limit lower=\"-90\" upper=\"1\"/>"), "joint[lid].limit.lower = -90",
+       "beyond two turns (4π rad); must be in rad: multiply degrees by"},
+      {ok + b + moving("<limit upper=\"300\"/>", "prismatic"), "joint[lid].limit.upper = 300",
+       "divide millimetres by 1000"},
+      {ok + b + moving("<limit low=\"-1\" upper=\"1\"/>"), "joint[lid].limit.low = -1",
+       "must be one of lower, upper"},
+      {ok + b + moving("<origin xyz=\"0 0 50\"/>", "fixed"), "joint[lid].origin.xyz = 0 0 50",
+       "must be in [-10, 10] m"},
+      {placed("xyz=\"0 -11 0\""), "link[a].collision[0].origin.xyz = 0 -11 0",
+       "must be in [-10, 10] m"},
+      {shaped("<sphere radius=\"+-0.1\"/>"), "sphere.radius = +-0.1", "cannot be read"},
+      {placed("quat_xyzw=\"0 0 0 0\""), "origin.quat_xyzw = 0 0 0 0", "is no rotation"},
+      {placed("xyz=\"0 0 0\" euler=\"0 0 1\""), "link[a].collision.origin.euler = 0 0 1",
+       "is unknown; must be one of xyz, rpy, quat_xyzw"},
+      {inertial("<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" iyx=\"0.5\"/>"),
+       "link[a].inertial.inertia.iyx = 0.5", "is unknown"},
+      {"<link name=\"a\">" + kBall + "\n<colision/></link>", ":3: link[a].colision",
+       "did you mean <collision>?"},
+      {"<link name=\"a\"><collision><pose>0 0 1 0 0 0</pose>" + kBall.substr(11) + "</link>",
+       "link[a].collision.pose", "did you mean <origin>?"},
+      {ok + "\n<Link name=\"b\">" + kBall + "</Link>", ":3: Link[b]", "did you mean <link>?"},
+      {ok + "</robot>\n<robot name=\"s\">" + b, ":3: robot", "stands there twice"},
+      {"<link name=\"a\">" + kBall + "\n<xacro:box_inertia m=\"1\"/></link>",
+       ":3: xacro:box_inertia", "run xacro first"},
+      {shaped("<mesh filename=\"$(find cups)/a.stl\"/>"), "mesh.filename = $(find cups)/a.stl",
+       "run xacro first"},
       {"", "robot", "has no link"},
   };
   const Folder folder;

@@ -122,6 +122,7 @@ TEST(MotionFile, Rows_EachFaultNamesItsLineAndColumn) {
   EXPECT_SAYS(faultsOf(head + "1\n"), ":3: has 1 value, the header names 2 columns");
   EXPECT_SAYS(faultsOf(head + "1,2,3\n"), ":3: has 3 values");
   EXPECT_SAYS(faultsOf(head + "1,fast\n"), ":3: x_m = fast: is not a number");
+  EXPECT_SAYS(faultsOf(head + "1,+-1\n"), ":3: x_m = +-1: is not a number");
   EXPECT_SAYS(faultsOf(head + "1,0x10\n"), ":3: x_m = 0x10: is not a number");
   EXPECT_SAYS(faultsOf(head + "1,\n"), ":3: x_m: is empty");
   EXPECT_SAYS(faultsOf(head + "1,nan\n"), ":3: x_m = nan: is not finite");
@@ -215,6 +216,11 @@ TEST(MotionFile, ValuesOfAnotherUnit_AreNamed) {
   EXPECT_SAYS(faultsOf(degrees), ":4: finger_flexion_rad = 12.57: is beyond two turns");
   EXPECT_SAYS(faultsOf(degrees), "multiply degrees by");
   DeviceModel device = sled();
+  device.axes[0].group = AxisGroup::kHand;
+  EXPECT_EQ(faultsOf("time_s,index_flexion_rad\n0,0\n1,6.28\n", &device), "");
+  EXPECT_SAYS(faultsOf("time_s,index_flexion_rad\n0,0\n1,6.29\n", &device),
+              ":3: index_flexion_rad = 6.29: is beyond a turn (2π rad)");
+  device = sled();
   device.axes[0].name = "x";
   device.axes[0].kind = AxisKind::kTranslation;
   device.axes[0].lower = -0.1;

@@ -222,7 +222,10 @@ Expected<std::vector<std::string>> writeDecomposed(const DecomposedMesh& mesh,
   }
   const auto scene = loadSceneFile((making / (mesh.name + ".toml")).string());
   if (!scene) return scene.errors();
-  if (!scene->notices.empty()) return scene->notices;  // a piece is not convex
+  // The user may give any mass: its density is no fault of the pieces.
+  Diagnostics notices = scene->notices;
+  std::erase_if(notices, [](const Diagnostic& d) { return d.code == DiagnosticCode::kRange; });
+  if (!notices.empty()) return notices;  // a piece is not convex
   std::vector<std::string> written;
   for (const auto& [file, text] : texts) {
     fs::rename(making / file, target / file, error);
@@ -261,13 +264,15 @@ Diagnostic meshFault(const std::string& path, Diagnostic fault) {
   return fault;
 }
 
-Expected<ClosedSurface> readSolid(const DecomposeOptions& o) {
+/// @param notices what of the file is not applied
+Expected<ClosedSurface> readSolid(const DecomposeOptions& o, std::vector<std::string>& notices) {
   std::error_code error;
   if (!fs::is_regular_file(o.mesh, error)) {
     return fileFault(o.mesh, "there is no such file", "check the name");
   }
   Expected<MeshFile> file = readMesh(o.mesh);
   if (!file) return file.errors();
+  notices = file->notices;
   for (Eigen::Vector3d& p : file->surface.points) p *= o.scale;
   Expected<ClosedSurface> solid = closedSurface(file->surface.points, file->surface.triangles);
   if (!solid) return meshFault(o.mesh, solid.errors().front());
@@ -282,7 +287,8 @@ std::vector<Shape> shapesOf(const std::vector<MeshSurface>& pieces) {
 
 /// What is computed of a mesh.
 struct Decomposed {
-  DecomposeOptions options;  ///< with the defaults that follow from the mesh
+  DecomposeOptions options;          ///< with the defaults that follow from the mesh
+  std::vector<std::string> notices;  ///< what of its file is not applied
   ClosedSurface solid;
   ConvexPieces pieces;
   MassProperties mesh_mass, pieces_mass;
@@ -328,6 +334,9 @@ void printTable(const Decomposed& d) {
 
 /// Prints what the user should know though it is no fault.
 void printNotes(const Decomposed& d) {
+  for (const std::string& notice : d.notices) {
+    std::printf("  note     the mesh %s\n", notice.c_str());
+  }
   if (d.solid.turned) {
     std::printf("  note     the mesh is inside out: its triangles were turned\n");
   }
@@ -402,7 +411,7 @@ Expected<Decomposed> decompose(const DecomposeOptions& options) {
   d.name = pieceName(options.mesh);
   if (auto ready = checkFolder(options.out, d.name, options.pieces); !ready) return ready.errors();
   if (auto ready = checkFiles({options.json}, {options.mesh}); !ready) return ready.errors();
-  Expected<ClosedSurface> solid = readSolid(options);
+  Expected<ClosedSurface> solid = readSolid(options, d.notices);
   if (!solid) return solid.errors();
   d.solid = std::move(*solid);
   double& mass_kg = d.options.mass_kg;

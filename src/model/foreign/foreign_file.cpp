@@ -51,7 +51,13 @@ constexpr ForeignKind kWidest = {"", "is a text in UTF-32", kWide.remedy};
 constexpr ForeignKind kLfs = {"", "is a pointer of Git LFS, not the file itself",
                               "fetch the file: git lfs pull"};
 
-constexpr std::array<ForeignKind, 18> kEndings = {{
+constexpr ForeignKind kZip = {"", "is a ZIP archive", "unpack it: unzip IN"};
+constexpr ForeignKind kGzip = {"", "is compressed (gzip)", "unpack it: gunzip IN.gz"};
+constexpr ForeignKind kUsd = {"usd", "is USD", "export it from Blender as GLB"};
+constexpr ForeignKind kWebots = {"wbt", "is a world or a robot of Webots",
+                                 "export the robot from Webots as URDF"};
+
+constexpr std::array<ForeignKind, 23> kEndings = {{
     kXacro,
     kStep,
     {"stp", kStep.problem, kToStl},
@@ -66,7 +72,12 @@ constexpr std::array<ForeignKind, 18> kEndings = {{
     {"fbx", "is FBX", kToGlb},
     {"3ds", "is 3DS", kToGlb},
     {"x3d", "is X3D", kToGlb},
-    {"usd", "is USD", "export it from Blender as GLB"},
+    kUsd,
+    {"usda", kUsd.problem, kUsd.remedy},
+    {"usdc", kUsd.problem, kUsd.remedy},
+    {"usdz", kUsd.problem, kUsd.remedy},
+    kWebots,
+    {"proto", kWebots.problem, kWebots.remedy},
     {"stl", "is a mesh (STL)", kXml[3].remedy},
     {"obj", "is a mesh (OBJ)", kXml[3].remedy},
     {"ply", "is a mesh (PLY)", kXml[3].remedy},
@@ -128,6 +139,8 @@ std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view en
   if (head.starts_with("glTF")) return asFault({"glb", "is a mesh (GLB)", kXml[3].remedy});
   if (head.starts_with("ISO-10303-21")) return asFault(kStep);
   if (head.starts_with("HIERARCHY")) return asFault(kBvh);
+  if (head.starts_with("#usda") || head.starts_with("PXR-USDC")) return asFault(kUsd);
+  if (head.starts_with("#VRML_SIM")) return asFault(kWebots);
   if (head.starts_with("PathFileType")) return asFault(kTrc);
   if (head.find("endheader") != head.npos) return asFault(kOpenSim);
   // The block of its parameters, then the mark of C3D.
@@ -142,6 +155,8 @@ std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view en
   for (const ForeignKind& kind : kEndings) {
     if (kind.name == lower) return asFault(kind);
   }
+  if (head.starts_with("PK\x03\x04")) return asFault(kZip);
+  if (head.starts_with("\x1F\x8B")) return asFault(kGzip);
   return std::nullopt;
 }
 

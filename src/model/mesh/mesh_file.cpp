@@ -241,10 +241,11 @@ Diagnostic MeshLoadTime::fault() const {
 
 Expected<MeshFile> readMeshHere(const std::string& path) {
   if (auto fault = nameFault(path)) return *fault;
+  const std::string name = "the mesh file " + printable(path) + " ";
   std::ifstream in(path, std::ios::binary);
   std::ostringstream bytes;
-  bytes << in.rdbuf();
-  const std::string name = "the mesh file " + printable(path) + " ";
+  if (!in || !(bytes << in.rdbuf()))
+    return fileFault("", name + "cannot be read", "check that the file may be read");
   if (const auto wide = wideText(bytes.view()))
     return fileFault("", name + wide->problem, wide->remedy);
   try {

@@ -63,7 +63,7 @@ bool isEar(const MeshSurface& surface, const std::vector<int>& corners, std::siz
 }  // namespace
 
 std::optional<double> meshNumber(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   double value = 0.0;
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (stop != word.data() + word.size()) return std::nullopt;
@@ -71,6 +71,10 @@ std::optional<double> meshNumber(std::string_view word) {
   const bool small = error == std::errc::result_out_of_range &&
                      (word.find("e-") != word.npos || word.find("E-") != word.npos);
   return small ? std::optional<double>(0.0) : std::nullopt;
+}
+
+bool isCorner(double value, std::size_t count) {
+  return value >= 0.0 && value < static_cast<double>(count) && value == std::floor(value);
 }
 
 std::string_view MeshWords::next() {
@@ -148,6 +152,9 @@ void addFan(MeshSurface& surface, const std::vector<int>& corners) {
 
 void place(const MeshSurface& surface, const Eigen::Matrix4d& map, MeshFile& file) {
   if (surface.triangles.empty()) return;
+  if (map.allFinite() && !map.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0), 1e-6)) {
+    throw UnreadableMesh{"has a node whose matrix does not end in 0 0 0 1", "export it again"};
+  }
   if (file.surface.triangles.size() + surface.triangles.size() > kMostPlacedTriangles ||
       file.surface.points.size() + surface.points.size() > 3 * kMostPlacedTriangles) {
     throw UnreadableMesh{

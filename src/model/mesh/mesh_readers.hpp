@@ -38,6 +38,8 @@ inline constexpr int kMostNestedNodes = 64;
 /// Number in any locale: "1", "+.5", "2.", "1e-3"; empty when the word is none. A number too small
 /// for a double is 0.
 [[nodiscard]] std::optional<double> meshNumber(std::string_view word);
+/// True for the number of one of `count` corners, from 0.
+[[nodiscard]] bool isCorner(double value, std::size_t count);
 
 /// Words of a text between blanks and line ends, with the line that each stands in.
 class MeshWords {

@@ -142,8 +142,10 @@ class DaeReader {
  private:
   void readAsset(const XMLElement& root) {
     const XMLElement* asset = root.FirstChildElement("asset");
-    if (asset == nullptr) return;
-    if (const XMLElement* unit = asset->FirstChildElement("unit");
+    const auto given = [&](const char* name) {
+      return asset != nullptr ? asset->FirstChildElement(name) : nullptr;
+    };
+    if (const XMLElement* unit = given("unit");
         unit != nullptr && unit->Attribute("meter") != nullptr) {
       std::string text = attribute(*unit, "meter");
       std::replace(text.begin(), text.end(), ',', '.');  // as some locales write it
@@ -153,8 +155,10 @@ class DaeReader {
       }
       unit_.topLeftCorner<3, 3>() *= *metres;
     }
-    const XMLElement* up = asset->FirstChildElement("up_axis");
-    const std::string axis = up != nullptr && up->GetText() != nullptr ? up->GetText() : "Z_UP";
+    const XMLElement* up = given("up_axis");
+    const std::string text = up != nullptr ? textOf(*up) : "";
+    std::string_view axis = MeshWords(text).next();
+    if (axis.empty()) axis = "Y_UP";  // by the specification
     if (axis != "Z_UP") {
       file_.notices.push_back(
           fmt::format("has <up_axis> {}, which is ignored: its axes are taken as they are",
@@ -332,7 +336,7 @@ class DaeReader {
     const std::vector<double> numbers = numbersOf(p);
     for (std::size_t i = static_cast<std::size_t>(offset); i < numbers.size();
          i += static_cast<std::size_t>(width)) {
-      if (!(numbers[i] >= 0.0) || numbers[i] >= count) {
+      if (!isCorner(numbers[i], static_cast<std::size_t>(count))) {
         failDae(p, fmt::format("has a face with the corner {:g}; there are {}", numbers[i], count));
       }
       corners.push_back(first + static_cast<int>(numbers[i]));

@@ -222,7 +222,7 @@ class GlbReader {
       return corners;
     }
     for (const double i : valuesOf(indexOf(primitive["indices"], "indices"), 1)) {
-      if (!(i >= 0.0) || i >= count) {
+      if (!isCorner(i, static_cast<std::size_t>(count))) {
         failGlb(fmt::format("has a face with the corner {:g}; there are {}", i, count));
       }
       corners.push_back(first + static_cast<int>(i));
@@ -241,7 +241,8 @@ class GlbReader {
 
   std::string_view view(std::size_t which, std::size_t& stride) {
     const Json& found = at(list(json_, "bufferViews"), which, "bufferView");
-    const Json& buffer = at(list(json_, "buffers"), index(found, "buffer", 0), "buffer");
+    const std::size_t which_buffer = index(found, "buffer", 0);
+    const Json& buffer = at(list(json_, "buffers"), which_buffer, "buffer");
     if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
       if (uri->is_string() && uri->get<std::string>().starts_with("data:")) {
         failGlb("keeps its geometry as text in its JSON",
@@ -249,6 +250,7 @@ class GlbReader {
       }
       failGlb("keeps its geometry in another file", "export it as one GLB file");
     }
+    if (which_buffer != 0) failGlb("names a buffer that it does not hold");
     const std::size_t offset = index(found, "byteOffset", 0),
                       length = index(found, "byteLength", 0);
     if (offset > binary_.size() || length > binary_.size() - offset) {

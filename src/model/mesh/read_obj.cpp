@@ -16,10 +16,10 @@ constexpr std::string_view kObjBlanks = " \t\r\v\f";
 
 // What has no part in a surface of polygons. Of curved surfaces, which are not read, too: "cstype"
 // starts them. "t" and "vw" are of subdivision and of skins, in extensions of others.
-constexpr std::array<std::string_view, 20> kObjLooks = {
-    "t",      "vw",       "vt",       "vn",         "l",         "p",   "s",
-    "usemtl", "mtllib",   "usemap",   "maplib",     "bevel",     "lod", "mg",
-    "vp",     "c_interp", "d_interp", "shadow_obj", "trace_obj", "call"};
+constexpr std::array<std::string_view, 19> kObjLooks = {
+    "t",      "vw",       "vt",       "vn",         "l",        "p",   "s",
+    "usemtl", "mtllib",   "usemap",   "maplib",     "bevel",    "lod", "mg",
+    "vp",     "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
 class ObjReader {
  public:
@@ -76,10 +76,11 @@ class ObjReader {
       return;
     }
     if (key != "v" && key != "f" && key != "fo") {
-      fail(number, fmt::format("starts with \"{}\"{}", printable(key, 40),
-                               key == "cstype" || key == "surf" || key == "curv"
-                                   ? ", of curved surfaces"
-                                   : ", which is no word of OBJ"));
+      const bool curved = key == "cstype" || key == "surf" || key == "curv";
+      fail(number, fmt::format("starts with \"{}\", {}", printable(key, 40),
+                               curved          ? "of curved surfaces"
+                               : key == "call" ? "which names another file"
+                                               : "which is no word of OBJ"));
     }
     join(line);
     line.resize(std::min(line.find('#'), line.size()));

@@ -54,15 +54,28 @@ class PlyReader {
     for (const PlyElement& element : elements_) {
       // Each costs a byte at least: a small file cannot announce a long loop.
       if (element.properties.empty()) continue;
+      checkCorners(element);
       checkFaces(element);
       for (std::int64_t i = 0; i < element.count; ++i) readRow(element);
     }
+    const bool more = format_ == PlyFormat::kText ? !words_.next().empty() : at_ < bytes_.size();
+    if (more) file_.notices.emplace_back("goes on behind the values of its head, which is ignored");
     return std::move(file_);
   }
 
  private:
   static bool namesCorners(const PlyProperty& p) {
     return p.name == "vertex_indices" || p.name == "vertex_index";
+  }
+
+  static void checkCorners(const PlyElement& element) {
+    if (element.name != "vertex" || element.count == 0) return;
+    for (const char* name : {"x", "y", "z"}) {
+      if (std::none_of(element.properties.begin(), element.properties.end(),
+                       [&](const PlyProperty& p) { return p.name == name; })) {
+        failPly(fmt::format("has vertices without a property \"{}\"", name));
+      }
+    }
   }
 
   static void checkFaces(const PlyElement& element) {
@@ -186,7 +199,7 @@ class PlyReader {
   std::vector<int> corners() const {
     std::vector<int> found;
     for (const double v : list_) {
-      if (!(v >= 0.0) || v >= static_cast<double>(file_.surface.points.size())) {
+      if (!isCorner(v, file_.surface.points.size())) {
         failPly(fmt::format("has a face with the corner {:g}; there are {}", v,
                             file_.surface.points.size()));
       }

@@ -90,6 +90,11 @@ MeshFile readStlBinary(std::string_view bytes, std::uint32_t count) {
         fmt::format("is cut off: it announces {} triangles and holds {}", triangles, present),
         "copy or export it again"};
   }
+  if (present > triangles) {
+    file.notices.push_back(
+        fmt::format("has {} bytes behind the {} triangles that it announces, which are ignored",
+                    bytes.size() - kStlHead_bytes - triangles * kStlTriangle_bytes, triangles));
+  }
   for (std::size_t i = 0; i < triangles; ++i) {
     const int first = static_cast<int>(file.surface.points.size());
     std::array<float, 9> corners;  // after the normal

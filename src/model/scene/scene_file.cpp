@@ -37,6 +37,7 @@ constexpr double kWood_kg_m3 = 600.0;  ///< of what moves on a joint and has no 
 
 // No matter is denser than osmium. Light colliders that stand for a heavy thing may be.
 constexpr double kOsmium_kg_m3 = 22.6e3, kMostConcentration = 10.0;
+constexpr double kAir_kg_m3 = 1.2;
 /// Ballast has no collider, but its place is in metres: within this many extents of the colliders.
 constexpr double kMostBallastReach = 10.0;
 
@@ -44,6 +45,10 @@ constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
 
 NumberRule dimension() {
   return between(0.001, 10.0, "m");
+}
+
+NumberRule bodyMass() {
+  return between(1e-4, 1e3, "kg");
 }
 
 Vector3d vectorFrom(const std::vector<double>& v) {
@@ -301,10 +306,17 @@ class BodyReader {
       note(fmt::format("has no <inertial>: {:.3g} kg, at {} kg/m³", m.mass_kg, kWood_kg_m3),
            "give it one");
     }
+    if (!bodyMass().allows(m.mass_kg)) {
+      t_.fail(
+          "file",
+          fmt::format("the URDF's '{}' has {} kg", printable(mover.name), formatNumber(m.mass_kg)),
+          bodyMass().remedy());
+    }
     if (mover.inertial && !uniform_density_) judgeInertial(body, m);
     body.mass_kg = m.mass_kg;
     body.com_m = m.com_m;
     body.inertia_kg_m2 = m.inertia_kg_m2;
+    noteDensity(body);
     if (body.joint->dry_friction == 0.0) {
       note("moves without dry friction: it opens at a touch", "give its joint <dynamics friction>");
     }
@@ -390,20 +402,35 @@ class BodyReader {
       }
       return;
     }
-    const NumberRule rule = between(1e-4, 1e3, "kg");
     const bool from_urdf = inertial_.has_value() || urdf_wrong_;
-    body.mass_kg = from_urdf ? t_.number("mass_kg", rule, inertial_ ? inertial_->mass_kg : 1.0)
-                             : t_.number("mass_kg", rule);
+    body.mass_kg = from_urdf
+                       ? t_.number("mass_kg", bodyMass(), inertial_ ? inertial_->mass_kg : 1.0)
+                       : t_.number("mass_kg", bodyMass());
     if (body.shapes.empty()) return;
     const bool given = inertial_.has_value() && !uniform_density_;
     MassProperties m = given ? *inertial_ : uniformDensity(body.shapes, body.mass_kg);
-    if (!rule.allows(m.mass_kg)) {
+    if (!bodyMass().allows(m.mass_kg)) {
       t_.fail("file", fmt::format("the URDF's masses add up to {} kg", formatNumber(m.mass_kg)),
-              rule.remedy());
+              bodyMass().remedy());
     }
     if (given) judgeInertial(body, m);
+    if (!assets_.empty()) noteDensity(body);
     body.com_m = m.com_m;
     body.inertia_kg_m2 = body.mass_kg / m.mass_kg * m.inertia_kg_m2;
+  }
+
+  /// Of a mesh or a mass in another unit, nothing else may show.
+  void noteDensity(const SceneBody& body) {
+    double volume_m3 = 0.0;
+    for (const Shape& shape : body.shapes) volume_m3 += moments(shape).volume_m3;
+    const double density_kg_m3 = body.mass_kg / volume_m3;
+    if (density_kg_m3 >= kAir_kg_m3 && density_kg_m3 <= kOsmium_kg_m3) return;
+    note(fileFault(
+        "",
+        fmt::format("makes '{}' {} ({:.3g} kg/m³: {:.3g} kg in {:.3g} cm³)", printable(body.name),
+                    density_kg_m3 < kAir_kg_m3 ? "lighter than air" : "heavier than any matter",
+                    density_kg_m3, body.mass_kg, 1e6 * volume_m3),
+        "check its size (m) and its mass (kg)", DiagnosticCode::kRange));
   }
 
   /// Many URDFs carry placeholders, or moments in other units than kg·m².

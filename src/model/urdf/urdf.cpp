@@ -6,10 +6,13 @@
 #include "model/mesh/convex_mesh.hpp"
 #include "model/mesh/mesh_checks.hpp"
 #include "model/mesh/mesh_file.hpp"
+#include "model/mesh/mesh_readers.hpp"
 #include "model/scene/scene_model.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -17,7 +20,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -62,6 +64,10 @@ class UrdfFaults {
   double length_m(const XMLElement& e, const char* attribute, const std::string& key);
   /// Pose of an element's `<origin xyz rpy>` or `<origin xyz quat_xyzw>`; identity without one.
   Pose origin(const XMLElement& parent, const std::string& key);
+  /// As origin(), within 10 m: of what has a place in the scene.
+  Pose place(const XMLElement& parent, const std::string& key);
+  /// Adds names that are near to those of URDF: what stands under them would be left out.
+  void checkNames(const XMLElement& e, const std::string& key);
 
  private:
   std::string file_;
@@ -106,8 +112,17 @@ std::string beyondUrdfBounds(const std::string& path) {
 }
 
 constexpr double kMostFriction = 2.0;
+constexpr double kMostPlace_m = 10.0;  ///< as of a scene's body
+constexpr double kMostTurn_rad = 4.0 * std::numbers::pi;
+constexpr const char* kBeyondTurns = "is beyond two turns (4π rad)";
+constexpr const char* kInRad = "must be in rad: multiply degrees by π / 180";
 
 constexpr const char* kBlanks = " \t\r\n";
+constexpr const char *kMacro = "is a macro of xacro", *kExpand = "run xacro first";
+
+bool isMacro(std::string_view text) {
+  return text.find("$(") != text.npos || text.find("${") != text.npos;
+}
 
 /// Independent of the locale, unlike tinyxml2's queries; empty when a word is not a number.
 std::optional<std::vector<double>> parseNumbers(const std::string& text) {
@@ -115,12 +130,9 @@ std::optional<std::vector<double>> parseNumbers(const std::string& text) {
   std::size_t begin = text.find_first_not_of(kBlanks);
   while (begin != std::string::npos) {
     const std::size_t end = std::min(text.find_first_of(kBlanks, begin), text.size());
-    const char* first = text.data() + begin + (text[begin] == '+' ? 1 : 0);
-    const char* last = text.data() + end;
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(first, last, value);
-    if (error != std::errc{} || stop != last || !std::isfinite(value)) return std::nullopt;
-    numbers.push_back(value);
+    const auto value = meshNumber(std::string_view(text).substr(begin, end - begin));
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    numbers.push_back(*value);
     begin = text.find_first_not_of(kBlanks, end);
   }
   return numbers;
@@ -159,6 +171,10 @@ const XMLElement* UrdfFaults::only(const XMLElement& parent, const char* name,
 
 std::string UrdfFaults::text(const XMLElement& e, const char* attribute, const std::string& key) {
   const char* found = e.Attribute(attribute);
+  if (found != nullptr && isMacro(found)) {
+    add(&e, key + "." + attribute, found, kMacro, kExpand);
+    return {};
+  }
   if (found != nullptr && *found != '\0') return found;
   add(&e, key + "." + attribute, "", "is missing",
       fmt::format("give <{} {}=\"...\">", e.Name(), attribute));
@@ -177,9 +193,9 @@ std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribu
     return zeros;
   }
   if (auto parsed = parseNumbers(found); parsed && parsed->size() == count) return *parsed;
-  const bool macro = std::strstr(found, "$(") != nullptr || std::strstr(found, "${") != nullptr;
-  add(&e, key + "." + attribute, found, "cannot be read",
-      macro ? "is a macro of xacro: run xacro first" : remedy);
+  const bool macro = isMacro(found);
+  add(&e, key + "." + attribute, found, macro ? kMacro : "cannot be read",
+      macro ? kExpand : remedy);
   return zeros;
 }
 
@@ -215,17 +231,84 @@ Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
   if (e->Attribute("quat_xyzw") != nullptr) {
     const std::vector<double> q = numbers(*e, "quat_xyzw", key + ".origin", 4);
     const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
-    if (turn.norm() > 0.0) pose.rotation = turn.normalized().toRotationMatrix();
+    if (turn.norm() > 0.0) {
+      pose.rotation = turn.normalized().toRotationMatrix();
+    } else if (all_.empty() || all_.back().key != key + ".origin.quat_xyzw") {
+      add(e, key + ".origin.quat_xyzw", e->Attribute("quat_xyzw"), "is no rotation",
+          "must have a length > 0; 0 0 0 1 turns nothing");
+    }
   } else if (e->Attribute("rpy") != nullptr) {
-    constexpr double kMostTurn_rad = 4.0 * std::numbers::pi;
     const std::vector<double> rpy = numbers(*e, "rpy", key + ".origin", 3);
     if (Eigen::Vector3d(rpy.data()).cwiseAbs().maxCoeff() > kMostTurn_rad) {
-      add(e, key + ".origin.rpy", e->Attribute("rpy"), "is beyond two turns (4π rad)",
-          "must be in rad: multiply degrees by π / 180");
+      add(e, key + ".origin.rpy", e->Attribute("rpy"), kBeyondTurns, kInRad);
     }
     pose.rotation = rotationFromRpy(rpy[0], rpy[1], rpy[2]);
   }
   return pose;
+}
+
+Pose UrdfFaults::place(const XMLElement& parent, const std::string& key) {
+  Pose pose = origin(parent, key);
+  if (pose.translation_m.cwiseAbs().maxCoeff() > kMostPlace_m) {
+    add(parent.FirstChildElement("origin"), key + ".origin.xyz",
+        parent.FirstChildElement("origin")->Attribute("xyz"), "is out of range",
+        "must be in [-10, 10] m: divide millimetres by 1000");
+  }
+  return pose;
+}
+
+/// Names that have a meaning in an element of URDF.
+struct UrdfNames {
+  std::string_view element;
+  std::vector<std::string> children, attributes;
+  bool no_others = false;  ///< of attributes, in any dialect
+};
+
+const std::vector<UrdfNames>& urdfNames() {
+  static const std::vector<UrdfNames> kNames = {
+      {"robot", {"link", "joint", "gazebo", "material", "transmission"}, {}},
+      {"link", {"collision", "inertial", "visual", "contact"}, {}},
+      {"collision", {"geometry", "origin"}, {}},
+      {"inertial", {"mass", "inertia", "origin", "density"}, {}},
+      {"joint", {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}, {}},
+      {"geometry", {}, {}},
+      {"mesh", {}, {"filename", "scale"}},
+      {"origin", {}, {"xyz", "rpy", "quat_xyzw"}, true},
+      {"inertia", {}, {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"}, true},
+      {"limit", {}, {"lower", "upper"}},
+      {"dynamics", {}, {"damping", "friction"}}};
+  return kNames;
+}
+
+/// The one of `names` that a name is near to, but is not; empty: none, or of an extension.
+std::string misspelt(std::string_view name, const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) != names.end()) return {};
+  const std::string near = name == "pose" ? nearestWord("origin", names) : nearestWord(name, names);
+  const bool begins = name.size() > near.size() + 1;  // collision_checking
+  return near.empty() || begins || name.find(':') != name.npos ? "" : near;
+}
+
+void UrdfFaults::checkNames(const XMLElement& e, const std::string& key) {
+  const auto names = std::find_if(urdfNames().begin(), urdfNames().end(),
+                                  [&](const UrdfNames& n) { return n.element == e.Name(); });
+  if (names == urdfNames().end()) return;
+  const std::vector<std::string>& known = names->attributes;
+  for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
+    const bool other =
+        names->no_others && std::find(known.begin(), known.end(), a->Name()) == known.end();
+    if (!other && misspelt(a->Name(), known).empty()) continue;
+    add(&e, (key.empty() ? "" : key + ".") + a->Name(), a->Value(), "is unknown",
+        fmt::format("must be one of {}", fmt::join(known, ", ")));
+  }
+  for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
+    const char* const name = c->Attribute("name");
+    const std::string own = name != nullptr ? fmt::format("{}[{}]", c->Name(), name) : c->Name();
+    const std::string child = key.empty() ? own : key + "." + own;
+    if (const std::string near = misspelt(c->Name(), names->children); !near.empty()) {
+      add(c, child, "", "is unknown", fmt::format("did you mean <{}>?", near));
+    }
+    checkNames(*c, child);
+  }
 }
 
 /// Text of a URI with "%20" and the like as the characters that they stand for.
@@ -254,8 +337,9 @@ fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& trie
     if (!name.starts_with(scheme)) continue;
     name.remove_prefix(scheme.size());
     const std::size_t slash = std::min(name.find('/'), name.size());
-    const fs::path package(name.substr(0, slash));
-    const fs::path rest(name.substr(std::min(slash + 1, name.size())));
+    // "package://cup.stl", as onshape-to-robot writes it, names no package.
+    const fs::path package(slash < name.size() ? name.substr(0, slash) : "");
+    const fs::path rest(slash < name.size() ? name.substr(slash + 1) : name);
     tried = folder / package / rest;
     for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
       if (up.filename() == package && known(up / rest)) return up / rest;
@@ -367,7 +451,7 @@ std::vector<Shape> readUrdfCollision(const XMLElement& collision, const std::str
     return {};
   }
   std::vector<Shape> shapes = readGeometry(*kind, key + "." + kind->Name(), faults, meshes);
-  const Pose in_link = faults.origin(collision, key);
+  const Pose in_link = faults.place(collision, key);
   for (Shape& shape : shapes) shape.in_body = in_link;
   return shapes;
 }
@@ -410,6 +494,7 @@ class Reader {
 
   Expected<UrdfBody> read() {
     if (!open()) return faults_.all();
+    faults_.checkNames(*robot_, "");
     for (const XMLElement* e = robot_->FirstChildElement("link"); e != nullptr;
          e = e->NextSiblingElement("link")) {
       readLink(*e);
@@ -425,6 +510,7 @@ class Reader {
     for (const XMLElement* e = robot_->FirstChildElement("gazebo"); e != nullptr;
          e = e->NextSiblingElement("gazebo")) {
       const char* link = e->Attribute("reference");
+      noteGazebo(*e);
       if (link == nullptr || linkIndex(link) < 0) continue;
       const std::string key = fmt::format("gazebo[{}]", link);
       for (const char* name : {"mu1", "mu2"}) readFriction(e->FirstChildElement(name), key);
@@ -434,6 +520,7 @@ class Reader {
     if (faults_.all().empty()) checkTree();
     if (faults_.all().empty()) checkCarried();
     if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
+    noteWorld();
     return merged();
   }
 
@@ -454,20 +541,32 @@ class Reader {
       return false;
     }
     robot_ = document_.FirstChildElement("robot");
-    const bool macros = robot_ != nullptr && holdsMacros(*robot_);
-    if (robot_ != nullptr && !macros) return true;
+    const XMLElement* const macro = robot_ != nullptr ? firstMacro(*robot_) : nullptr;
+    if (robot_ != nullptr && macro == nullptr) {
+      if (const XMLElement* second = robot_->NextSiblingElement("robot")) {
+        faults_.add(second, "robot", "",
+                    fmt::format("stands there twice, first in line {}", robot_->GetLineNum()),
+                    "give each its own file");
+      }
+      return true;
+    }
     if (addForeignFault(document_.RootElement())) return false;
-    faults_.add(document_.RootElement(), "", "", "is no URDF: its root element is not <robot>",
-                "give a URDF (of a .xacro file: run xacro first)");
+    if (macro != nullptr) {
+      faults_.add(macro, macro->Name(), "", kMacro, kExpand);
+    } else {
+      faults_.add(document_.RootElement(), "", "", "is no URDF: its root element is not <robot>",
+                  "give a URDF (of a .xacro file: run xacro first)");
+    }
     return false;
   }
 
-  /// Macros that nobody has expanded.
-  static bool holdsMacros(const XMLElement& e) {
+  /// The first macro that nobody has expanded.
+  static const XMLElement* firstMacro(const XMLElement& e) {
+    if (std::string_view(e.Name()).starts_with("xacro:")) return &e;
     for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
-      if (std::string_view(c->Name()).starts_with("xacro:")) return true;
+      if (const XMLElement* const found = firstMacro(*c)) return found;
     }
-    return false;
+    return nullptr;
   }
 
   /// Adds what the file is when another program's. @return true when it is known and no URDF
@@ -491,7 +590,8 @@ class Reader {
     } else if (no_xml) {
       faults_.addAtLine(0, "is no URDF: it holds no XML",
                         "give a URDF: XML that starts <robot ...>");
-    } else if (code == XMLError::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
+    } else if (code == XMLError::XML_ERROR_FILE_NOT_FOUND ||  // it is there
+               code == XMLError::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
                code == XMLError::XML_ERROR_FILE_READ_ERROR) {
       faults_.addAtLine(0, "cannot be read", "check that the file may be read");
     } else {
@@ -594,6 +694,35 @@ class Reader {
     }
   }
 
+  /// Notes what of Gazebo decides how a body moves, and is not applied.
+  void noteGazebo(const XMLElement& gazebo) {
+    constexpr std::array<std::pair<const char*, bool>, 3> kMoves{
+        {{"static", true}, {"turnGravityOff", true}, {"gravity", false}}};
+    for (const auto& [name, matters] : kMoves) {
+      const XMLElement* e = gazebo.FirstChildElement(name);
+      bool on = !matters;
+      if (use_.fixed || e == nullptr || e->QueryBoolText(&on) != tinyxml2::XML_SUCCESS ||
+          on != matters) {
+        continue;
+      }
+      faults_.note(e, std::string("gazebo.") + name, e->GetText(),
+                   fileFault("", "is not applied: the body falls and moves",
+                             "set fixed = true in the scene if it shall stand"));
+    }
+  }
+
+  /// By convention a link "world" is the world, which its fixed joints hold.
+  void noteWorld() {
+    const auto root = std::find_if(links_.begin(), links_.end(),
+                                   [](const Link& link) { return link.parent < 0; });
+    const bool moves = std::any_of(links_.begin(), links_.end(),
+                                   [](const Link& link) { return link.joint.has_value(); });
+    if (use_.fixed || moves || root->name != "world" || !root->shapes.empty()) return;
+    faults_.note(root->element, "link[world]", "",
+                 fileFault("", "does not hold the body, which moves",
+                           "set fixed = true in the scene if it shall stand"));
+  }
+
   /// Notes friction in an element or below that is written where no link's is looked for.
   void noteFriction(const XMLElement& e) {
     if (use_.friction) return;
@@ -693,7 +822,7 @@ class Reader {
     const std::string type = faults_.text(e, "type", key);
     const int parent = joined(e, "parent", key);
     const int child = joined(e, "child", key);
-    const Pose pose = faults_.origin(e, key);
+    const Pose pose = faults_.place(e, key);
     if (parent < 0 || child < 0) return;
     if (links_[child].parent >= 0 || parent == child) {
       faults_.add(&e, key + ".child", links_[child].name,
@@ -750,9 +879,18 @@ class Reader {
                   "give <limit lower=\"...\" upper=\"...\"/>");
       return;
     }
+    const bool slides = joint.type == SceneJoint::Type::kSlide;
     const auto end = [&](const char* name) {
       if (limit->Attribute(name) == nullptr) return 0.0;  // as URDF says
-      return faults_.numbers(*limit, name, key + ".limit", 1).front();
+      const double value = faults_.numbers(*limit, name, key + ".limit", 1).front();
+      if (std::abs(value) > (slides ? kMostPlace_m : kMostTurn_rad)) {
+        faults_.add(
+            limit, fmt::format("{}.limit.{}", key, name), limit->Attribute(name),
+            slides ? "is out of range" : kBeyondTurns,
+            slides ? "must be in [-10, 10] m: divide millimetres by 1000"
+                   : std::string(kInRad) + "; if it turns without end, make the joint continuous");
+      }
+      return value;
     };
     joint.least = end("lower"), joint.most = end("upper");
     if (joint.least < joint.most) return;
