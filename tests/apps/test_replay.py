@@ -8,7 +8,7 @@ import time
 import h5py
 import numpy
 
-from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FREE_RUN, FULL, HANG_S, AppTest, main, read_recording
+from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FREE_RUN, FULL, HANG_S, INTERRUPTED, AppTest, loop_sleeps, main, read_recording
 
 
 def flip_last_bit(path, dataset, row, column=None):
@@ -62,15 +62,17 @@ class Same(AppTest):
                 self.assertEqual(a["ticks/" + name][:].tobytes(), b["ticks/" + name][:].tobytes(), name)
 
     def test_real_time_with_skipped_ticks(self):
-        run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "5", "--record", "run.h5", "--json", "run.json")
+        run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "600", "--record", "run.h5", "--json", "run.json")
         self.wait_until_it_renders(run)
         for _ in range(3):  # the machine stalls
             run.send_signal(signal.SIGSTOP)
             time.sleep(0.05)
+            slept = loop_sleeps(run.pid)
             run.send_signal(signal.SIGCONT)
-            time.sleep(0.2)
+            self.wait_until(run, lambda: loop_sleeps(run.pid) > slept + 100)
+        run.send_signal(signal.SIGINT)
         said, complained = run.communicate(timeout=HANG_S)
-        self.assertEqual(run.returncode, DONE, said + complained)
+        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
         summary = json.loads((self.folder / "run.json").read_text())
         with read_recording(self.folder / "run.h5") as f:
             tick, elapsed = f["ticks/tick"][:], f["ticks/elapsed_periods"][:]
