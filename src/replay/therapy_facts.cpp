@@ -1,14 +1,22 @@
 #include "replay/therapy_facts.hpp"
 
+#include "core/sha256.hpp"
+#include "replay/recorded_scene.hpp"
+#include "telemetry/recording.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <initializer_list>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <string_view>
@@ -293,8 +301,6 @@ void PartLog::write(Json& out) const {
 }
 
 namespace {
-
-using Json = nlohmann::json;
 
 /// Shortest grip, and the time in which its force rises and falls.
 constexpr double kShortest_s = 1.0, kRise_s = 0.25;
@@ -621,6 +627,94 @@ Json TherapyFacts::json() {
   writeTouches(out);
   writeLimits(out);
   return out;
+}
+
+namespace {
+
+/// Datasets that no measure needs.
+const LeftOut kNotMeasured = {
+    {"digest", "patient_effort", "tank", "theta", "parameters", "palm_distance_m"},
+    {"link", "point_m", "normal", "torque_nm", "distance_m"}};
+
+Json ratio(double part, double whole) {
+  return whole > 0.0 ? Json(part / whole) : Json();
+}
+
+/// How the session ended, by its last tick: a fault, or a stop that somebody asked for.
+const char* endedBy(const TickRecord& last) {
+  return last.safety_state == SafetyState::kFaulted ? "fault" : "stop";
+}
+
+Expected<std::string> digestOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Sha256 digest;
+  std::array<char, 65'536> piece{};
+  while (file) {
+    file.read(piece.data(), piece.size());
+    digest.add({piece.data(), static_cast<std::size_t>(file.gcount())});
+  }
+  if (file.eof()) return digest.digits();
+  return fileFault(path, "cannot be read to its end", "check the disk");
+}
+
+}  // namespace
+
+Expected<Json> recordingMeasures(const std::string& path) {
+  const auto viewed = viewRecording(path, kNotMeasured);
+  if (!viewed) return viewed.errors();
+  RecordingReader& reader = *viewed->reader;
+  const RecordingMeta& meta = reader.meta();
+  if (reader.outline().being_written) {
+    return fileFault(path, "is still being written", "measure it when its session has ended");
+  }
+  TherapyFacts facts(meta);
+  auto record = std::make_unique<TickRecord>();
+  std::uint64_t ticks = 0, last = 0;
+  for (std::uint64_t row = 0; row < reader.size(); ++row) {
+    if (!reader.read(row, *record)) continue;
+    facts.add(*record,
+              ticks > 0 && missingBetween(last, record->tick, record->elapsed_periods) == 0, row);
+    last = record->tick;
+    ++ticks;
+  }
+  const auto digest = digestOf(path);
+  if (!digest) return digest.errors();
+  const Json told = facts.json();
+  const Json& reaches = told["reaches"];
+  const Json &by = told["moved"]["by"], &helped = told["moved"]["helped"];
+  const auto persons = by[static_cast<std::size_t>(Mover::kPerson)].get<double>();
+  const double with_help = helped[static_cast<std::size_t>(Help::kFull)].get<double>() +
+                           helped[static_cast<std::size_t>(Help::kSome)].get<double>();
+  Json results = Json::array();
+  for (const Json& result : told["results"]) {
+    if (!std::isfinite(result["value"].get<double>())) continue;
+    results.push_back(
+        {{"name", result["name"]}, {"value", result["value"]}, {"unit", result["unit"]}});
+  }
+  const auto count = reaches["count"].get<double>();
+  return Json{
+      {"measures", kMeasuresVersion},
+      {"recording",
+       {{"name", std::filesystem::path(path).filename().string()},
+        {"sha256", *digest},
+        {"ticks", ticks},
+        {"duration_s", ticks == 0 ? 0.0 : static_cast<double>(last + 1) * meta.period_s},
+        {"began_utc", meta.created_utc},
+        {"complete", ticks == reader.size() && !viewed->unreadable_from_tick &&
+                         reader.outline().missing == 0}}},
+      {"hand", embeddedName(meta, "hand")},
+      {"visit", meta.clinic_visit},
+      {"item", meta.clinic_item},
+      {"exercise", meta.exercise},
+      {"level", meta.level},
+      {"results", std::move(results)},
+      {"active_s", persons * meta.period_s},
+      {"helped_share", ratio(with_help, persons)},
+      {"peak_speed_m_s", persons > 0.0 ? reaches["peak_m_s"] : Json()},
+      {"path_ratio", ratio(reaches["path_m"].get<double>(), reaches["straight_m"].get<double>())},
+      {"reaches", reaches["count"]},
+      {"reach_s", ratio(reaches["sum_s"].get<double>(), count)},
+      {"ended_by", endedBy(*record)}};
 }
 
 }  // namespace wholehand

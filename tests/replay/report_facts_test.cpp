@@ -1,5 +1,4 @@
 #include "core/sha256.hpp"
-#include "replay/recording_measures.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/therapy_facts.hpp"
 #include "telemetry/synthetic_recording.hpp"

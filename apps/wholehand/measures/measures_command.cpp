@@ -1,7 +1,7 @@
 #include "apps/wholehand/measures/measures_command.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
-#include "replay/recording_measures.hpp"
+#include "replay/therapy_facts.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -4,7 +4,7 @@
 
 namespace wholehand {
 
-/// `wholehand measures`: prints one line of JSON (replay/recording_measures.hpp). Returns the exit
+/// `wholehand measures`: prints one line of JSON (replay/therapy_facts.hpp). Returns the exit
 /// code.
 int measuresCommand(const std::string& recording);
 
