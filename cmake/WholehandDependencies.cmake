@@ -63,8 +63,8 @@ endif()
 # The standard library checks indices and iterators, but in what the tick runs: there a slip must not
 # end the program while a device holds its last effort.
 set(tick_modules core dynamics control safety patient exercise physics ${engine_modules} physics/analytic
-    device device/plugin device/host device/simulated device/faulty renderer realtime
-    realtime/allocation_counter realtime/lock_counter realtime/system_call_counter runtime)
+    device device/plugin device/host device/simulated renderer realtime
+    realtime/allocation_counter realtime/system_call_counter runtime)
 # Products of small matrices and little else: at -O3 they are inlined, to the same bits. Without
 # precompiled headers, which would bring their own -O2 along.
 set(arithmetic_modules dynamics)

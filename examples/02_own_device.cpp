@@ -1,47 +1,17 @@
-// A device of one's own: thirty lines that read positions and write efforts, and the renderer
-// drives it like any other.
+// A device of one's own (rails.hpp): thirty lines that read positions and write efforts, and the
+// renderer drives it like any other.
 //
 // Here the "hardware" is a handle on three rails that somebody pulls forward with a steady 3 N; a
 // wall stands 17 mm ahead of the fingertips. At rest the wall must give back exactly these 3 N.
 //
 //   02_own_device [folder that holds config/]
-#include "wholehand/wholehand.hpp"
+#include "rails.hpp"
 
 #include <cstdio>
 #include <memory>
 #include <string>
 
 using namespace wholehand;
-
-constexpr double kPull_n = 3.0, kMass_kg = 0.5, kFriction_n_s_m = 20.0, kPeriod_s = 1e-3;
-
-class Handle final : public HapticDevice {
- public:
-  Expected<Done> open() override { return Done{}; }   // a driver: find, calibrate and power it
-  Expected<Done> ready() override { return Done{}; }  // a driver: is it calibrated, and at rest?
-  Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
-    for (int period = 0; period < elapsed_periods; ++period) {
-      for (int a = 0; a < 3; ++a) {
-        const double pull_n = a == 0 ? kPull_n : 0.0;
-        const double force_n = effort_[a] + pull_n - kFriction_n_s_m * velocity_[a];
-        velocity_[a] += kPeriod_s * force_n / kMass_kg;
-        position_[a] += kPeriod_s * velocity_[a];
-      }
-    }
-    reading.q_m = position_;
-    return Fault::kNone;  // Fault::kDeviceRead lets the renderer ramp to the neutral effort
-  }
-  Fault write(const AxisEffort& effort) noexcept override {
-    effort_ = effort;
-    return Fault::kNone;
-  }
-  void close() noexcept override {}
-
- private:
-  AxisPosition position_{3};
-  AxisVelocity velocity_{3};
-  AxisEffort effort_{3};
-};
 
 int main(int argc, char** argv) {
   const std::string config = (argc > 1 ? argv[1] : std::string(WHOLEHAND_SOURCE_DIR)) + "/config/";
@@ -57,7 +27,8 @@ int main(int argc, char** argv) {
   wall.shapes.emplace_back().half_extents_m = {0.05, 0.5, 0.5};
   models->scene.bodies.push_back(wall);
 
-  auto rig = buildRig(*models, std::make_unique<Handle>(), RigOptions{});
+  constexpr double kPull_n = 3.0;
+  auto rig = buildRig(*models, std::make_unique<Rails>(0, kPull_n), RigOptions{});
   if (!rig) return std::fprintf(stderr, "%s\n", format(rig.errors()).c_str()), 2;
   // What may move a person is armed by a rehearsal: its worst contacts, simulated, on this machine.
   auto rehearsal = rehearse(*models, AxisPosition(3), RigOptions{});

@@ -1,10 +1,10 @@
-// A device of one's own, run as the program runs one: the loop on a real-time thread, Ctrl-C that
-// stops it gently, a recording, a black box where a fault comes, and everything closed in the one
-// order (neutral effort, device, black box, recording).
+// A device of one's own (rails.hpp), run as the program runs one: the loop on a real-time thread,
+// Ctrl-C that stops it gently, a recording, a black box where a fault comes, and everything closed
+// in the one order (neutral effort, device, black box, recording).
 //
 //   05_run_and_record recording.h5 [seconds [folder that holds config/]]
+#include "rails.hpp"
 #include "wholehand/recording.hpp"
-#include "wholehand/wholehand.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -12,34 +12,6 @@
 #include <string>
 
 using namespace wholehand;
-
-/// Three rails. A driver of real hardware asks its bus where this one computes.
-class Rails final : public HapticDevice {
- public:
-  Expected<Done> open() override { return Done{}; }
-  Expected<Done> ready() override { return Done{}; }
-  Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
-    for (int period = 0; period < elapsed_periods; ++period) {
-      for (int a = 0; a < 3; ++a) {
-        const double pull_n = a == 1 ? 1.0 : 0.0;  // somebody draws it to the left
-        velocity_[a] += 1e-3 * (effort_[a] + pull_n - 20.0 * velocity_[a]) / 0.5;
-        position_[a] += 1e-3 * velocity_[a];
-      }
-    }
-    reading.q_m = position_;
-    return Fault::kNone;
-  }
-  Fault write(const AxisEffort& effort) noexcept override {
-    effort_ = effort;
-    return Fault::kNone;
-  }
-  void close() noexcept override {}
-
- private:
-  AxisPosition position_{3};
-  AxisVelocity velocity_{3};
-  AxisEffort effort_{3};
-};
 
 int fail(const Diagnostics& why) {
   return std::fprintf(stderr, "%s\n", format(why).c_str()), 2;
@@ -54,7 +26,7 @@ int main(int argc, char** argv) {
                   config + "patients/no-arm.toml", "", "", 1});
   if (!models) return fail(models.errors());
   const InterruptScope signals;  // from here on Ctrl-C is remembered
-  auto rig = buildRig(*models, std::make_unique<Rails>(), RigOptions{});
+  auto rig = buildRig(*models, std::make_unique<Rails>(1, 1.0), RigOptions{});
   if (!rig) return fail(rig.errors());
   auto rehearsal = rehearse(*models, AxisPosition(3), RigOptions{});
   if (!rehearsal) return fail(rehearsal.errors());

@@ -20,13 +20,11 @@ int refuse(const Diagnostics& why) {
 }
 
 int main(int argc, char** argv) {
-  const std::string folder = argc > 1 ? argv[1] : WHOLEHAND_SOURCE_DIR;
-  ModelFiles files;
-  for (std::string* file : {&files.hand, &files.device, &files.rendering, &files.patient}) {
-    *file = folder + "/" + *file;  // the shipped ones
-  }
-  files.exercise = folder + "/config/exercises/game-scene.toml";
-  Expected<Models> models = loadModels(files);
+  const std::string config = (argc > 1 ? argv[1] : std::string(WHOLEHAND_SOURCE_DIR)) + "/config/";
+  auto models = loadModels(
+      {"", config + "hands/adult-median-right.toml", config + "devices/lambda-pride.toml",
+       config + "rendering/lambda-pride.toml", config + "patients/relaxed-adult.toml", "",
+       config + "exercises/game-scene.toml", 1});
   if (!models) return refuse(models.errors());
   Intention rest = Intention::throughWaypoints({{0.0, AxisPosition(models->device.axisCount())}});
   auto rig = buildRig(*models, std::move(rest), RigOptions{});

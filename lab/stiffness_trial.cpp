@@ -1,7 +1,7 @@
 #include "lab/stiffness_trial.hpp"
 
+#include "assembly/models.hpp"
 #include "assembly/rig.hpp"
-#include "assembly/sampled_inertia.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "experiments/pushed_axis.hpp"

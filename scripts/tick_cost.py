@@ -219,8 +219,8 @@ def spread_lines(spreads):
     if not spreads:
         return []
     lines = ["## Spread of single ticks", "",
-             "Instructions of each tick for itself: no other program, no cold cache and no clock of the processor is in "
-             f"them. The last line is the bar from its start: the hand comes, grips and squeezes.", "",
+             "Instructions of each tick by itself. The last line is the bar from its start: the hand comes, grips and "
+             "squeezes.", "",
              "| scene | ticks | p50 | p99.9 | p99.9 over p50 |", "|---|---:|---:|---:|---:|"]
     for name, found in spreads.items():
         shown = name if name == FROM_START else f"`{name}`"
@@ -244,7 +244,8 @@ def page(data):
     lines += ["", "## By stage, now", "",
               "| stage | " + " | ".join(f"`{s}`" for s in SCENES) + " |", "|---|" + "---:|" * len(SCENES)]
     for stage in [*(s for s, _ in STAGES), REST]:
-        lines.append(f"| {stage} | " + " | ".join(f"{data['counts'][s][stage]:,}" for s in SCENES) + " |")
+        if any(data["counts"][s][stage] for s in SCENES):
+            lines.append(f"| {stage} | " + " | ".join(f"{data['counts'][s][stage]:,}" for s in SCENES) + " |")
     lines += ["", *spread_lines(data.get("spread", {}))]
     lines += ["", *hardening_lines(data.get("hardening", {}))]
     PAGE.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")

@@ -2,7 +2,7 @@
 #include "clinic/backup.hpp"
 #include "clinic/clinic.hpp"
 #include "clinic/http_server.hpp"
-#include "clinic/station_client.hpp"
+#include "clinic/station.hpp"
 #include "clinic/trials.hpp"
 #include "core/expected.hpp"
 

@@ -1,6 +1,6 @@
 #include "experiments/sweep/contact_trial.hpp"
 
-#include "assembly/sampled_inertia.hpp"
+#include "assembly/models.hpp"
 #include "control/certificate/certificate.hpp"
 #include "experiments/felt_noise.hpp"
 #include "experiments/grasp_script.hpp"

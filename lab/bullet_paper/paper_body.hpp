@@ -4,7 +4,7 @@
 #include "core/tick_record.hpp"
 #include "core/world_query.hpp"
 #include "model/scene/scene_model.hpp"
-#include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/bullet_types.hpp"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>

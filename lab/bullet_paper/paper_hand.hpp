@@ -3,7 +3,7 @@
 #include "core/real_time.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
-#include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/bullet_types.hpp"
 #include "physics/physics_world.hpp"
 
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>

@@ -1,7 +1,7 @@
 #include "assembly/commissioning_record.hpp"
 
 #include "assembly/program_version.hpp"
-#include "assembly/run_files.hpp"
+#include "assembly/run.hpp"
 #include "files/text_file.hpp"
 
 #include <fmt/chrono.h>

@@ -3,7 +3,7 @@
 #include "core/expected.hpp"
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
-#include "realtime/record_queue.hpp"
+#include "realtime/spsc_queue.hpp"
 #include "telemetry/black_box.hpp"
 #include "telemetry/hub.hpp"
 #include "telemetry/recording.hpp"

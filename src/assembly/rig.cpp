@@ -1,11 +1,11 @@
 #include "assembly/rig.hpp"
 
-#include "assembly/sampled_inertia.hpp"
+#include "assembly/models.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "dynamics/articulated_body.hpp"
+#include "patient/motion.hpp"
 #include "patient/player.hpp"
-#include "patient/scripted_player.hpp"
 #include "renderer/live_settings.hpp"
 #include "safety/neutral_ramp.hpp"
 

@@ -2,8 +2,8 @@
 
 #include "assembly/engines.hpp"
 #include "assembly/models.hpp"
-#include "control/certificate/certificate_fingerprint.hpp"
-#include "control/coupling_gains.hpp"
+#include "control/bilateral_coupling.hpp"
+#include "control/certificate/certificate.hpp"
 #include "core/tick_record.hpp"
 #include "device/haptic_device.hpp"
 #include "patient/motion.hpp"

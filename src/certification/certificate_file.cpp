@@ -1,7 +1,7 @@
 #include "certification/certificate_file.hpp"
 
 #include "certification/certificate_text.hpp"
-#include "control/certificate/certificate_fingerprint.hpp"
+#include "control/certificate/certificate.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/certificate/certificate_fingerprint.hpp"
+#include "control/certificate/certificate.hpp"
 #include "core/expected.hpp"
 
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "clinic/clock.hpp"
 #include "clinic/database.hpp"
+#include "clinic/text.hpp"
 #include "core/expected.hpp"
 
 #include <cstdint>

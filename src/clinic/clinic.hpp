@@ -1,12 +1,12 @@
 #pragma once
 
 #include "clinic/accounts.hpp"
-#include "clinic/clock.hpp"
 #include "clinic/patients.hpp"
 #include "clinic/plans.hpp"
 #include "clinic/records.hpp"
 #include "clinic/request.hpp"
 #include "clinic/station.hpp"
+#include "clinic/text.hpp"
 #include "clinic/trials.hpp"
 #include "clinic/visits.hpp"
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "clinic/clock.hpp"
 #include "clinic/database.hpp"
 #include "clinic/keys.hpp"
 #include "clinic/presets/presets.hpp"
 #include "clinic/request.hpp"
+#include "clinic/text.hpp"
 
 #include <cstdint>
 #include <optional>

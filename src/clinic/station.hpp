@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 
 namespace wholehand::clinic {
@@ -46,6 +47,24 @@ class Station {
   [[nodiscard]] virtual StationScene scene() const = 0;
   [[nodiscard]] virtual StationReply open(const VisitOrder& order) = 0;
   [[nodiscard]] virtual StationReply close(std::uint64_t visit) = 0;
+};
+
+/// A therapist client of the station on this machine, over WebSocket; connects again by itself.
+class StationClient final : public Station {
+ public:
+  /// @param token the station's therapist token; empty: it needs none
+  StationClient(std::uint16_t port, std::string token);
+  ~StationClient() override;
+  StationClient(const StationClient&) = delete;
+  StationClient& operator=(const StationClient&) = delete;
+
+  [[nodiscard]] StationScene scene() const override;
+  [[nodiscard]] StationReply open(const VisitOrder& order) override;
+  [[nodiscard]] StationReply close(std::uint64_t visit) override;
+
+ private:
+  class Link;
+  std::unique_ptr<Link> link_;
 };
 
 }  // namespace wholehand::clinic

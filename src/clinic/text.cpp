@@ -1,6 +1,5 @@
 #include "clinic/text.hpp"
 
-#include "clinic/clock.hpp"
 #include "core/printable.hpp"
 
 #include <fmt/format.h>

@@ -2,7 +2,6 @@
 
 #include "commissioning/bench.hpp"
 #include "commissioning/identification/identify_axis.hpp"
-#include "commissioning/let_go_proof.hpp"
 #include "commissioning/passport.hpp"
 #include "commissioning/sealed_file.hpp"
 #include "core/printable.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "commissioning/bench.hpp"
-#include "commissioning/daily_check.hpp"
 #include "commissioning/passport.hpp"
 #include "page/chart_page.hpp"
 

@@ -1,6 +1,6 @@
 #include "control/passivity.hpp"
 
-#include "control/coupling_gains.hpp"
+#include "control/bilateral_coupling.hpp"
 #include "control/viscoelastic.hpp"
 
 #include <Eigen/Cholesky>

@@ -1,6 +1,6 @@
 #include "control/stability.hpp"
 
-#include "control/coupling_gains.hpp"
+#include "control/bilateral_coupling.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -33,11 +33,6 @@ CushionStep advanceCushion(const Cushion& cushion, double travel, double depth, 
   return std::isfinite(y) ? CushionStep{y, effort_at(y)} : CushionStep{};
 }
 
-double cushionEnergy_j(const Cushion& cushion, const CushionStep& at) noexcept {
-  return 0.5 * (at.effort * at.effort / cushion.stiffness +
-                cushion.return_stiffness * at.travel * at.travel);
-}
-
 double lateDamping(double stiffness, double least_resistance, int delay_ticks,
                    double period_s) noexcept {
   const double late = delay_ticks * stiffness * period_s;

@@ -34,10 +34,6 @@ struct CushionStep {
                                                       double depth, bool open,
                                                       double elapsed_s) noexcept;
 
-/// S of a cushion [J]. @pre k > 0
-[[nodiscard]] WHOLEHAND_RT double cushionEnergy_j(const Cushion& cushion,
-                                                  const CushionStep& at) noexcept;
-
 /// Damping that a delay of n ticks makes a cushion ask for beyond its bare spring: n² k² T²/4d, d
 /// the least of its resistances [N·s/m or N·m·s/rad]. 0 without delay. The late effort lacks
 /// k (y − y⁽ⁿ⁾) Δx beside what a late spring lacks. The liquid's d Δy²/T, spent on each of n ticks

@@ -11,6 +11,11 @@
 
 namespace wholehand {
 
+/// Inverse of a symmetric positive definite matrix by Cholesky factorisation. Returns false and a
+/// zero inverse when a pivot is not positive and finite. Real-time safe: no heap.
+[[nodiscard]] WHOLEHAND_RT bool invertPositiveDefinite(const AxisMatrix& matrix,
+                                                       AxisMatrix& inverse) noexcept;
+
 /// A spatial vector in world axes about the world origin: a twist (angular velocity, velocity of
 /// the body point at the origin) or a wrench (moment about the origin, force).
 struct SpatialVector {

@@ -2,7 +2,7 @@
 
 #include "core/geometry.hpp"
 #include "core/real_time.hpp"
-#include "exercise/cocktail_bar/bar_layout.hpp"
+#include "exercise/cocktail_bar/bar.hpp"
 #include "patient/player.hpp"
 #include "patient/reach.hpp"
 

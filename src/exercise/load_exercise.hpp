@@ -36,7 +36,7 @@ struct ExerciseSource {
   SceneModel* scene = nullptr;
 };
 
-/// A kind of exercise: a folder of src/exercise, whose header declares `load`.
+/// A kind of exercise: a folder of src/exercise, whose <kind>.cpp defines `load`.
 struct ExerciseKind {
   const char* name;
   /// Reads the rest of the file ("kind", "version", "exercise", "name" and "scene" are already

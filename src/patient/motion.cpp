@@ -20,9 +20,11 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
+
 namespace {
 
 /// Bytes of the first UTF-8 character; 0 if it is invalid.
@@ -847,6 +849,18 @@ double Intention::duration_s() const noexcept {
 
 AxisPosition Intention::start() const noexcept {
   return knots_.front().q;
+}
+
+ScriptedPlayer::ScriptedPlayer(Intention intention, Mover mover)
+    : intention_(std::move(intention)), mover_(mover) {}
+
+AxisPosition ScriptedPlayer::start() const {
+  return intention_.start();
+}
+
+void ScriptedPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
+  ++periods_;
+  intention_.evaluate(static_cast<double>(periods_) * period_s, q, qd);
 }
 
 }  // namespace wholehand

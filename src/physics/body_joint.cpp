@@ -1,6 +1,6 @@
 #include "physics/body_joint.hpp"
 
-#include "model/scene/scene_joint.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <Eigen/Geometry>
 

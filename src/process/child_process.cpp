@@ -1,6 +1,6 @@
 #include "process/child_process.hpp"
 
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 
 #include <algorithm>
 #include <array>

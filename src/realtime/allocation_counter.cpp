@@ -2,7 +2,7 @@
 // library's own. For programs that measure and for tests; the library itself does not link it.
 #include "realtime/allocation_counter.hpp"
 
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 
 #include <cerrno>
 #include <cstddef>

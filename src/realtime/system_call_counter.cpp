@@ -2,7 +2,7 @@
 // calls becomes a signal, whose handler counts the call, makes it and returns the result.
 #include "realtime/system_call_counter.hpp"
 
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 
 #include <array>
 #include <atomic>

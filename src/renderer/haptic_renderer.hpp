@@ -2,7 +2,6 @@
 
 #include "control/adaptive_damping.hpp"
 #include "control/bilateral_coupling.hpp"
-#include "control/coupling_gains.hpp"
 #include "core/axis_array.hpp"
 #include "core/body_order.hpp"
 #include "core/expected.hpp"

@@ -1,6 +1,6 @@
 #include "replay/recording_report.hpp"
 
-#include "page/page_file.hpp"
+#include "page/chart_page.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
 #include "replay/replayed_recording.hpp"
@@ -117,8 +117,6 @@ Json EngineeringFacts::json() const {
 }
 
 namespace {
-
-using Json = nlohmann::json;
 
 /// Version of the data; counts incompatible changes.
 constexpr int kVersion = 1;

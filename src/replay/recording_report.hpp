@@ -6,7 +6,6 @@
 #include "telemetry/statistics.hpp"
 
 #include <nlohmann/json.hpp>
-#include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
 #include <functional>

@@ -1,7 +1,7 @@
 #include "resimulation/resimulation.hpp"
 
 #include "assembly/rig.hpp"
-#include "assembly/run_files.hpp"
+#include "assembly/run.hpp"
 #include "commissioning/passport.hpp"
 #include "core/tick_digest.hpp"
 #include "model/toml/toml_file.hpp"

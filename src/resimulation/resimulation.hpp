@@ -3,7 +3,7 @@
 #include "assembly/models.hpp"
 #include "core/tick_record.hpp"
 #include "telemetry/black_box_reader.hpp"
-#include "telemetry/input_journal.hpp"
+#include "telemetry/input_log.hpp"
 #include "telemetry/recording.hpp"
 
 #include <cstdint>

@@ -3,7 +3,6 @@
 #include "core/command.hpp"
 #include "core/tick_record.hpp"
 #include "realtime/periodic_thread.hpp"
-#include "realtime/record_queue.hpp"
 #include "realtime/spsc_queue.hpp"
 #include "realtime/stage_clock.hpp"
 #include "renderer/haptic_renderer.hpp"

@@ -1,6 +1,6 @@
 #include "safety/body_energy.hpp"
 
-#include "model/scene/scene_joint.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,14 +1,14 @@
 #pragma once
 
-#include "control/coupling_gains.hpp"
+#include "control/bilateral_coupling.hpp"
 #include "control/energy_tank.hpp"
 #include "core/axis_array.hpp"
 #include "core/fault.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "safety/body_energy.hpp"
+#include "safety/force_limiter.hpp"
 #include "safety/neutral_ramp.hpp"
-#include "safety/slew_limiter.hpp"
 #include "safety/supervisor.hpp"
 
 #include <atomic>

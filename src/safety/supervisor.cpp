@@ -1,6 +1,6 @@
 #include "safety/supervisor.hpp"
 
-#include "safety/slew_limiter.hpp"
+#include "safety/force_limiter.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -22,7 +22,7 @@ struct SupervisorConfig {
   AxisVelocity speed_limit;
   AxisEffort effort_limit;
   AxisEffort most_change;  ///< largest change of effort within slew_ticks: the slew limit
-  int slew_ticks = 1;      ///< periods in a millisecond, one at least (safety/slew_limiter.hpp)
+  int slew_ticks = 1;      ///< periods in a millisecond, one at least (safety/force_limiter.hpp)
   double power_limit_w = std::numeric_limits<double>::infinity();
   WatchLimits watch;  ///< 0: not watched
 };

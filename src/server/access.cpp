@@ -1,6 +1,6 @@
 #include "server/access.hpp"
 
-#include "server/http_text.hpp"
+#include "server/http_line.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 #include "core/printable.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "server/clients.hpp"
-#include "server/http_text.hpp"
+#include "server/http_line.hpp"
 #include "server/traffic.hpp"
 #include "server/websocket_stream.hpp"
 #include "server/wire.hpp"

@@ -148,4 +148,33 @@ std::string metricsText(const LoopHealth& pulse, const Traffic& t) {
   return out;
 }
 
+const char* udpIgnoredName(UdpIgnored reason) noexcept {
+  static constexpr std::array<const char*, static_cast<std::size_t>(UdpIgnored::kCount)> kNames = {
+      "too_short", "too_long", "magic", "version", "checksum",
+      "header",    "key",      "stale", "message", "rate"};
+  const auto i = static_cast<std::size_t>(reason);
+  return i < kNames.size() ? kNames[i] : "";
+}
+
+std::string udpMetricsText(const UdpCounters& c) {
+  std::string out;
+  metric(out, "udp_games", "gauge", "Games that are heard over UDP.", c.peers.load());
+  const auto count = [&](const char* name, const char* help, const UdpCounters::Counter& of) {
+    metric(out, name, "counter", help, of.load());
+  };
+  count("udp_received_total", "Datagrams received.", c.received);
+  count("udp_states_total", "States sent.", c.states_sent);
+  count("udp_dropped_total", "Datagrams dropped since the socket was full.", c.dropped_full);
+  count("udp_send_errors_total", "Datagrams that the system refused to send.", c.send_errors);
+  count("udp_stops_total", "Emergency stops obeyed.", c.stops);
+  count("udp_exceptions_total", "Orders and rounds that the program gave up.", c.exceptions);
+  count("udp_games_lost_total", "Games that were not heard for a second.", c.peers_lost);
+  head(out, "udp_ignored_total", "counter", "Datagrams ignored, by reason.");
+  for (int i = 0; i < static_cast<int>(UdpIgnored::kCount); ++i) {
+    const auto reason = static_cast<UdpIgnored>(i);
+    line(out, "udp_ignored_total", "reason", udpIgnoredName(reason), c.ignoredFor(reason));
+  }
+  return out;
+}
+
 }  // namespace wholehand

@@ -3,7 +3,7 @@
 #include "core/tick_record.hpp"
 #include "server/backend.hpp"
 #include "server/control_desk.hpp"
-#include "server/udp_counters.hpp"
+#include "server/traffic.hpp"
 #include "server/udp_socket.hpp"
 #include "server/wire.hpp"
 

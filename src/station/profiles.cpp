@@ -2,6 +2,7 @@
 
 #include "files/text_file.hpp"
 #include "model/toml/toml_file.hpp"
+#include "renderer/live_settings.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +12,11 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
+
 namespace fs = std::filesystem;
 namespace {
 
@@ -113,6 +116,48 @@ Expected<Profile> Profiles::load(const std::string& name) const {
   }
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
   return out;
+}
+
+void PersonSettings::put(const Values& values, std::uint64_t asked,
+                         std::map<std::string, Setting>& in) {
+  for (const auto& [name, value] : values) in[name] = {value, asked};
+}
+
+void PersonSettings::setHelp(Help help, std::uint64_t asked) {
+  help_ = help;
+  help_asked_ = asked;
+}
+
+double PersonSettings::valueOf(const PublishedParameter& parameter) const {
+  const auto set = set_.find(parameter.name);
+  if (set == set_.end()) return parameter.initial;
+  const double value = set->second.value;
+  return value >= parameter.lower && value <= parameter.upper ? value : parameter.initial;
+}
+
+void PersonSettings::changePerson(const Change& change, const Values& first,
+                                  const std::vector<PublishedParameter>& parameters) {
+  ++person_;
+  if (help_asked_ < change.asked || change.visit) {
+    help_ = change.profile != nullptr ? change.profile->help : Help::kUnsaid;
+  }
+  std::map<std::string, Setting> next;
+  put(first, change.asked, next);
+  if (change.profile != nullptr) put(change.profile->parameters, change.asked, next);
+  for (const PublishedParameter& parameter : parameters) {
+    const auto set = set_.find(parameter.name);
+    const auto found = next.find(parameter.name);
+    const double coming = found == next.end() ? parameter.initial : found->second.value;
+    const bool lowered = isEffortLimit(parameter.name) && valueOf(parameter) < coming;
+    const bool later =
+        set != set_.end() && set->second.asked > change.asked && (!change.visit || lowered);
+    if (later) {
+      next[parameter.name] = set->second;
+    } else if (lowered && !change.may_raise_limits) {
+      next[parameter.name] = {valueOf(parameter), change.asked};
+    }
+  }
+  set_ = std::move(next);
 }
 
 }  // namespace wholehand

@@ -1,7 +1,6 @@
 #include "station/session_files.hpp"
 
 #include "core/printable.hpp"
-#include "files/durable_file.hpp"
 #include "files/text_file.hpp"
 #include "telemetry/recording.hpp"
 

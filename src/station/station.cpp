@@ -1,7 +1,6 @@
 #include "station/station.hpp"
 
 #include "assembly/run.hpp"
-#include "assembly/run_files.hpp"
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "patient/steered_player.hpp"
@@ -9,7 +8,6 @@
 #include "safety/supervisor.hpp"
 #include "server/logs.hpp"
 #include "station/endings.hpp"
-#include "station/person_settings.hpp"
 #include "station/profiles.hpp"
 #include "station/reports.hpp"
 #include "station/scene_facts.hpp"

@@ -2,7 +2,7 @@
 
 #include "core/crc32.hpp"
 #include "core/record_packing.hpp"
-#include "files/durable_file.hpp"
+#include "files/text_file.hpp"
 #include "telemetry/black_box_layout.hpp"
 #include "telemetry/crash_guard.hpp"
 #include "telemetry/input_log.hpp"

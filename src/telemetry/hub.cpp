@@ -102,7 +102,6 @@ bool TelemetryHub::drain() noexcept {
   while (next()) {
     any_record = true;
     deliver(record);
-    ++consumed_;
   }
   return any_record;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/tick_record.hpp"
-#include "realtime/record_queue.hpp"
+#include "realtime/spsc_queue.hpp"
 
 #include <array>
 #include <atomic>
@@ -47,7 +47,6 @@ class TelemetryHub {
   /// Drains the source, flushes the recorder and ends the threads; waits for the disk. Idempotent.
   /// @pre the source's producer has ended (else the drain continues until it pauses)
   void stop();
-  [[nodiscard]] std::uint64_t consumed() const noexcept { return consumed_; }
   /// Records that the recorder missed: after it threw, or while its disk did not respond.
   [[nodiscard]] std::uint64_t unrecorded() const noexcept { return unrecorded_; }
   /// Exceptions as text: "sink 2 threw: bad file". Valid after stop().
@@ -89,7 +88,7 @@ class TelemetryHub {
   std::vector<Sink> sinks_;
   std::thread thread_, recorder_;
   std::atomic<bool> stopping_{false}, recorder_stopping_{false};
-  std::atomic<std::uint64_t> consumed_{0}, unrecorded_{0};
+  std::atomic<std::uint64_t> unrecorded_{0};
   std::mutex failures_mutex_;
   std::vector<Failure> failures_;  ///< start() reserves room for one of each
 };

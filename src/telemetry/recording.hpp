@@ -63,7 +63,7 @@ class RecordingWriter {
  public:
   /// Creates the file under a temporary name and renames it when its parameters are completely
   /// written; only then is an existing file replaced. Beside it stand its inputs until it is
-  /// complete (telemetry/input_journal.hpp).
+  /// complete (telemetry/input_log.hpp).
   static Expected<std::unique_ptr<RecordingWriter>> create(const std::string& path,
                                                            const RecordingMeta& meta);
   virtual ~RecordingWriter() = default;

@@ -31,7 +31,6 @@ class DurationHistogram {
   [[nodiscard]] Percentiles percentiles() const;
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
   [[nodiscard]] std::int64_t maxNs() const noexcept { return max_ns_; }
-  [[nodiscard]] std::int64_t minNs() const noexcept { return count_ == 0 ? 0 : min_ns_; }
 
  private:
   std::vector<std::uint64_t> bins_;

@@ -1,6 +1,6 @@
 #include "telemetry/sweep_file.hpp"
 
-#include "files/durable_file.hpp"
+#include "files/text_file.hpp"
 #include "telemetry/hdf5_handle.hpp"
 
 #include <algorithm>

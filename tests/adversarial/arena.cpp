@@ -1,6 +1,6 @@
 #include "adversarial/arena.hpp"
 
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 #include "support/constants.hpp"
 
 #include <cmath>

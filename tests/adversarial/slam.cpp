@@ -1,6 +1,6 @@
 #include "adversarial/slam.hpp"
 
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 
 #include <cmath>
 

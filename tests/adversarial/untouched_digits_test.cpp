@@ -2,8 +2,8 @@
 // random hands, postures and approaches, WHOLEHAND_CASES=3-5 the cases 3 and 4 of them.
 #include "adversarial/attack.hpp"
 #include "adversarial/digit_watch.hpp"
-#include "model/hand/hand_assembly.hpp"
-#include "patient/scripted_player.hpp"
+#include "model/hand/hand_file.hpp"
+#include "patient/motion.hpp"
 #include "support/axes.hpp"
 #include "support/constants.hpp"
 #include "support/seed.hpp"

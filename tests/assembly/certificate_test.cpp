@@ -1,5 +1,5 @@
 // Every shipped rendering on its device with every shipped hand and exercise, as shipped.
-#include "assembly/sampled_inertia.hpp"
+#include "assembly/models.hpp"
 #include "control/certificate/certificate_refusal.hpp"
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"

@@ -1,8 +1,6 @@
 // Every shipped hand on every shipped device in every shipped scene.
 #include "assembly/models.hpp"
-#include "assembly/sampled_inertia.hpp"
 #include "exercise/load_exercise.hpp"
-#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"

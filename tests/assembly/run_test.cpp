@@ -1,7 +1,6 @@
 // A run when something fails: what is left open, what is reported, which signals end it gently.
 #include "assembly/run.hpp"
 
-#include "assembly/run_files.hpp"
 #include "assembly/watched_device.hpp"
 #include "commissioning/passport.hpp"
 #include "resimulation/resimulation.hpp"

@@ -1,7 +1,7 @@
 #include "black_box/box_tools.hpp"
 #include "black_box/run_tools.hpp"
-#include "device/faulty/fault_injector.hpp"
 #include "device/simulated/simulated_device.hpp"
+#include "support/fault_injector.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 

@@ -1,11 +1,10 @@
 // What a power cut or a kill leaves of a recording: its inputs, up to the last block that is whole.
-#include "telemetry/input_journal.hpp"
-
 #include "black_box/box_tools.hpp"
 #include "support/file_bytes.hpp"
 #include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
+#include "telemetry/input_log.hpp"
 
 #include <bit>
 #include <filesystem>

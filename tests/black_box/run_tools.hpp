@@ -3,7 +3,6 @@
 #include "assembly/models.hpp"
 #include "assembly/rig.hpp"
 #include "assembly/run.hpp"
-#include "assembly/run_files.hpp"
 #include "support/rig_tools.hpp"
 
 #include <array>

@@ -133,14 +133,17 @@ class Addon(unittest.TestCase):
             self.assertRegex((addon / name).read_text(encoding="utf-8"), r"never opened in (its|Godot 4's) editor", name)
         self.assertNotIn("Godot 4", (PROJECT / "addons/wholehand/plugin.cfg").read_text(encoding="utf-8"))
 
-    def test_the_archive_is_the_addon(self):
-        archive, = PROJECT.glob("wholehand-godot4-*.zip")
-        with zipfile.ZipFile(archive) as files:
-            names = set(files.namelist())
-        made = {path.relative_to(PROJECT / "godot4").as_posix() for path in (PROJECT / "godot4/addons").rglob("*") if path.is_file()}
-        self.assertEqual(names, made)
-        both = {f"addons/wholehand/{path.name}" for path in (PROJECT / "addons/wholehand").iterdir()}
-        self.assertEqual(names, both | {"addons/wholehand/README.md"})
+    def test_the_archives_are_the_addons(self):
+        """Of Godot 3, too."""
+        names = {}
+        for version, tree in (("", PROJECT), ("4", PROJECT / "godot4")):
+            archive, = PROJECT.glob(f"wholehand-godot{version}-*.zip")
+            with zipfile.ZipFile(archive) as files:
+                names[version] = set(files.namelist())
+            made = {path.relative_to(tree).as_posix() for path in (tree / "addons").rglob("*") if path.is_file()}
+            self.assertEqual(names[version], made)
+        self.assertLessEqual({f"addons/wholehand/{name}" for name in ("plugin.cfg", "protocol.gd", "LICENSE")}, names[""])
+        self.assertEqual(names["4"], names[""] | {"addons/wholehand/README.md"})
 
     def test_a_rule_without_use_is_refused(self):
         with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:

@@ -1,5 +1,5 @@
 #include "clinic/http_server.hpp"
-#include "clinic/station_client.hpp"
+#include "clinic/station.hpp"
 #include "clinic_bench.hpp"
 
 #include <arpa/inet.h>

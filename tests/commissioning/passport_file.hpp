@@ -1,6 +1,6 @@
 #pragma once
 
-#include "commissioning/daily_check.hpp"
+#include "commissioning/passport.hpp"
 #include "commissioning/sealed_file.hpp"
 #include "core/sha256.hpp"
 #include "support/figure.hpp"

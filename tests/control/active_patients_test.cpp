@@ -7,7 +7,6 @@
 #include "control/bilateral_coupling.hpp"
 #include "safety/force_limiter.hpp"
 #include "safety/neutral_ramp.hpp"
-#include "safety/slew_limiter.hpp"
 #include "support/constants.hpp"
 #include "support/figure.hpp"
 

@@ -1,7 +1,7 @@
 #include "control/certificate/certificate_refusal.hpp"
 
 #include "certified_sets.hpp"
-#include "control/certificate/certificate_fingerprint.hpp"
+#include "control/certificate/certificate.hpp"
 #include "control/passivity.hpp"
 #include "support/says.hpp"
 

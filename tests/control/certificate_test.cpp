@@ -1,7 +1,7 @@
 #include "control/certificate/certificate.hpp"
 
+#include "control/bilateral_coupling.hpp"
 #include "control/certificate/certificate_refusal.hpp"
-#include "control/coupling_gains.hpp"
 #include "control/passivity.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "model/shipped_models.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "control/bilateral_coupling.hpp"
 #include "control/certificate/certificate_refusal.hpp"
-#include "control/coupling_gains.hpp"
 #include "control/energy_tank.hpp"
 #include "support/seed.hpp"
 

@@ -3,7 +3,7 @@
 #include "axis_loop.hpp"
 #include "control/passivity.hpp"
 #include "control/stability.hpp"
-#include "device/simulated/matrix_exponential.hpp"
+#include "device/simulated/axis_dynamics.hpp"
 #include "support/constants.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"

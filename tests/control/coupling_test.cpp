@@ -1,5 +1,4 @@
 #include "control/bilateral_coupling.hpp"
-#include "control/coupling_gains.hpp"
 #include "one_axis_gains.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/figure.hpp"

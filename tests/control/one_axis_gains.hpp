@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/coupling_gains.hpp"
+#include "control/bilateral_coupling.hpp"
 
 #include <cmath>
 #include <numbers>

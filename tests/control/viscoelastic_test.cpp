@@ -19,6 +19,12 @@ constexpr double kPeriod_s = 1e-3;
 /// The reference's bottle: no valve, no air.
 constexpr Cushion kSyrup{380.0, 60.0, 80.0, 80.0, 0.0};
 
+/// S = f²/2k + k_s y²/2 of a cushion [J].
+double cushionEnergy_j(const Cushion& cushion, const CushionStep& at) {
+  return 0.5 * (at.effort * at.effort / cushion.stiffness +
+                cushion.return_stiffness * at.travel * at.travel);
+}
+
 /// Presses with a constant effort: f = k (x - y), so that d ẏ = f - k_s y alone says where y goes.
 class SteadyPush {
  public:

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "axis_loop.hpp"
-#include "device/simulated/matrix_exponential.hpp"
+#include "device/simulated/axis_dynamics.hpp"
 
 #include <Eigen/LU>
 

@@ -1,6 +1,5 @@
 // What conformance finds of an axis by pushing it, against axes whose law is known.
-#include "device/conformance/axis_response.hpp"
-
+#include "device/conformance/pushes.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"

@@ -1,5 +1,5 @@
 // A device host and its loop over shared memory.
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 #include "device/plain_driver.hpp"
 #include "faulty_places.hpp"
 #include "hosted_tools.hpp"

@@ -2,7 +2,7 @@
 #include "device/plugin/plugin_device.hpp"
 
 #include "device/plain_driver.hpp"
-#include "device/plugin/observed_driver.hpp"
+#include "device/plugin/device_driver.hpp"
 #include "device/plugin/plugin_driver.hpp"
 #include "faulty_places.hpp"
 #include "realtime/allocation_counter.hpp"

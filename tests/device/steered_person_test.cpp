@@ -1,6 +1,6 @@
 // A person at a screen steers the virtual patient's hand: what it pushes against may give way.
 #include "device/simulated/simulated_device.hpp"
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 #include "patient/steered_player.hpp"
 #include "support/player_commands.hpp"
 

@@ -1,6 +1,6 @@
 // What a therapist sets for one patient at the bar: tolerance, fade, reach. No physics.
 #include "exercise/bar_table.hpp"
-#include "exercise/cocktail_bar/bar_parameters.hpp"
+#include "exercise/cocktail_bar/bar.hpp"
 
 namespace wholehand::test {
 namespace {

@@ -3,7 +3,7 @@
 #include "exercise/grip.hpp"
 
 #include "exercise/bar_table.hpp"
-#include "model/hand/hand_assembly.hpp"
+#include "model/hand/hand_file.hpp"
 #include "support/constants.hpp"
 #include "support/tolerance.hpp"
 

@@ -1,5 +1,5 @@
 #include "exercise/bar_table.hpp"
-#include "model/hand/hand_assembly.hpp"
+#include "model/hand/hand_file.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/figure.hpp"
 #include "support/says.hpp"

@@ -1,5 +1,5 @@
 // What all that watches and limits costs in a tick, in CPU time.
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 #include "fault_injection/fault_bench.hpp"
 #include "safety/safety_chain.hpp"
 #include "support/cpu_time.hpp"

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "device/faulty/fault_injector.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "fault_injection/pushing_exercise.hpp"
 #include "physics/analytic/analytic_world.hpp"
 #include "renderer/safety_tools.hpp"
 #include "support/accepting_device.hpp"
+#include "support/fault_injector.hpp"
 #include "support/faulty_world.hpp"
 
 #include <optional>

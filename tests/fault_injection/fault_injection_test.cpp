@@ -1,5 +1,5 @@
 // Every fault that stops, on every axis, at random ticks: WHOLEHAND_FULL tries 1,000 of each.
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 #include "fault_injection/fault_bench.hpp"
 #include "support/test_names.hpp"
 

@@ -1,6 +1,5 @@
 // A file that a power cut leaves whole: what is synced, and in which order.
-#include "files/durable_file.hpp"
-
+#include "files/text_file.hpp"
 #include "support/folder.hpp"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,6 @@
 #include "exercise/load_exercise.hpp"
 #include "fuzz_targets.hpp"
 #include "model/device_model.hpp"
-#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "model/mesh/convex_mesh.hpp"
 #include "model/mesh/mesh_file.hpp"

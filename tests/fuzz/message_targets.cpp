@@ -1,7 +1,7 @@
 #include "fuzz_targets.hpp"
 #include "model/mesh/mesh_file.hpp"
 #include "server/client_words.hpp"
-#include "server/http_text.hpp"
+#include "server/http_line.hpp"
 #include "server/site.hpp"
 #include "server/udp_host.hpp"
 #include "server/wire.hpp"

@@ -1,6 +1,6 @@
 // Random certified gains, random persons, and a random driven body that is pulled against the hand:
 // none is unstable, and the body gives the hand no more than its target's way allows.
-#include "assembly/sampled_inertia.hpp"
+#include "assembly/models.hpp"
 #include "control/certificate/certificate.hpp"
 #include "control/certified_sets.hpp"
 #include "experiments/felt_noise.hpp"

@@ -1,6 +1,4 @@
 // The slots of a game are filled with the worst bodies of the budget before anybody feels a force.
-#include "assembly/pool_rehearsal.hpp"
-
 #include "assembly/admission.hpp"
 #include "assembly/rehearsal.hpp"
 #include "game/game_tools.hpp"

@@ -1,12 +1,11 @@
 // Random orders near a moving hand: nothing is allocated, nothing stops, and both files replay.
 #include "assembly/run.hpp"
-#include "assembly/run_files.hpp"
-#include "device/faulty/fault_injector.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "game/game_tools.hpp"
 #include "game/same_again.hpp"
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 #include "realtime/allocation_counter.hpp"
+#include "support/fault_injector.hpp"
 #include "support/folder.hpp"
 #include "support/seed.hpp"
 

@@ -1,5 +1,4 @@
 #include "model/device_model.hpp"
-#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"

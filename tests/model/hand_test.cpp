@@ -1,5 +1,5 @@
 #include "model/hand/anthropometry.hpp"
-#include "model/hand/hand_assembly.hpp"
+#include "model/hand/hand_file.hpp"
 #include "model/shipped_models.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"

@@ -1,6 +1,6 @@
-#include "model/mass_properties.hpp"
 #include "model/mesh/convex_mesh.hpp"
 #include "model/mesh_samples.hpp"
+#include "model/scene/scene_model.hpp"
 #include "model/urdf/urdf.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"

@@ -1,5 +1,5 @@
 #include "model/device_model.hpp"
-#include "model/hand/hand_assembly.hpp"
+#include "model/hand/hand_file.hpp"
 #include "model/rendering_config.hpp"
 #include "model/shipped_models.hpp"
 #include "model/toml/toml_file.hpp"

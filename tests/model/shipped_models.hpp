@@ -1,6 +1,5 @@
 #pragma once
 
-#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "model/patient/patient_config.hpp"
 #include "support/constants.hpp"

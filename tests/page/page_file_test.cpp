@@ -1,5 +1,4 @@
-#include "page/page_file.hpp"
-
+#include "page/chart_page.hpp"
 #include "support/folder.hpp"
 #include "support/says.hpp"
 

@@ -3,7 +3,6 @@
 #include "patient/motion.hpp"
 #include "patient/person_tools.hpp"
 #include "patient/reach.hpp"
-#include "patient/scripted_player.hpp"
 #include "patient/steered_player.hpp"
 #include "support/constants.hpp"
 #include "support/player_commands.hpp"

@@ -1,5 +1,4 @@
 #include "control/bilateral_coupling.hpp"
-#include "control/coupling_gains.hpp"
 #include "model/shipped_models.hpp"
 #include "physics/analytic/analytic_world.hpp"
 #include "realtime/allocation_counter.hpp"

@@ -1,7 +1,7 @@
 // Rows between bodies, four at once. Without friction they move bodies as Bullet's own rows do.
 #include "physics/bullet/body_rows.hpp"
 
-#include "core/vector_clones.hpp"
+#include "core/compiler.hpp"
 #include "physics/bullet/row_arithmetic.hpp"
 #include "support/seed.hpp"
 

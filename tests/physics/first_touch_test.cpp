@@ -1,5 +1,5 @@
 // First touch of a hand axis, against the exact separation of shapes all along its travel.
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 #include "physics/still_hand.hpp"
 #include "support/seed.hpp"
 

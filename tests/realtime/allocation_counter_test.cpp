@@ -1,6 +1,6 @@
 #include "realtime/allocation_counter.hpp"
 
-#include "realtime/record_queue.hpp"
+#include "realtime/spsc_queue.hpp"
 #include "realtime/stage_clock.hpp"
 
 #include <gtest/gtest.h>

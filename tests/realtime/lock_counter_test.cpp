@@ -1,4 +1,4 @@
-#include "realtime/lock_counter.hpp"
+#include "support/lock_counter.hpp"
 
 #include "realtime/spsc_queue.hpp"
 

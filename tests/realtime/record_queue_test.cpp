@@ -1,6 +1,5 @@
-#include "realtime/record_queue.hpp"
-
 #include "core/tick_digest.hpp"
+#include "realtime/spsc_queue.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 #include "telemetry/synthetic_recording.hpp"

@@ -1,6 +1,6 @@
 // A world that gives energy is damped, then stopped; one that only takes it never empties the tank.
 #include "device/simulated/simulated_device.hpp"
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/test_names.hpp"

@@ -1,6 +1,6 @@
 // The energy tank in the whole renderer: silent where the loop is stable, at every rate.
 #include "device/simulated/simulated_device.hpp"
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 

@@ -1,8 +1,8 @@
 // What reaches a person's hand when something fails, through the whole tick.
-#include "device/faulty/fault_injector.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "renderer/safety_tools.hpp"
 #include "support/accepting_device.hpp"
+#include "support/fault_injector.hpp"
 #include "support/says.hpp"
 #include "support/test_names.hpp"
 

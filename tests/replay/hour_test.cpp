@@ -1,7 +1,6 @@
 // How soon an hour can be looked at, and what its report costs. Run with WHOLEHAND_FULL=1 for the
 // hour; else it is a minute.
 #include "assembly/run.hpp"
-#include "assembly/run_files.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/replayed_recording.hpp"

@@ -1,6 +1,5 @@
 // A live session as a station runs it, recorded and commanded: all that its loop's thread does.
 #include "assembly/run.hpp"
-#include "assembly/run_files.hpp"
 #include "patient/steered_player.hpp"
 #include "rt_proof/tick_watch.hpp"
 #include "support/rig_tools.hpp"

@@ -1,7 +1,7 @@
 // The tick does nothing that may make it late: counted over whole sessions, on both clocks.
 #include "experiments/grasp_script.hpp"
+#include "patient/motion.hpp"
 #include "patient/player.hpp"
-#include "patient/scripted_player.hpp"
 #include "rt_proof/tick_watch.hpp"
 #include "support/rig_tools.hpp"
 #include "support/watched_main.hpp"

@@ -1,8 +1,8 @@
 #include "rt_proof/tick_watch.hpp"
 
 #include "realtime/allocation_counter.hpp"
-#include "realtime/lock_counter.hpp"
 #include "realtime/system_call_counter.hpp"
+#include "support/lock_counter.hpp"
 
 #include <algorithm>
 #include <cstdio>

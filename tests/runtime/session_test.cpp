@@ -2,10 +2,10 @@
 #include "runtime/session.hpp"
 
 #include "control/adaptive_damping.hpp"
-#include "control/coupling_gains.hpp"
-#include "device/faulty/fault_injector.hpp"
+#include "control/bilateral_coupling.hpp"
 #include "device/one_axis.hpp"
 #include "physics/analytic/analytic_world.hpp"
+#include "support/fault_injector.hpp"
 #include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 #include "realtime/allocation_counter.hpp"
 #include "safety/force_limiter.hpp"
-#include "safety/slew_limiter.hpp"
 #include "support/axes.hpp"
 #include "support/tolerance.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 #include "station/station.hpp"
 
 #include <memory>

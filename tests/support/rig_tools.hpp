@@ -5,7 +5,6 @@
 #include "assembly/rig.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
-#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "support/ball_shape.hpp"
 #include "support/figure.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 
 #include <algorithm>
 #include <cstdlib>

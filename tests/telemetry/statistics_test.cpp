@@ -138,7 +138,6 @@ TEST(TelemetryHub, StopAfterBurst_EverySinkHasEveryRecord) {
   }
   offered += 263;
   hub.stop();
-  EXPECT_EQ(hub.consumed(), 1003U);
   EXPECT_EQ(statistics.snapshot().records, 1003U);
   ASSERT_EQ(seen.size(), 1003U);
   for (std::uint64_t i = 0; i < seen.size(); ++i) ASSERT_EQ(seen[i], i);
@@ -191,7 +190,6 @@ TEST(TelemetryHub, ConsumersThatThrow_AreCalledNoMoreAndReported) {
   hub.add([&](const TickRecord&) { ++good; });
   hub.start();
   hub.stop();
-  EXPECT_EQ(hub.consumed(), 100U);
   EXPECT_EQ(statistics.snapshot().records, 100U);
   EXPECT_EQ(good, 100);
   EXPECT_EQ(before, 21);  // 0 to 20
@@ -258,7 +256,6 @@ TEST(TelemetryHub, SourceThatThrows_EndsInSilenceAndIsReported) {
   TelemetryHub hub([](TickRecord&) -> bool { throw std::runtime_error("gone"); });
   hub.start();
   hub.stop();
-  EXPECT_EQ(hub.consumed(), 0U);
   ASSERT_EQ(hub.failures().size(), 1U);
   EXPECT_EQ(hub.failures()[0], "the source threw: gone");
 }

@@ -6,7 +6,6 @@
 #include "core/expected.hpp"
 #include "core/printable.hpp"
 #include "files/text_file.hpp"
-#include "model/mass_properties.hpp"
 #include "model/mesh/convex_mesh.hpp"
 #include "model/mesh/convex_pieces.hpp"
 #include "model/mesh/mesh_file.hpp"

@@ -13,7 +13,6 @@
 #include "core/printable.hpp"
 #include "device/host/hosted_driver.hpp"
 #include "device/plugin/plugin_device.hpp"
-#include "files/durable_file.hpp"
 #include "files/text_file.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "realtime/thread_setup.hpp"

@@ -5,7 +5,7 @@
 #include "replay/replay_children.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "server/backend.hpp"
-#include "server/http_text.hpp"
+#include "server/http_line.hpp"
 #include "server/server.hpp"
 #include "telemetry/black_box_reader.hpp"
 

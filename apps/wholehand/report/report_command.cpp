@@ -3,7 +3,7 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "core/printable.hpp"
-#include "page/page_file.hpp"
+#include "page/chart_page.hpp"
 #include "replay/recording_report.hpp"
 
 #include <nlohmann/json.hpp>

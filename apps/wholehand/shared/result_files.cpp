@@ -3,7 +3,7 @@
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "core/printable.hpp"
 #include "files/text_file.hpp"
-#include "page/page_file.hpp"
+#include "page/chart_page.hpp"
 
 #include <cstdio>
 #include <utility>

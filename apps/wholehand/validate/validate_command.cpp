@@ -6,9 +6,8 @@
 #include "apps/wholehand/sweep/sweep_command.hpp"
 #include "assembly/rig.hpp"
 #include "clinic/presets/presets.hpp"
-#include "commissioning/daily_check.hpp"
+#include "commissioning/passport.hpp"
 #include "core/printable.hpp"
-#include "model/hand/hand_assembly.hpp"
 #include "model/hand/hand_file.hpp"
 #include "model/toml/toml_file.hpp"
 

@@ -1,7 +1,7 @@
 #include "simulated_rig.hpp"
 
 #include "assembly/models.hpp"
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 #include "patient/steered_player.hpp"
 #include "realtime/thread_setup.hpp"
 

@@ -1,6 +1,6 @@
 #include "device/conformance/conformance.hpp"
 
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 #include "realtime/monotonic_clock.hpp"
 
 #include <array>

@@ -2,7 +2,7 @@
 
 #include "core/expected.hpp"
 #include "device/host/effort_guard.hpp"
-#include "device/host/shared_frame.hpp"
+#include "device/host/host_segment.hpp"
 #include "device/plugin/device_driver.hpp"
 #include "model/device_model.hpp"
 #include "realtime/spsc_queue.hpp"

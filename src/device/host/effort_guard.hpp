@@ -2,9 +2,9 @@
 
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
-#include "device/host/shared_frame.hpp"
+#include "device/host/host_segment.hpp"
+#include "safety/force_limiter.hpp"
 #include "safety/neutral_ramp.hpp"
-#include "safety/slew_limiter.hpp"
 
 #include <cstdint>
 

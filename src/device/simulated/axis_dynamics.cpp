@@ -1,13 +1,16 @@
 #include "device/simulated/axis_dynamics.hpp"
 
-#include "device/simulated/matrix_exponential.hpp"
-
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <bit>
+#include <unsupported/Eigen/MatrixFunctions>
 
 namespace wholehand {
+
+Eigen::MatrixXd matrixExponential(const Eigen::MatrixXd& m) {
+  return m.exp();
+}
 
 AxisDynamics::AxisDynamics(const AxisPlant& plant, double period_s)
     : plant_(plant), grain_s_(period_s / kGrains) {

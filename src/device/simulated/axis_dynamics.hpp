@@ -2,9 +2,14 @@
 
 #include "core/real_time.hpp"
 
+#include <Eigen/Core>
+
 #include <array>
 
 namespace wholehand {
+
+/// e^m of a square matrix, by Eigen's scaling and squaring with Padé approximants. Allocates.
+[[nodiscard]] Eigen::MatrixXd matrixExponential(const Eigen::MatrixXd& m);
 
 /// Mechanical model of one axis. SI; per radian for a rotation.
 struct AxisPlant {

@@ -1,6 +1,6 @@
 #include "device/simulated/linked_dynamics.hpp"
 
-#include "device/simulated/matrix_exponential.hpp"
+#include "device/simulated/axis_dynamics.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

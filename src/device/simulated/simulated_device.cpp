@@ -1,7 +1,7 @@
 #include "device/simulated/simulated_device.hpp"
 
 #include "patient/active_patient.hpp"
-#include "patient/scripted_player.hpp"
+#include "patient/motion.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,13 +1,19 @@
 #pragma once
 
 #include "control/transition.hpp"
+#include "core/geometry.hpp"
+#include "core/real_time.hpp"
+#include "core/tick_record.hpp"
 #include "exercise/finger_cushions.hpp"
 #include "exercise/finger_walls.hpp"
 #include "exercise/load_exercise.hpp"
+#include "model/device_model.hpp"
+#include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
 
 #include <Eigen/Core>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -132,5 +138,77 @@ struct Bar {
 /// dispensers in their row, with the glass under the first nozzle. Reports every fault at once. Not
 /// real-time safe.
 [[nodiscard]] Expected<Bar> loadBar(TomlFile& file, const ExerciseSource& source);
+
+/// Geometry that a player of the bar needs: bodies of dispensers and glass, axes that move the
+/// hand, and its reach.
+struct BarLayout {
+  struct Dispenser {
+    int body = -1;                     ///< index into the scene's bodies
+    Eigen::Vector3d grip_m, nozzle_m;  ///< body frame
+    bool free = false;
+  };
+
+  int axes = 0;
+  AxisPosition lower, upper;  ///< range of the device [m or rad]
+  int x = -1, y = -1, z = -1, fingers = -1, turn = -1, thumb = -1;  ///< axis indices; -1: none
+  Eigen::Vector3d grip_m;  ///< from the hand's base to the centre of a held dispenser
+  double beside = 1.0;     ///< +1 where the palm faces +y (a right hand), -1 where it faces -y
+  int dispenser_count = 0;
+  std::array<Dispenser, kMaxDispensers> dispensers{};
+  int glass_body = -1;
+  double glass_top_m = 0.0;  ///< height of its top above its centre
+};
+
+/// Makes the layout. @param hand null: the adult median right hand. Not real-time safe.
+[[nodiscard]] BarLayout makeBarLayout(const Bar& bar, const DeviceModel& device,
+                                      const HandModel* hand);
+
+/// Region to which the device can bring the palm, extended by `slack_m`.
+[[nodiscard]] BarReach reachOf(const BarLayout& layout, double slack_m) noexcept;
+
+/// World position of a point in a body's frame.
+[[nodiscard]] WHOLEHAND_RT Eigen::Vector3d worldPoint(const BodyState& body,
+                                                      const Eigen::Vector3d& point_m) noexcept;
+
+/// Range of the row for the reach of an arm.
+struct RowReach {
+  double lower_m = 0.0, upper_m = 0.0;  ///< y range of the target dispenser
+  double nearer_m = 0.0;                ///< the row is nearer than in the scene by this, >= 0
+};
+
+/// Live parameters of the bar, set by a therapist. Parameters of axes that the device lacks are
+/// left out.
+///
+///   wall_stiffness_ratio, viscosity_ratio   factors on those of the file
+///   lead_in_m, squeeze_threshold_ratio         as in the file; factor on those of the level
+///   line_tolerance_l    of every step; at least a tenth of what it asks for stays to be poured
+///   wall_fade_s         T_on: how long a wall takes to fade in
+///   reach_left_m, reach_right_m, reach_forward_m   from the device's middle: how far the person's
+///                       hand goes. The row comes within it; pages keep their aim within it
+///   fingers_open_rad, fingers_close_rad   how far the fingers open and close: pages ask no more
+class BarParameters {
+ public:
+  BarParameters(const Bar& bar, const BarLayout& layout);
+
+  [[nodiscard]] const std::vector<LiveParameter>& all() const noexcept { return all_; }
+
+  // Accessors of the current values, in the order of all(). Real-time safe.
+  [[nodiscard]] WHOLEHAND_RT double stiffness(const double* v) const noexcept { return v[0]; }
+  [[nodiscard]] WHOLEHAND_RT double viscosity(const double* v) const noexcept { return v[1]; }
+  [[nodiscard]] WHOLEHAND_RT double leadIn_m(const double* v) const noexcept { return v[2]; }
+  [[nodiscard]] WHOLEHAND_RT double threshold(const double* v) const noexcept { return v[3]; }
+  [[nodiscard]] WHOLEHAND_RT double tolerance_l(const double* v) const noexcept { return v[4]; }
+  [[nodiscard]] WHOLEHAND_RT double fade_s(const double* v) const noexcept { return v[5]; }
+  [[nodiscard]] WHOLEHAND_RT RowReach reach(const double* v) const noexcept;
+
+ private:
+  int add(LiveParameter parameter);
+
+  const BarRow row_;
+  const double beside_;                     ///< BarLayout::beside of the hand
+  double grip_x_m_ = 0.0, grip_y_m_ = 0.0;  ///< y: of the hand at a dispenser at y = 0
+  int left_ = -1, right_ = -1, forward_ = -1;
+  std::vector<LiveParameter> all_;
+};
 
 }  // namespace wholehand

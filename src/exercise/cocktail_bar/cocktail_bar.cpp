@@ -1,7 +1,4 @@
-#include "exercise/cocktail_bar/cocktail_bar.hpp"
-
 #include "exercise/cocktail_bar/bar.hpp"
-#include "exercise/cocktail_bar/bar_parameters.hpp"
 #include "exercise/cocktail_bar/bar_player.hpp"
 #include "exercise/cocktail_bar/bar_record.hpp"
 #include "exercise/cocktail_bar/pouring.hpp"
@@ -10,12 +7,15 @@
 #include "exercise/finger_cushions.hpp"
 #include "exercise/finger_walls.hpp"
 #include "exercise/grip.hpp"
+#include "exercise/load_exercise.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <utility>
 
+/// The paper's game (§II-F): reach the dispenser of the liquid in the recipe, grasp it and squeeze
+/// until the glass is filled to the line. Rules: docs/exercises.md.
 namespace wholehand::cocktail_bar {
 namespace {
 

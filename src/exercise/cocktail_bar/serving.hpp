@@ -3,7 +3,6 @@
 #include "core/real_time.hpp"
 #include "core/world_query.hpp"
 #include "exercise/cocktail_bar/bar.hpp"
-#include "exercise/cocktail_bar/bar_parameters.hpp"
 #include "exercise/cocktail_bar/pouring.hpp"
 
 #include <algorithm>

@@ -1,10 +1,11 @@
-#include "exercise/free_grasping/free_grasping.hpp"
+#include "exercise/load_exercise.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <utility>
 
+/// Free grasping: no task, no walls, no effort. Every body is a target of the palm.
 namespace wholehand::free_grasping {
 namespace {
 

@@ -1,6 +1,5 @@
-#include "exercise/game_scene/game_scene.hpp"
-
 #include "core/body_order.hpp"
+#include "exercise/load_exercise.hpp"
 
 #include <fmt/format.h>
 
@@ -8,6 +7,8 @@
 #include <cstdint>
 #include <utility>
 
+/// A world for the bodies of a game: no task, no walls, no effort. The file's [budget] says how
+/// many bodies the game may put into it and how large they are; events report what becomes of them.
 namespace wholehand::game_scene {
 namespace {
 

@@ -1,9 +1,8 @@
-#include "exercise/kitchen/kitchen.hpp"
-
 #include "core/printable.hpp"
 #include "exercise/grip.hpp"
 #include "exercise/kitchen/kitchen_player.hpp"
 #include "exercise/kitchen/kitchen_task.hpp"
+#include "exercise/load_exercise.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include <numbers>
 #include <utility>
 
+/// Tasks of daily life: steps of a file at things of a scene, which may move on joints.
 namespace wholehand::kitchen {
 namespace {
 

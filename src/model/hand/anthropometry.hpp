@@ -1,7 +1,7 @@
 #pragma once
 
 #include "model/hand/hand_model.hpp"
-#include "model/mass_properties.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <Eigen/Core>
 

@@ -1,7 +1,7 @@
 #include "model/hand/self_contacts.hpp"
 
 #include "model/hand/anthropometry.hpp"
-#include "model/hand/hand_assembly.hpp"
+#include "model/hand/hand_file.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "model/scene/game_shapes.hpp"
 
-#include "model/mass_properties.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #include "core/geometry.hpp"
 #include "core/printable.hpp"
 #include "core/tick_record.hpp"
-#include "model/mass_properties.hpp"
 #include "model/mesh/convex_mesh.hpp"
 #include "model/mesh/mesh_file.hpp"
 #include "model/scene/scene_model.hpp"

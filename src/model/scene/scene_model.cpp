@@ -2,6 +2,10 @@
 
 #include "core/world_query.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +14,7 @@
 #include <utility>
 
 namespace wholehand {
+
 namespace {
 
 using Eigen::Matrix3d;
@@ -185,6 +190,76 @@ void mirror(SceneModel& scene) {
     // What turns about an axis turns the other way in a mirror.
     joint.axis = joint.isHinge() ? Vector3d(-(reflect * joint.axis)) : reflect * joint.axis;
   }
+}
+
+Pose poseOn(const SceneJoint& joint, const Pose& start, double q) noexcept {
+  if (!joint.isHinge()) {
+    return {start.rotation, start.translation_m + q * (start.rotation * joint.axis)};
+  }
+  const Eigen::Matrix3d turned =
+      start.rotation * Eigen::AngleAxisd(q, joint.axis).toRotationMatrix();
+  return {turned, start * joint.point_m - turned * joint.point_m};
+}
+
+double positionOn(const SceneJoint& joint, const Pose& start, const Pose& pose) noexcept {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  double q = 0.0;
+  if (joint.isHinge()) {
+    const Eigen::Quaterniond turn(Eigen::Matrix3d(start.rotation.transpose() * pose.rotation));
+    q = 2.0 * std::atan2(joint.axis.dot(turn.vec()), turn.w());
+    // Both signs of a quaternion are one turn, as are q and q ± 2π of a range that is not about 0.
+    q -= kTurn * std::round(q / kTurn);
+    if (q > joint.most && q - kTurn >= joint.least) q -= kTurn;
+    if (q < joint.least && q + kTurn <= joint.most) q += kTurn;
+  } else {
+    q = (start.rotation * joint.axis).dot(pose.translation_m - start.translation_m);
+  }
+  return std::clamp(q, joint.least, joint.most);
+}
+
+MassProperties uniformDensity(const std::vector<Shape>& shapes, double mass_kg) {
+  MassProperties unit;  // of unit density: kg stands for m³ here
+  for (const Shape& shape : shapes) {
+    const ShapeMoments m = moments(shape);
+    unit = combined(unit, {m.volume_m3, m.center_m, m.inertia_m5});
+  }
+  if (!(unit.mass_kg > 0.0)) return {};
+  const double density = mass_kg / unit.mass_kg;
+  return {mass_kg, unit.com_m, density * unit.inertia_kg_m2};
+}
+
+MassProperties combined(const MassProperties& a, const MassProperties& b) {
+  const double mass_kg = a.mass_kg + b.mass_kg;
+  if (!(mass_kg > 0.0)) return {};
+  MassProperties sum;
+  sum.mass_kg = mass_kg;
+  sum.com_m = (a.mass_kg * a.com_m + b.mass_kg * b.com_m) / mass_kg;
+  // Two point masses about their common centre equal one reduced mass at their distance.
+  const Eigen::Vector3d between = b.com_m - a.com_m;
+  const double reduced_kg = a.mass_kg * b.mass_kg / mass_kg;
+  const Eigen::Matrix3d points =
+      between.squaredNorm() * Eigen::Matrix3d::Identity() - between * between.transpose();
+  sum.inertia_kg_m2 = a.inertia_kg_m2 + b.inertia_kg_m2 + reduced_kg * points;
+  return sum;
+}
+
+MassProperties moved(const MassProperties& m, const Pose& inner_in_outer) {
+  const Eigen::Matrix3d& r = inner_in_outer.rotation;
+  return {m.mass_kg, inner_in_outer * m.com_m, r * m.inertia_kg_m2 * r.transpose()};
+}
+
+std::string inertiaFault(const Eigen::Matrix3d& inertia_kg_m2) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia_kg_m2,
+                                                              Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d& principal = solver.eigenvalues();  // ascending
+  const std::string moments = fmt::format("(principal moments {:.4g}, {:.4g}, {:.4g} kg·m²)",
+                                          principal[0], principal[1], principal[2]);
+  if (!(principal[0] > 0.0)) return "is not positive definite " + moments;
+  // A flat plate meets the bound exactly: tolerates rounding.
+  if (principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-6)) {
+    return "breaks the triangle inequality " + moments;
+  }
+  return {};
 }
 
 }  // namespace wholehand

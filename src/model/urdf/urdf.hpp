@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/expected.hpp"
-#include "model/mass_properties.hpp"
 #include "model/scene/scene_model.hpp"
 
 #include <Eigen/Core>

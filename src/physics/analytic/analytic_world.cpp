@@ -1,6 +1,6 @@
 #include "physics/analytic/analytic_world.hpp"
 
-#include "dynamics/cholesky.hpp"
+#include "dynamics/articulated_body.hpp"
 
 #include <algorithm>
 #include <array>

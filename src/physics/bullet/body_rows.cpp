@@ -1,6 +1,6 @@
 #include "physics/bullet/body_rows.hpp"
 
-#include "core/vector_clones.hpp"
+#include "core/compiler.hpp"
 #include "physics/bullet/free_motion.hpp"
 #include "physics/bullet/joint_rows.hpp"
 #include "physics/bullet/row_arithmetic.hpp"

@@ -5,7 +5,7 @@
 #include "model/scene/scene_model.hpp"
 #include "physics/body_joint.hpp"
 #include "physics/bullet/box_sweep.hpp"
-#include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/bullet_types.hpp"
 #include "physics/bullet/shape_sets.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>

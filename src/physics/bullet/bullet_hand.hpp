@@ -3,7 +3,7 @@
 #include "dynamics/articulated_body.hpp"
 #include "model/hand/hand_model.hpp"
 #include "physics/bullet/box_sweep.hpp"
-#include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/bullet_types.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>

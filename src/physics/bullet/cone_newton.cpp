@@ -1,6 +1,6 @@
 #include "physics/bullet/cone_newton.hpp"
 
-#include "core/vector_clones.hpp"
+#include "core/compiler.hpp"
 #include "physics/bullet/cone_newton_steps.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/bullet_types.hpp"
 #include "physics/hand_overlaps.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>

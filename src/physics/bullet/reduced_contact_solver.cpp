@@ -1,7 +1,7 @@
 #include "physics/bullet/reduced_contact_solver.hpp"
 
+#include "core/compiler.hpp"
 #include "core/tick_record.hpp"
-#include "core/vector_clones.hpp"
 #include "physics/bullet/bullet_types.hpp"
 #include "physics/bullet/row_arithmetic.hpp"
 

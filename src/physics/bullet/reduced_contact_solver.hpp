@@ -3,7 +3,7 @@
 #include "core/axis_array.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "physics/bullet/body_rows.hpp"
-#include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/bullet_types.hpp"
 #include "physics/bullet/cone_newton.hpp"
 #include "physics/bullet/hand_rows.hpp"
 #include "physics/bullet/joint_rows.hpp"

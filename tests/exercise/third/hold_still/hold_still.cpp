@@ -1,8 +1,9 @@
-#include "exercise/hold_still/hold_still.hpp"
+#include "exercise/load_exercise.hpp"
 
 #include <cmath>
 #include <utility>
 
+/// Holding the hand still for a while: the least exercise that shows that it runs.
 namespace wholehand::hold_still {
 namespace {
 

@@ -1,4 +1,4 @@
-#include "device/faulty/fault_injector.hpp"
+#include "support/fault_injector.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/http_text.hpp"
+#include "server/http_line.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "device/plugin/observed_driver.hpp"
+#include "device/plugin/device_driver.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "clinic/station_client.hpp"
+#include "clinic/station.hpp"
 
 #include "server/wire.hpp"
 

@@ -1,8 +1,8 @@
 // Linking this file puts counting functions in front of the C library's lock functions. For
 // programs that measure and for tests; the library itself does not link it.
-#include "realtime/lock_counter.hpp"
+#include "support/lock_counter.hpp"
 
-#include "core/sanitized.hpp"
+#include "core/compiler.hpp"
 
 #include <atomic>
 #include <cstdlib>
