@@ -110,12 +110,6 @@ double turningSpeed(const BulletBody::Collider& of) {
   return turn_rad_s * (ball ? off_m : off_m + 0.5 * (of.box.high_m - of.box.low_m).norm());
 }
 
-/// The direction of a pair's contact; null: it has none.
-const btVector3* normalOf(const btPersistentManifold* pair) {
-  const bool touches = pair != nullptr && pair->getNumContacts() > 0;
-  return touches ? &pair->getContactPoint(0).m_normalWorldOnB : nullptr;
-}
-
 bool isRound(const BulletBody::Collider& collider) {
   return collider.form.type == ShapeType::kSphere || collider.form.type == ShapeType::kCapsule;
 }
@@ -407,7 +401,7 @@ void ColliderPairs::findOfHand(Target& target) noexcept {
         collider.tag.shape != nullptr
             ? patchOf({placed.a_m, placed.b_m, placed.radius_m}, collider, reach_m)
             : findPatch(hand_.object(capsule), hand_.form(capsule), *collider.object, collider.form,
-                        reach_m, normalOf(pair));
+                        reach_m, pair);
     if (pair != nullptr && passedThrough(*pair, patch)) {
       pair->refreshContactPoints(hand_.object(capsule).getWorldTransform(),
                                  collider.object->getWorldTransform());
@@ -474,8 +468,7 @@ void ColliderPairs::meet(Collider& a, Collider& b, Pair& pair) noexcept {
     return keep(patchOf(roundOf(*round.object, round.form), other, reach_m), *round.object,
                 *other.object, pair);
   }
-  keep(findPatch(*a.object, a.form, *b.object, b.form, reach_m, normalOf(pair)), *a.object,
-       *b.object, pair);
+  keep(findPatch(*a.object, a.form, *b.object, b.form, reach_m, pair), *a.object, *b.object, pair);
 }
 
 void ColliderPairs::keep(const ContactPatch& patch, const btCollisionObject& first,

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace wholehand::bullet {
 namespace {
@@ -26,6 +27,9 @@ constexpr double kSame_m = 1e-6;     // corners nearer than this are one
 constexpr double kLine_m2 = 1e-9;    // twice the area of a triangle that is taken for a line
 constexpr double kCoreGap_m = 1e-7;  // nearer points give no direction
 constexpr double kSure_m = 1e-5;
+constexpr double kNearer_m = 1e-5;
+constexpr double kShort = 0.1;        // of the longest edge
+constexpr double kWellWithin = 0.15;  // of the longest diagonal
 constexpr double kHeldApart_m = 1e-4;
 constexpr double kSameTurn = 1e-9;  // sine
 constexpr int kMostTurns = 6;
@@ -444,7 +448,99 @@ Flush findFlush(const Convex& a, const Convex& b, double reach_m) {
   return out;
 }
 
-ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& normal, double reach_m) {
+/// The centre of pressure of the last step.
+std::optional<Corner> pressedAt(const btPersistentManifold* before, const Across& across) {
+  btVector3 moment(0.0, 0.0, 0.0);
+  double impulse = 0.0;
+  for (int k = 0; before != nullptr && k < before->getNumContacts(); ++k) {
+    const btManifoldPoint& point = before->getContactPoint(k);
+    moment += point.m_appliedImpulse * point.m_positionWorldOnB;
+    impulse += point.m_appliedImpulse;
+  }
+  if (impulse <= 0.0) return {};
+  return Corner{moment.dot(across.u) / impulse, moment.dot(across.v) / impulse, 0.0};
+}
+
+using Chosen = std::array<int, ContactPatch::kMost>;
+
+/// Of more corners than a patch holds: one, the farthest from it, and between them the two farthest
+/// from the line through both, left and right of it; -1: none is there.
+Chosen spreadFrom(int first, const Outline& of) {
+  Chosen chosen{first, -1, -1, -1};
+  const auto choose = [&](int place, const auto& worth) {
+    double best = 1e-15;
+    for (int i = 0; i < of.count; ++i) {
+      const double is = worth(of.corners[i]);
+      if (is <= best) continue;
+      best = is;
+      chosen[place] = i;
+    }
+    return chosen[place];
+  };
+  const Corner& from = of.corners[first];
+  const int last =
+      choose(1, [&](const Corner& c) { return std::hypot(c.u - from.u, c.v - from.v); });
+  if (last < 0) return chosen;
+  const Corner& to = of.corners[last];
+  choose(2, [&](const Corner& c) { return turnOf(from, to, c); });
+  choose(3, [&](const Corner& c) { return -turnOf(from, to, c); });
+  return chosen;
+}
+
+/// How far within the line from one corner to another a point is.
+double within(const Corner& a, const Corner& b, const Corner& at) {
+  return turnOf(a, b, at) / std::hypot(b.u - a.u, b.v - a.v);
+}
+
+/// Whether a point is far within the corners of spreadFrom().
+bool wellWithin(const Chosen& chosen, const Outline& of, const Corner& at) {
+  if (std::min({chosen[1], chosen[2], chosen[3]}) < 0) return false;
+  const Corner &a = of.corners[chosen[0]], &b = of.corners[chosen[1]];
+  const double least_m = kWellWithin * std::hypot(b.u - a.u, b.v - a.v);
+  constexpr std::array kAround{0, 3, 1, 2, 0};
+  for (int i = 0; i < 4; ++i) {
+    const int from = chosen[kAround[i]], to = chosen[kAround[i + 1]];
+    if (within(of.corners[from], of.corners[to], at) < least_m) return false;
+  }
+  return true;
+}
+
+/// The edge that is nearest to a point, and the two corners that span most with it.
+Chosen nearestEdge(const Outline& of, const Corner& at) {
+  const auto index = [&](int first, int after) { return (first + after) % of.count; };
+  const auto length = [&](int i) {
+    const Corner &a = of.corners[i], &b = of.corners[index(i, 1)];
+    return std::hypot(b.u - a.u, b.v - a.v);
+  };
+  double longest_m = 0.0;
+  for (int i = 0; i < of.count; ++i) longest_m = std::max(longest_m, length(i));
+  int first = 0;
+  double least_m = 1e30;
+  for (int i = 0; i < of.count; ++i) {
+    if (length(i) < kShort * longest_m) continue;  // its corners are nearly one
+    const double is_m = within(of.corners[i], of.corners[index(i, 1)], at);
+    if (is_m >= least_m - kNearer_m) continue;
+    least_m = is_m;
+    first = i;
+  }
+  Chosen chosen{};
+  double most_m2 = -1.0;
+  const Corner &a = of.corners[first], &b = of.corners[index(first, 1)];
+  for (int i = 2; i < of.count; ++i) {
+    for (int j = i + 1; j < of.count; ++j) {
+      const int c = index(first, i), d = index(first, j);
+      const double is_m2 = turnOf(a, b, of.corners[c]) + turnOf(a, of.corners[c], of.corners[d]);
+      if (is_m2 <= most_m2 + kLine_m2) continue;
+      most_m2 = is_m2;
+      chosen = {first, index(first, 1), c, d};
+    }
+  }
+  return chosen;
+}
+
+/// @param before points of the last step; null: none
+ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& normal, double reach_m,
+                        const btPersistentManifold* before) {
   const Across across(normal);
   const Outline of_a = outlineOf(a, across, -1.0), of_b = outlineOf(b, across, 1.0);
   const bool b_bounds = of_b.count > 2;
@@ -454,48 +550,32 @@ ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& norma
   const Ground ground_a(of_a), ground_b(of_b);
   Outline touching;
   std::array<double, 2 * kMostCorners> gaps;
+  gaps[0] = 1e30;
+  int deepest = 0;
   for (int i = 0; i < common.count; ++i) {
     const Corner& at = common.corners[i];
     const double gap_m = ground_a.height(at) - ground_b.height(at);
     if (gap_m > reach_m) continue;
+    if (gap_m < gaps[deepest] - kLevel_m) deepest = touching.count;
     gaps[touching.count] = gap_m;
     touching.add(at);
   }
-  // The deepest, the one farthest from it, and the two farthest from the line through both.
-  std::array<int, ContactPatch::kMost> chosen{-1, -1, -1, -1};
-  const auto choose = [&](int place, const auto& worth) {
-    double best = 0.0;
-    for (int i = 0; i < touching.count; ++i) {
-      if (i == chosen[0] || i == chosen[1] || i == chosen[2]) continue;
-      const double is = worth(touching.corners[i]);
-      if (is <= best + 1e-15) continue;
-      best = is;
-      chosen[place] = i;
-    }
-    return chosen[place] >= 0;
-  };
-  const auto corner = [&](int place) { return touching.corners[chosen[place]]; };
-  const bool all = touching.count <= ContactPatch::kMost;
-  for (int i = 0; all && i < touching.count; ++i) chosen[i] = i;
-  if (!all) {
-    chosen[0] = 0;
-    for (int i = 1; i < touching.count; ++i) {
-      if (gaps[i] < gaps[chosen[0]] - kLevel_m) chosen[0] = i;
-    }
-    const auto away = [&](const Corner& c) {
-      return std::hypot(c.u - corner(0).u, c.v - corner(0).v);
-    };
-    if (choose(1, away)) {
-      choose(2, [&](const Corner& c) { return turnOf(corner(0), corner(1), c); });
-      choose(3, [&](const Corner& c) { return -turnOf(corner(0), corner(1), c); });
-    }
-  }
   ContactPatch patch;
-  for (const int i : chosen) {
-    if (i < 0) continue;
+  const auto add = [&](int i) {
     const Corner& at = touching.corners[i];
     patch.add({across.u * at.u + across.v * at.v + across.normal * ground_b.height(at),
                across.normal, gaps[i]});
+  };
+  if (touching.count <= ContactPatch::kMost) {
+    for (int i = 0; i < touching.count; ++i) add(i);
+    return patch;
+  }
+  // Nothing tips over a line within its foot: where it presses near one the edge beyond is whole.
+  const std::optional<Corner> pressed = pressedAt(before, across);
+  Chosen chosen = spreadFrom(deepest, touching);
+  if (pressed && !wellWithin(chosen, touching, *pressed)) chosen = nearestEdge(touching, *pressed);
+  for (const int i : chosen) {
+    if (i >= 0) add(i);
   }
   return patch;
 }
@@ -504,22 +584,24 @@ ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& norma
 
 ContactPatch findPatch(const btCollisionObject& object_a, const Shape& form_a,
                        const btCollisionObject& object_b, const Shape& form_b, double reach_m,
-                       const btVector3* before) noexcept {
+                       const btPersistentManifold* before) noexcept {
   const Convex a(object_a, form_a), b(object_b, form_b);
   const Flush flush = findFlush(a, b, reach_m);
   if (flush.kind == Flush::Kind::kAcross) return {};
   if (flush.kind == Flush::Kind::kOne) {
-    const ContactPatch patch = patchAlong(a, b, flush.normal, reach_m);
+    const ContactPatch patch = patchAlong(a, b, flush.normal, reach_m, before);
     if (patch.count > 0) return patch;
   }
-  const Nearest near = nearest(object_a, object_b, a, b, before);
+  const bool touched = before != nullptr && before->getNumContacts() > 0;
+  const btVector3* along = touched ? &before->getContactPoint(0).m_normalWorldOnB : nullptr;
+  const Nearest near = nearest(object_a, object_b, a, b, along);
   if (!near.found || near.point.gap_m > reach_m) return {};
   // Beside that face an edge is met: between the two directions only rounding lies.
   if (flush.kind == Flush::Kind::kOne && !flush.sunk &&
       near.point.normal.dot(flush.normal) < kAlike) {
     return {};
   }
-  ContactPatch patch = patchAlong(a, b, near.point.normal, reach_m);
+  ContactPatch patch = patchAlong(a, b, near.point.normal, reach_m, before);
   if (patch.count == 0) patch.add(near.point);
   return patch;
 }

@@ -34,15 +34,18 @@ struct ContactPatch {
 
 /// Finds the patch of two colliders. The direction comes from the nearest points of the two shapes
 /// (Gilbert, Johnson, Keerthi 1988); the patch is what their faces, edges or corners farthest along
-/// it have in common, seen along it. Its distances are exact for faces, edges and rims.
+/// it have in common, seen along it. Its distances are exact for faces, edges and rims. Of more
+/// than four corners it has four, with the whole edge that the bodies pressed near in the last
+/// step.
 ///
 /// A collider that overlaps the extension of another's face by less than kFlush_m is taken to lie
 /// on it: an edge between two flush pieces stops nothing.
 /// @param a, b with convex shapes @param form_a, form_b the same shapes @param reach_m largest gap
-/// of a point @param before direction of the last step; null: none. Real-time safe.
+/// of a point @param before points of the last step; null: none. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT ContactPatch findPatch(const btCollisionObject& a, const Shape& form_a,
                                                   const btCollisionObject& b, const Shape& form_b,
-                                                  double reach_m, const btVector3* before) noexcept;
+                                                  double reach_m,
+                                                  const btPersistentManifold* before) noexcept;
 
 /// Replaces the points of a manifold. A new point takes the impulses and the drift of the nearest
 /// point before. Real-time safe.
