@@ -15,6 +15,7 @@ import { painWords } from '../src/clinic/pain';
 import { differing } from '../src/clinic/patient_form';
 import { activeMin, isOpen, itemNow, type Patient, type Visit } from '../src/clinic/records';
 import { hashOf, routeOf, type Route } from '../src/clinic/routes';
+import { trialWords } from '../src/clinic/words';
 import { FakeClinic } from './clinic_fake';
 
 class Kept {
@@ -317,6 +318,13 @@ describe('a visit', () => {
     expect(besideLast(now.trials[0], before).map(({ before: other }) => other?.value)).toEqual([60, 2.4, 30]);
     expect(besideLast({ ...now.trials[0], level: 2 }, before)[0].before).toBeUndefined();
     expect(besideLast(now.trials[0], undefined)[0].before).toBeUndefined();
+  });
+
+  it('says of a trial whose recording is not whole that it was measured of a part', () => {
+    const [trial] = visit().trials;
+    expect(trialWords(trial)).not.toContain(en.patient.partly);
+    expect(trialWords({ ...trial, why: 'the recording is not whole' })).toContain(en.patient.partly);
+    expect(trialWords({ ...trial, state: 'failed', why: 'no tick' })).toBe('not measured: no tick');
   });
 
   it('counts active minutes, and stays at its last item', () => {

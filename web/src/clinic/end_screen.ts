@@ -166,6 +166,7 @@ export function resultTable(trial: Trial, last: Visit | undefined): HTMLElement 
   const rows = besideLast(trial, last);
   if (rows.length === 0) return h('small', {}, t.noResults);
   const words = (result: Result | undefined): string => (result ? `${number(result.value)}${result.unit === '' ? '' : ` ${result.unit}`}` : '–');
-  return h('table', { class: 'table results' }, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.result), h('th', { scope: 'col' }, t.now), h('th', { scope: 'col' }, last ? fill(t.last, { day: visitDay(last) }) : t.lastNone))),
+  const partly = trial.why ? h('caption', {}, p.partly) : null;
+  return h('table', { class: 'table results' }, partly, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.result), h('th', { scope: 'col' }, t.now), h('th', { scope: 'col' }, last ? fill(t.last, { day: visitDay(last) }) : t.lastNone))),
     h('tbody', {}, ...rows.map(({ result, before }) => h('tr', {}, h('th', { scope: 'row' }, resultName(result.name)), h('td', { class: 'num' }, words(result)), h('td', { class: 'num' }, words(before))))));
 }

@@ -13,7 +13,7 @@ import { activeMin, newestFirst, tookPlace, type OneSide, type Patient, type Tri
 import { hashOf } from './routes';
 import { saveText } from './save_text';
 import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, twice, type Screen } from './ui';
-import { clock, bornWords, itemWords, minutes, parameterWords, presetName, resultWords, sideWords, visitClock, visitDay } from './words';
+import { clock, bornWords, itemWords, minutes, parameterWords, presetName, sideWords, trialWords, visitClock, visitDay } from './words';
 
 /** So many visits are listed at first. */
 const NEWEST = 12;
@@ -141,9 +141,7 @@ export class PatientScreen implements Screen {
     const { t } = this, token = tokenOf(location), name = itemWords(trial);
     const link = (href: string, words: string, spoken: string): HTMLElement => h('a', { href, target: '_blank', rel: 'noopener', 'aria-label': `${words}: ${spoken}` }, words);
     const before = earlier.flatMap(({ trials }) => trials).find((other) => other.exercise === trial.exercise && other.recording !== '');
-    const words = trial.state === 'measured' ? [...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : []), ...(trial.active_s === 0 ? [t.notByPerson] : [])].join(' · ')
-      : trial.state === 'waiting' ? t.waiting : fill(t.failedTrial, { why: trial.why ?? '' });
-    return h('div', { class: 'trial' }, h('span', {}, name, h('small', {}, words)), trial.recording === '' ? h('span', { class: 'aside' }, t.noRecording) : h('span', { class: 'links' },
+    return h('div', { class: 'trial' }, h('span', {}, name, h('small', {}, trialWords(trial))), trial.recording === '' ? h('span', { class: 'aside' }, t.noRecording) : h('span', { class: 'links' },
       link(replayUrl([trial.recording], token), t.replay, name), link(reportUrl(trial.recording, token), t.report, name), before ? link(replayUrl([trial.recording, before.recording], token), t.compare, name) : null));
   }
 

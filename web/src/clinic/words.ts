@@ -3,7 +3,7 @@ import { texts as consoleTexts } from '../console/i18n';
 import { asWords, fixed } from '../shared/format';
 import { fill, language } from '../shared/i18n';
 import { texts } from './i18n';
-import type { Item, Result, Side, Visit } from './records';
+import type { Item, Result, Side, Trial, Visit } from './records';
 
 /** Days as they are written in Europe. */
 export const locale = (): string => (language() === 'en' ? 'en-GB' : language());
@@ -55,3 +55,14 @@ export const number = (value: number): string => (Number.isFinite(value) ? Strin
 export const resultName = (name: string): string => texts().results[name] ?? asWords(name.replace(/_(l|s|n|m|rad)$/, ''));
 export const resultWords = ({ name, value, unit }: Result): string => `${resultName(name)} ${number(value)}${unit === '' ? '' : ` ${unit}`}`;
 export const presetName = (id: string): string => texts().presets[id] ?? asWords(id);
+
+/** What a trial gave, in a line. */
+export function trialWords(trial: Trial): string {
+  const t = texts().patient;
+  if (trial.state === 'waiting') return t.waiting;
+  if (trial.state === 'failed') return fill(t.failedTrial, { why: trial.why ?? '' });
+  return [
+    ...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : []),
+    ...(trial.active_s === 0 ? [t.notByPerson] : []), ...(trial.why ? [t.partly] : []),
+  ].join(' · ');
+}
