@@ -1,6 +1,6 @@
 // Stops at random moments of what people press at the pages. Nothing renders after one, until somebody presses
 // who was shown it. WHOLEHAND_FULL tries 1,000 moments, WHOLEHAND_MOMENTS a slice of them, WHOLEHAND_SEED repeats them.
-import { expect, openPage, pageUrl } from './browser.mjs';
+import { expect, openPage, pageUrl, until } from './browser.mjs';
 import { keepRunStates, runStates } from './stop_checks.mjs';
 import { openWatcher, RENDERING, STOPPED } from './watcher.mjs';
 
@@ -62,7 +62,7 @@ const SCRIPTS = {
   /** "Pause" by mouse where it stands, and by Space, over and over, also after the stop. */
   async pause(all) {
     const page = await openConsole(all);
-    const box = await page.locator('[data-testid=pause]').boundingBox();
+    const box = await until('the button to pause', () => page.locator('[data-testid=pause]').boundingBox());
     const every_ms = 60 + 200 * all.random();
     return () => {
       let going = true;
@@ -73,6 +73,7 @@ const SCRIPTS = {
           await sleep(every_ms);
         }
       })();
+      pressing.catch(() => {});  // said where it is waited for
       return async () => {
         await sleep(1500);
         going = false;
