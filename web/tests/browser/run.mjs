@@ -118,9 +118,11 @@ for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.once(signal, () =>
 const harness = new Harness({ file: resolve(options.program ?? join(WEB, '..', 'build', 'release', 'wholehand')), folder, output });
 const count = { ok: 0, FAIL: 0, 'not judged': 0 };
 const failed = [];
+const realTime = { judged: 0, not: 0 };
 try {
   for (const test of chosen.filter((_, i) => i % shares === share - 1)) {
     const verdict = await harness.run(...test);
+    if (test[2]?.paced) realTime[verdict === 'not judged' ? 'not' : 'judged'] += 1;
     if (verdict === 'FAIL' && !FULL) failed.push(test);
     else count[verdict] += 1;
   }
@@ -134,6 +136,8 @@ try {
 } finally {
   await harness.close();
 }
+// Counted by ./check.
+console.log(`real time: ${realTime.judged} judged, ${realTime.not} not judged`);
 const unjudged = count['not judged'] > 0 ? `, ${count['not judged']} not judged` : '';
 console.log(count.FAIL > 0 ? `FAILED ${count.FAIL} browser tests, passed ${count.ok}${unjudged}` : `passed ${count.ok} browser tests${unjudged}`);
 process.exit(count.FAIL === 0 && count.ok + count['not judged'] > 0 ? 0 : 1);
