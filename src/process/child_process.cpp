@@ -40,10 +40,13 @@ constexpr int kOfProcess = 1, kIdle = 3 << 13;
 /// process's: somebody waits for it, and a loop that moves a person has a real-time one (ADR 27).
 /// @param idle_disk lowest disk priority
 void limit(pid_t child, std::uint64_t memory_bytes, bool idle_disk) {
-  const rlimit memory{memory_bytes, memory_bytes}, no_core{0, 0};
-  // A sanitizer's shadow memory exceeds any limit.
-  if (WHOLEHAND_SANITIZED == 0) (void)::prlimit(child, RLIMIT_AS, &memory, nullptr);
-  (void)::prlimit(child, RLIMIT_CORE, &no_core, nullptr);
+  // A sanitizer's shadow memory exceeds any limit. It disables the core dump itself, and ends the
+  // child where that fails because this process did so at that moment.
+  if (WHOLEHAND_SANITIZED == 0) {
+    const rlimit memory{memory_bytes, memory_bytes}, no_core{0, 0};
+    (void)::prlimit(child, RLIMIT_AS, &memory, nullptr);
+    (void)::prlimit(child, RLIMIT_CORE, &no_core, nullptr);
+  }
   if (idle_disk) (void)::syscall(SYS_ioprio_set, kOfProcess, child, kIdle);
 }
 

@@ -119,7 +119,8 @@ struct FrictionDisc {
     const Number least = Number{} + 1e-300;
     Number a = yield_11, d = yield_22, det = a * d - yield_12 * yield_12;
     Number r_1 = is_1, r_2 = is_2;
-    for (int i = 0; i < kSteps; ++i) {
+    const Number rim2 = limit > Number{} ? limit * limit * (1.0 + 1e-9) : Number{} + 1e300;
+    for (int i = 0; i < kMostSteps && any(length2 > rim2); ++i) {
       const Number power = (d * r_1 * r_1 - 2.0 * yield_12 * r_1 * r_2 + a * r_2 * r_2) / det;
       Number length = length2;
       takeRoot(length);
@@ -141,7 +142,7 @@ struct FrictionDisc {
   }
 
  private:
-  static constexpr int kSteps = 3;
+  static constexpr int kMostSteps = 12;
 
   [[gnu::always_inline]] static bool any(bool which) { return which; }
   template <class Mask>

@@ -15,11 +15,11 @@
 
 int main() {
   using Clock = std::chrono::steady_clock;
+  const sched_param urgent{85};
+  (void)::sched_setscheduler(0, SCHED_FIFO, &urgent);  // where the machine grants it; threads, too
   wholehand::test::PtyAdapter adapter;
   std::printf("%s\n", adapter.port().c_str());
   std::fflush(stdout);
-  const sched_param urgent{85};
-  (void)::sched_setscheduler(0, SCHED_FIFO, &urgent);  // where the machine grants it
   std::array<int, 3> mode{}, commands{};
   std::array<double, 3> torque_nm{}, last_ms{};
   const auto begin = Clock::now();
