@@ -120,18 +120,21 @@ struct FrictionDisc {
     Number a = yield_11, d = yield_22, det = a * d - yield_12 * yield_12;
     Number r_1 = is_1, r_2 = is_2;
     const Number rim2 = limit > Number{} ? limit * limit * (1.0 + 1e-9) : Number{} + 1e300;
-    for (int i = 0; i < kMostSteps && any(length2 > rim2); ++i) {
+    for (int i = 0; i < kMostSteps; ++i) {
+      const auto beyond = length2 > rim2;
+      if (!any(beyond)) break;
       const Number power = (d * r_1 * r_1 - 2.0 * yield_12 * r_1 * r_2 + a * r_2 * r_2) / det;
       Number length = length2;
       takeRoot(length);
-      const Number floor = 1e-9 * length + least;  // where the limit is nothing, nor is r
+      const Number floor = 1e-9 * length + least;  // a limit of next to nothing
       const Number radius = limit > floor ? limit : floor;
-      const Number grow = (length - radius) / radius * (length2 / (power > least ? power : least));
+      const Number ratio = length2 / (power > least ? power : least);
+      const Number grow = beyond ? (length - radius) / radius * ratio : Number{};
       a += grow;
       d += grow;
       det = a * d - yield_12 * yield_12;
-      r_1 = (d * b_1 - yield_12 * b_2) / det;
-      r_2 = (a * b_2 - yield_12 * b_1) / det;
+      r_1 = beyond ? (d * b_1 - yield_12 * b_2) / det : r_1;
+      r_2 = beyond ? (a * b_2 - yield_12 * b_1) / det : r_2;
       length2 = r_1 * r_1 + r_2 * r_2;
     }
     // To the rim, along r.
@@ -142,7 +145,7 @@ struct FrictionDisc {
   }
 
  private:
-  static constexpr int kMostSteps = 12;
+  static constexpr int kMostSteps = 12;  ///< a step doubles the digits; most need two or three
 
   [[gnu::always_inline]] static bool any(bool which) { return which; }
   template <class Mask>
