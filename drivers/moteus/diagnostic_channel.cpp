@@ -13,6 +13,7 @@ namespace {
 constexpr std::int64_t kLongest_ns = 1'000'000'000;
 constexpr std::int64_t kPoll_ns = 200'000'000;
 constexpr std::uint8_t kMostPerPoll = 48;
+constexpr int kAttempts = 3;
 
 class Channel {
  public:
@@ -49,10 +50,9 @@ class Channel {
   int drive_;
 };
 
-}  // namespace
-
-std::optional<std::string> askDrive(CanBus& bus, BusClock& clock, int drive,
-                                    const std::string& question) {
+// Where an answer is lost the text has a gap: nothing is made of it.
+std::optional<std::string> askOnce(CanBus& bus, BusClock& clock, int drive,
+                                   const std::string& question) {
   Channel channel(bus, clock, drive);
   const std::int64_t until_ns = clock.now_ns() + kLongest_ns;
   for (auto left = channel.poll(); !left || !left->empty(); left = channel.poll()) {
@@ -70,6 +70,15 @@ std::optional<std::string> askDrive(CanBus& bus, BusClock& clock, int drive,
     if (end != std::string::npos) return said.substr(begin, end - begin);
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> askDrive(CanBus& bus, BusClock& clock, int drive,
+                                    const std::string& question) {
+  std::optional<std::string> line;
+  for (int i = 0; i < kAttempts && !line; ++i) line = askOnce(bus, clock, drive, question);
+  return line;
 }
 
 }  // namespace wholehand::moteus

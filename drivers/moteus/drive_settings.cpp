@@ -82,7 +82,7 @@ Diagnostics judgeDrive(CanBus& bus, BusClock& clock, const Motor& motor) {
 }
 
 std::optional<DriveIdentity> identifyDrive(CanBus& bus, BusClock& clock, int drive) {
-  constexpr std::int64_t kAnswer_ns = 200'000'000;
+  constexpr std::int64_t kAnswer_ns = 1'000'000'000;
   CanFrame question;
   question.id = commandId(drive);
   FrameWriter writer(question);

@@ -17,6 +17,7 @@ constexpr int kHomed = 2;                     // the position is that of the out
 constexpr std::int64_t kLate_ns = 3'000'000;  // an answer that will not come any more
 constexpr std::int64_t kIdle_ns = 2'000'000;  // nobody writes: ask for the state
 constexpr std::int64_t kAnswer_ns = 200'000'000;
+constexpr int kAttempts = 5;  // before a drive counts as one that does not answer
 constexpr std::int64_t kEnabling_ns = 500'000'000;
 
 }  // namespace
@@ -41,10 +42,7 @@ std::string MoteusDevice::nameOf(std::size_t motor) const {
 
 Expected<Done> MoteusDevice::check() {
   Diagnostics why;
-  if (!round_.sendQueries()) {
-    return fileFault("", "the CAN adapter takes nothing", "plug it in again");
-  }
-  (void)awaitRound();
+  if (!queryAll()) return fileFault("", "the CAN adapter takes nothing", "plug it in again");
   for (std::size_t i = 0; i < settings_.motors.size(); ++i) {
     if (!round_.state(i).answered) {
       why.push_back(keyFault("", nameOf(i), "", "does not answer",
@@ -55,10 +53,19 @@ Expected<Done> MoteusDevice::check() {
     why.insert(why.end(), unsafe.begin(), unsafe.end());
   }
   if (!why.empty()) return why;
-  if (!round_.sendQueries() || !awaitRound()) {
+  if (!queryAll() || !round_.complete()) {
     return fileFault("", "the drives stopped answering", "look at their cables");
   }
   return Done{};
+}
+
+// An adapter may lose what it is sent just after it was plugged in.
+bool MoteusDevice::queryAll() {
+  for (int i = 0; i < kAttempts; ++i) {
+    if (!round_.sendQueries()) return false;
+    if (awaitRound()) return true;
+  }
+  return true;
 }
 
 void MoteusDevice::identify(wh_identity& identity) {

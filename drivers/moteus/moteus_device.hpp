@@ -54,6 +54,8 @@ class MoteusDevice {
   [[nodiscard]] int enable();
   [[nodiscard]] int disable();
   [[nodiscard]] bool awaitRound();
+  /// Asks all drives, and those that do not answer again. False: the adapter takes nothing.
+  [[nodiscard]] bool queryAll();
   [[nodiscard]] bool awaitPositionMode();
   void sayWhyItStopped();
   [[nodiscard]] std::string nameOf(std::size_t motor) const;
