@@ -29,7 +29,8 @@ struct UntouchedEffort {
   /// Where it has been past its first touch, or none was known, for longer than a light touch lets
   /// go, and it has touched nothing for so long that the effort of a grasp has faded.
   double past = 0.0;
-  /// Where it has touched nothing for so long: what the lead-in does not account for.
+  /// Where it has touched nothing for so long: what neither the lead-in nor the way by which the
+  /// digit is behind the device accounts for.
   double beyond_lead_in = 0.0;
   int digits_past = 0;  ///< how many times a digit was where `past` looks, with α > 0
 };
@@ -114,7 +115,9 @@ class DigitWatch {
       found_.unasked = std::max(found_.unasked, (push - own) / limit);
     }
     if (digit.untouched <= kFaded) return;
-    const double lead_in = digit.wall.stiffness * lead_in_m_ / axis.lever_arm_m + damped;
+    // The wall acts on the device; a digit that closes fast follows it and touches some ms later.
+    const double lag = std::max(0.0, r.q_m[a] - r.q_s[a]);
+    const double lead_in = digit.wall.stiffness * (lead_in_m_ / axis.lever_arm_m + lag) + damped;
     found_.beyond_lead_in = std::max(found_.beyond_lead_in, (push - lead_in) / limit);
     if (digit.past <= kLetGo || !felt) return;
     found_.past = std::max(found_.past, push / limit);
