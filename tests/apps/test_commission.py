@@ -54,12 +54,15 @@ class Terminal(DeviceTest):
                 time.sleep(0.01)
 
     def until(self, what, press=b"", within_s=HANG_S):
-        """What was said until then; keeps a key pressed meanwhile."""
+        """What was said until then; keeps a key pressed meanwhile. A machine that others use may be so late that a press
+        ends, and with it the step: then the step is repeated, as a person would."""
         deadline = time.monotonic() + within_s
         while not (what() if callable(what) else re.search(what, self.said)):
             self.assertLess(time.monotonic(), deadline, f"{what}: {self.said}")
             if press:
-                os.write(self.terminal, press)
+                ended = re.search(r"the key was let go(.|\n)*Next: \w+.*quit:", self.said)
+                self.said = self.said[ended.end():] if ended else self.said
+                os.write(self.terminal, b"\n" if ended else press)
             self.listen(REPEATS_S)
         if callable(what):
             return ""

@@ -58,13 +58,13 @@ const task = (page, wanted) => page.waitForSelector(`body[data-task=${wanted}]`)
 const press = (page, id) => page.click(`[data-testid="${id}"]:enabled`);
 
 /**
- * Holds until there is another task than to hold. A machine that others use may be so late that a press ends, and with
- * it the step, or that the page loses the lead: then it is pressed anew, as a person would.
+ * Holds until something is so. A machine that others use may be so late that a press ends, and with it the step, or
+ * that the page loses the lead: then it is pressed anew, as a person would.
  */
-async function hold(page, down, up, wanted) {
-  await until(`the task ${wanted}`, async () => {
+async function holdUntil(what, page, [down, up], isSo) {
+  await until(what, async () => {
     const now = await page.evaluate(() => ({ task: document.body.dataset.task, held: document.querySelector('.hold')?.classList.contains('held') }));
-    if (now.task === wanted) return true;
+    if (isSo(now.task)) return true;
     if (now.task === 'lead') await press(page, 'lead');
     if (now.task === 'next') await press(page, 'answer-done');
     if (now.task === 'hold' && !now.held) {
@@ -74,8 +74,16 @@ async function hold(page, down, up, wanted) {
     }
     return false;
   });
-  await up();
 }
+
+/** Holds until there is another task than to hold. */
+async function hold(page, press, wanted) {
+  await holdUntil(`the task ${wanted}`, page, press, (now) => now === wanted);
+  await press[1]();
+}
+
+const byMouse = (page) => [async () => { await page.hover('[data-testid=hold]', SOON); await page.mouse.down(); }, () => page.mouse.up()];
+const bySpace = (page) => [async () => { await page.focus('[data-testid=hold]', SOON); await page.keyboard.down('Space'); }, () => page.keyboard.up('Space')];
 
 /** As far as the first long move: another console only watches, and a pointer or a key has to be held. */
 async function leadToGravity(t, page, other, rail) {
@@ -100,13 +108,12 @@ async function leadToGravity(t, page, other, rail) {
   await page.click('[data-testid=hold]');
   await new Promise((resolve) => setTimeout(resolve, 500));
   expect(await page.getAttribute('[data-step=home]', 'data-state') === 'UnderWay', 'a click homed it');
-  const mouse = [async () => { await page.hover('[data-testid=hold]', SOON); await page.mouse.down(); }, () => page.mouse.up()];
-  await hold(page, ...mouse, 'done');
+  await hold(page, byMouse(page), 'done');
   await rail.carry(0.012);
   await press(page, 'answer-done');
   await task(page, 'hold');
   expect(rail.get(LARGEST) === 0, 'effort before the button is held');
-  await hold(page, async () => { await page.focus('[data-testid=hold]', SOON); await page.keyboard.down('Space'); }, () => page.keyboard.up('Space'), 'number');
+  await hold(page, bySpace(page), 'number');
   expect(rail.get(LARGEST) > 0, 'no effort while it was held');
   await rail.carry(-0.061);
   await rail.carry(0.061);
@@ -124,9 +131,7 @@ export async function commissionedThroughThePage(t) {
     const page = await openPage(t.plain, pageUrl(url, '/commission', query), { cutOff: true });
     const other = await openPage(t.plain, pageUrl(url, '/commission', query), { cutOff: true });
     await leadToGravity(t, page, other, rail);
-    await page.hover('[data-testid=hold]');
-    await page.mouse.down();
-    await until('effort', () => rail.get(ENABLED) === 1 && Math.abs(rail.get(EFFORT)) > 0.01, { every_ms: 10 });
+    await holdUntil('effort', page, byMouse(page), () => rail.get(ENABLED) === 1 && Math.abs(rail.get(EFFORT)) > 0.01);
     await t.picture(page, 'commission-moving');
     await expectAccessible(page);
     expectNoFaults(page);
