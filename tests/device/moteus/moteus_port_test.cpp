@@ -3,12 +3,14 @@
 #include "hand_settings.hpp"
 #include "pty_adapter.hpp"
 #include "realtime/allocation_counter.hpp"
+#include "support/figure.hpp"
 #include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cerrno>
 #include <chrono>
+#include <stdexcept>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -30,10 +32,9 @@ class Port {
     if (loaded) driver = *loaded;
     return loaded;
   }
+  /// Throws where it fails: nothing else is to be tried then.
   void enable() {
-    const auto loaded = load();
-    ASSERT_TRUE(loaded) << format(loaded.errors()) << said;
-    ASSERT_TRUE(driver->control(WH_ENABLE, 0.0)) << said;
+    if (!orThrow(load())->control(WH_ENABLE, 0.0)) throw std::runtime_error(said);
   }
   // Ticks until `done`, for up to 300 s: how fast the machine is decides nothing.
   template <class Done>

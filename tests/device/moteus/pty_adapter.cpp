@@ -1,5 +1,7 @@
 #include "pty_adapter.hpp"
 
+#include "support/watched_main.hpp"
+
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
@@ -43,6 +45,7 @@ int padded(std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 PtyAdapter::PtyAdapter(moteus::TtyBus::Protocol protocol) : protocol_(protocol) {
+  seesRealTime();  // the driver waits for an answer for some time only
   for (int id = 1; id <= 3; ++id) {
     drives_.emplace_back(id);
     drives_.back().enabling_ns = 0;

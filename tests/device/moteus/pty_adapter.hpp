@@ -10,7 +10,8 @@
 #include <vector>
 
 /// A CAN adapter that is not there, behind a pseudo terminal, in a thread of the test. Its drives
-/// have the test's clock: a machine that stands still is no silence.
+/// have the test's clock: a machine that stands still is no silence. Its thread has real time,
+/// since the driver waits for its answers.
 namespace wholehand::test {
 
 class PtyAdapter {
