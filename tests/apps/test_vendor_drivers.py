@@ -26,6 +26,11 @@ class VendorDrivers(DeviceTest):
         self.wait_until(hand, lambda: "\n" in self.log.read_text())
         return self.log.read_text().splitlines()[0]
 
+    def kept_waiting_s(self):
+        """The kernel's thread that carries a terminal's bytes may wait where every sleeper wakes in time."""
+        said = self.log.read_text() if hasattr(self, "log") else ""
+        return max([float(ms) / 1e3 for ms in re.findall(r"(?m)^kept waiting (\S+)$", said)], default=0.0)
+
     def modes(self):
         """The last line of each drive: {id: (mode, torque before [N.m], silent [ms], longest gap of the drive [ms])}."""
         return {int(m[1]): (int(m[2]), *map(float, m.groups()[2:])) for m in MODE.finditer(self.log.read_text())}

@@ -107,6 +107,7 @@ class Judge final : public testing::EmptyTestEventListener {
     failure_.clear();
     excusable_ = true;
     g_sees_real_time = false;
+    g_kept_waiting_ms = 0.0;
     sleepers_.begin();
   }
   void OnTestPartResult(const testing::TestPartResult& part) override {
@@ -120,7 +121,7 @@ class Judge final : public testing::EmptyTestEventListener {
   }
   void OnTestEnd(const testing::TestInfo& test) override {
     if (test.result()->Skipped()) return;
-    const double waited_ms = sleepers_.longest_ms();
+    const double waited_ms = std::max(sleepers_.longest_ms(), g_kept_waiting_ms.load());
     const bool failed = test.result()->Failed();
     if (!failed || !excusable_ || !g_sees_real_time || waited_ms <= kKeptWaiting_ms) {
       judged_ += g_sees_real_time ? 1 : 0;

@@ -14,6 +14,14 @@ inline void seesRealTime() {
   g_sees_real_time = true;
 }
 
+inline std::atomic<double> g_kept_waiting_ms{0.0};
+
+/// Said by a stand-in that the machine kept waiting itself: a thread of the kernel carries the
+/// bytes of a terminal, and may wait for a second on a processor that wakes every sleeper in time.
+inline void keptWaiting(double ms) {
+  if (ms > g_kept_waiting_ms) g_kept_waiting_ms = ms;
+}
+
 /// Begins the message of a failure that no machine excuses: EXPECT_LE(force_n, limit_n) << kAlways.
 /// For what holds however late anybody is: limits of effort, nothing sent after a stop.
 inline constexpr const char* kAlways = "(whatever the machine does) ";

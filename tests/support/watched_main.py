@@ -1,6 +1,6 @@
 """main() of the tests in Python. A test whose class says `paced = True` sees real time: processes that only sleep
 run beside it, one a processor. One that fails while even one of these was kept waiting is named as not judged, and
-fails nothing; nothing is tried again. Errors, crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
+fails nothing; nothing is tried again. A test may say itself, by kept_waiting_s(), how long a stand-in of its own waited. Errors, crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
 
 A test whose name ends in _slow runs where WHOLEHAND_FULL=1, or where it is asked for by its name."""
 import os
@@ -75,7 +75,7 @@ class Judge(unittest.TextTestResult):
         kind, failure, trace = error
         if not self.sleepers or not issubclass(kind, test.failureException) or ALWAYS in str(failure):
             return False
-        waited_s = self.sleepers.longest_s()
+        waited_s = max(self.sleepers.longest_s(), getattr(test, "kept_waiting_s", lambda: 0.0)())
         if waited_s <= KEPT_WAITING_S:
             return False
         place = next(frame for frame in reversed(traceback.extract_tb(trace)) if "unittest" not in frame.filename)

@@ -2,6 +2,7 @@
 
 #include "support/watched_main.hpp"
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
@@ -128,12 +129,17 @@ void PtyAdapter::answer(const std::string& line) {
 }
 
 void PtyAdapter::run() {
+  constexpr int kLook_ms = 20;
+  using Clock = std::chrono::steady_clock;
   std::string text;
-  while (!ends_) {
+  for (auto began = Clock::now(); !ends_; began = Clock::now()) {
     pollfd wait{master_, POLLIN, 0};
-    if (::poll(&wait, 1, 20) <= 0) continue;
     char buffer[512];
-    const ssize_t n = ::read(master_, buffer, sizeof buffer);
+    const bool ready = ::poll(&wait, 1, kLook_ms) > 0;
+    const ssize_t n = ready ? ::read(master_, buffer, sizeof buffer) : 0;
+    // Either may wait for the kernel's thread that carries the bytes.
+    keptWaiting(std::chrono::duration<double, std::milli>(Clock::now() - began).count() - kLook_ms);
+    if (!ready) continue;
     if (n <= 0) {  // nobody has opened the port yet, or has closed it
       ::usleep(1000);
       continue;
