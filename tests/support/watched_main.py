@@ -1,6 +1,7 @@
 """main() of the tests in Python. A test whose class says `paced = True` sees real time: processes that only sleep
 run beside it, one a processor. One that fails while even one of these was kept waiting is named as not judged, and
-fails nothing; nothing is tried again. A test may say itself, by kept_waiting_s(), how long a stand-in of its own waited. Errors, crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
+fails nothing; nothing is tried again. A test may say by kept_waiting_s() how long a stand-in of its own waited. Errors,
+crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
 
 A test whose name ends in _slow runs where WHOLEHAND_FULL=1, or where it is asked for by its name."""
 import os
