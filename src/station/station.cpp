@@ -653,7 +653,9 @@ void Station::Core::keepLatest(const TickRecord& record) {
   const std::lock_guard lock(mutex_);
   sendUnsent();
   bodies_.see(record);
-  joined_ = joined_ || record.moved_by == Mover::kPerson;
+  // While the next session is not there yet, what a person moves is the one that ends.
+  if (record.moved_by == Mover::kPerson)
+    (starting_ && renewing_ ? keep_recording_ : joined_) = true;
   latest_ = record;
   has_latest_ = true;
   for (int i = 0; i < record.exercise.event_count; ++i) {
