@@ -180,10 +180,14 @@ class Page:
             time.sleep(0.01)
 
     def arm(self, endings_seen):
-        """Whether it was accepted, and why not, once the program has reported as many endings."""
+        """Whether it was accepted, and why not, once the program has reported as many endings. One that waited too long
+        behind other orders, as on a slow machine the end of a session, is asked again, as the program says."""
         if endings_seen > 1:
             self.wait_for_endings(endings_seen)
-        return self.answer(self.say(ARM, ("I", endings_seen)))
+        accepted, reason = self.answer(self.say(ARM, ("I", endings_seen)))
+        while not accepted and reason.endswith("look, then ask again"):
+            accepted, reason = self.answer(self.say(ARM, ("I", endings_seen)))
+        return accepted, reason
 
     def hold_controls(self):
         assert self.answer(self.say(TAKE_CONTROLS))[0]
