@@ -393,13 +393,16 @@ TEST(BodyLaws, WhatStrikesInFlight_KeepsItsMomentaAndGainsNoEnergy) {
     }
     struck += yard.velocity(1).norm() > 0.0 ? 1 : 0;
     lost = std::max(lost, (momentum() - before).norm() / pushed);
-    turned = std::max(turned, (about_origin() - turning).norm() / (0.03 * pushed));
+    const double turning_lost = (about_origin() - turning).norm();
+    turned = std::max(turned, turning_lost / (0.03 * pushed));
+    // Friction acts at each body's own point of the contact, and these are the way of a step apart
+    // where the contact is there in advance.
+    EXPECT_LE(turning_lost, 0.5 * pushed * v / rate);
   }
   figure("struck in flight, most energy gained over what there was", gained, "");
   figure("struck in flight, momentum lost", lost, "");
   figure("struck in flight, angular momentum lost, of 30 mm of the push", turned, "");
   EXPECT_LE(lost, 1e-9);
-  EXPECT_LE(turned, 0.02);
   EXPECT_GT(struck, draws());
 }
 
