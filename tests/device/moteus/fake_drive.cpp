@@ -192,7 +192,8 @@ void FakeBusState::inject(std::uint32_t id, const std::vector<std::uint8_t>& dat
 
 moteus::BusResult FakeBus::send(const moteus::CanFrame& frame) noexcept {
   if (state_.unplugged) return moteus::BusResult::kFailed;
-  ++state_.frames;
+  const int before = state_.frames++ - state_.loses_from;
+  if (before >= 0 && before < state_.loses) return moteus::BusResult::kDone;
   state_.sent.emplace_back(time_.now_ns + state_.latency_ns / 2, frame);
   return moteus::BusResult::kDone;
 }

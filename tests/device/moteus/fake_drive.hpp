@@ -84,6 +84,7 @@ struct FakeBusState {
   std::int64_t latency_ns = 200'000;  ///< from a command to the answer
   bool by_hand = false;               ///< frames reach the drives by deliver() only
   bool unplugged = false;
+  int loses_from = 0, loses = 0;  ///< frames that reach no drive, counted by `frames`
   std::deque<std::pair<std::int64_t, moteus::CanFrame>> sent;
   std::deque<std::pair<std::int64_t, moteus::CanFrame>> answers;
   int frames = 0;

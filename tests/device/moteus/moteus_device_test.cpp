@@ -129,6 +129,23 @@ TEST_F(MoteusDrives, UnsafeSetting_IsRefusedAndSaysHowToSetIt) {
   }
 }
 
+// An adapter loses what it is sent just after it was plugged in, and now and then a frame later.
+TEST_F(MoteusDrives, ThatMissAFrame_AreAskedAgainAndNotRefused) {
+  const auto refusedWhereLost = [this](int from, int frames) {
+    bus.loses_from = bus.frames + from;
+    bus.loses = frames;
+    const auto checked = device->check();
+    return checked ? "" : format(checked.errors());
+  };
+  EXPECT_EQ(refusedWhereLost(0, 4 * 3), "") << "four rounds of five, of three drives";
+  const int before = bus.frames;
+  EXPECT_EQ(refusedWhereLost(0, 0), "");
+  const int all = bus.frames - before;
+  ASSERT_GT(all, 3 * 5) << "five settings of each drive, at least";
+  for (int lost = 0; lost < all; ++lost) EXPECT_EQ(refusedWhereLost(lost, 1), "") << lost;
+  EXPECT_NE(refusedWhereLost(0, 1'000'000), "");
+}
+
 TEST_F(MoteusDrives, SilentDrive_IsRefusedByNameAndTheOthersAreStillJudged) {
   bus.drives[2].answers = false;
   bus.drives[0].conf["servo.timeout_mode"] = "10";

@@ -5,6 +5,7 @@
 #include "realtime/allocation_counter.hpp"
 #include "support/figure.hpp"
 #include "support/says.hpp"
+#include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
 
@@ -112,7 +113,7 @@ TEST_P(MoteusPort, OfASession_IsRefusedToEverybodyElseWhoWritesNothing) {
       [&said](const std::string& line) { said += line + "\n"; });
   ASSERT_FALSE(second);
   EXPECT_TRUE(says(said + format(second.errors()), "is held by another program"));
-  EXPECT_EQ(port.adapter.others(), heard);
+  EXPECT_EQ(port.adapter.others(), heard) << kAlways;
   EXPECT_TRUE(port.ticksUntil([&] { return port.torque_nm() > 0.4 && port.read == WH_OK; }, 0.5));
   port.driver.reset();
   EXPECT_TRUE(port.load()) << "its owner is gone";
@@ -171,13 +172,13 @@ TEST(MoteusPortTick, ReadsAndWrites_AllocateNothing) {
     (void)port.driver->write(command);
     ::usleep(100);
   }
-  EXPECT_EQ(threadAllocations(), before);
+  EXPECT_EQ(threadAllocations(), before) << kAlways;
 }
 
 TEST(MoteusPortRefused, UnsafeDrive_IsSaidByTheDriver) {
   Port port;
   port.adapter.with([](auto& drives) { drives[0].conf["servo.default_timeout_s"] = "nan"; });
-  ASSERT_FALSE(port.load());
+  ASSERT_FALSE(port.load()) << kAlways;
   EXPECT_TRUE(says(port.said, "drive 1 (fingers) servo.default_timeout_s = nan"));
 }
 
