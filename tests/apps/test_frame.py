@@ -10,6 +10,8 @@ FIRMWARE = BINARY.parent / "frame_firmware"
 
 
 class Frame(DeviceTest):
+    terminal = True
+
     def start_firmware(self, where, silence_ms):
         """Where it is, and the file of its lines: phase, ms since the last command, effort, gap."""
         self.lines = self.folder / "firmware.log"

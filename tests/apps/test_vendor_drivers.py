@@ -16,6 +16,8 @@ MODE = re.compile(r"drive (\d) mode (\d+) torque (\S+) silent (\S+) gap (\S+)")
 
 
 class VendorDrivers(DeviceTest):
+    terminal = True
+
     def start_hand(self):
         """Three moteus drives behind a pseudo terminal (tests/device/moteus/fake_hand.cpp)."""
         self.log = self.folder / "hand.log"
@@ -25,11 +27,6 @@ class VendorDrivers(DeviceTest):
         self.addCleanup(hand.stdin.close)
         self.wait_until(hand, lambda: "\n" in self.log.read_text())
         return self.log.read_text().splitlines()[0]
-
-    def kept_waiting_s(self):
-        """The kernel's thread that carries a terminal's bytes may wait where every sleeper wakes in time."""
-        said = self.log.read_text() if hasattr(self, "log") else ""
-        return max([float(ms) / 1e3 for ms in re.findall(r"(?m)^kept waiting (\S+)$", said)], default=0.0)
 
     def modes(self):
         """The last line of each drive: {id: (mode, torque before [N.m], silent [ms], longest gap of the drive [ms])}."""

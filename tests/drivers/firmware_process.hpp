@@ -29,7 +29,7 @@ class FirmwareProcess {
  public:
   /// @param where "serial", "udp:0" or "shm:NAME"
   explicit FirmwareProcess(const std::string& where, bool commanded = false) {
-    seesRealTime();
+    where == "serial" ? seesTerminal() : seesRealTime();
     std::vector<std::string> words = {std::string(WHOLEHAND_BINARY_DIR) + "/frame_firmware", where};
     if (commanded) words.emplace_back("commanded");
     std::vector<char*> argv;

@@ -16,7 +16,7 @@ class Case(unittest.TestCase):
     paced = True
 
     def stall(self):
-        """One sleeper alone is stopped, that of the last processor: a stall that this process need not suffer itself."""
+        """The last sleeper alone is stopped: a stall that this process need not suffer itself."""
         sleepers = subprocess.run(["pgrep", "-P", str(os.getpid()), "-f", "select"], capture_output=True, text=True).stdout
         sleeper = int(sleepers.split()[-1])
         os.kill(sleeper, signal.SIGSTOP)
@@ -45,19 +45,24 @@ class Case(unittest.TestCase):
         raise OSError("gone")
 
 
+class TerminalCase(Case):
+    terminal = True
+
+
 class WatchedMain(unittest.TestCase):
     def test_failure_is_excused_by_a_stall_only(self):
-        for case, code, says in (("fails_undisturbed", 1, "real time: 1 judged, 0 not judged"),
-                                 ("fails_after_a_stall", 0, "real time: 0 judged, 1 not judged"),
-                                 ("fails_in_a_part_after_a_stall", 0, "real time: 0 judged, 1 not judged"),
-                                 ("fails_whatever_the_machine_does", 1, "real time: 1 judged, 0 not judged"),
-                                 ("ends_in_an_error_after_a_stall", 1, "real time: 1 judged, 0 not judged")):
+        for case, code, says in (("Case.test_fails_undisturbed", 1, "real time: 1 judged, 0 not judged"),
+                                 ("Case.test_fails_after_a_stall", 0, "real time: 0 judged, 1 not judged"),
+                                 ("TerminalCase.test_fails_after_a_stall", 0, "real time: 0 judged, 1 not judged"),
+                                 ("Case.test_fails_in_a_part_after_a_stall", 0, "real time: 0 judged, 1 not judged"),
+                                 ("Case.test_fails_whatever_the_machine_does", 1, "real time: 1 judged, 0 not judged"),
+                                 ("Case.test_ends_in_an_error_after_a_stall", 1, "real time: 1 judged, 0 not judged")):
             with self.subTest(case):
-                done = subprocess.run([sys.executable, "-B", __file__, f"Case.test_{case}_slow"], text=True, capture_output=True)
+                done = subprocess.run([sys.executable, "-B", __file__, f"{case}_slow"], text=True, capture_output=True)
                 self.assertEqual(done.returncode, code, done.stdout + done.stderr)
                 self.assertIn(says, done.stdout)
                 if code == 0:
-                    self.assertRegex(done.stdout, rf"(?m)^not judged: Case.test_{case}_slow: this machine kept a sleeper "
+                    self.assertRegex(done.stdout, rf"(?m)^not judged: {case}_slow: this machine kept a sleeper "
                                      r"waiting for \d+ ms \(test_watched_main.py:\d+: late\)$")
 
     def test_slow_tests_run_in_full_or_by_name(self):

@@ -1,20 +1,27 @@
-// main() of programs with tests in real time. Threads beside them only sleep, one a processor. A
-// test that said seesRealTime() and fails while even one of these was kept waiting is named as not
-// judged, and fails nothing; every other failure does, and so do crashes, reports of sanitizers and
-// hangs. Nothing is tried again.
+// main() of programs with tests in real time. Threads beside them only sleep, one a processor, and
+// one passes a byte over a terminal while a test speaks over one. A test that said seesRealTime()
+// and fails while even one of these was kept waiting is named as not judged, and fails nothing;
+// every other failure does, and so do crashes, reports of sanitizers and hangs. Nothing is tried
+// again.
 #include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <pthread.h>
 #include <sched.h>
 #include <string>
+#include <termios.h>
 #include <time.h>
+#include <unistd.h>
 #include <vector>
 
 namespace wholehand::test {
@@ -28,11 +35,35 @@ double now_ms() {
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
+/// A line of the test's own.
+class Terminal {
+ public:
+  Terminal() : near_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
+    std::array<char, 64> name{};
+    if (near_ < 0 || ::grantpt(near_) != 0 || ::unlockpt(near_) != 0) return;
+    if (::ptsname_r(near_, name.data(), name.size()) != 0) return;
+    far_ = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    termios raw{};
+    if (far_ < 0 || ::tcgetattr(far_, &raw) != 0) return;
+    ::cfmakeraw(&raw);
+    ready_ = ::tcsetattr(far_, TCSANOW, &raw) == 0;
+  }
+  /// A byte from one end to the other.
+  void pass() const {
+    char byte = '.';
+    if (ready_ && ::write(near_, &byte, 1) == 1) (void)!::read(far_, &byte, 1);
+  }
+
+ private:
+  int near_, far_ = -1;
+  bool ready_ = false;
+};
+
 /// One thread a processor, bound to it, that sleeps a millisecond at a time: a thread that may move
 /// wakes on a processor that is idle, while the test waits for one that is not. Of ordinary
 /// priority, as the threads of clients and servers in the tests are: one of real-time priority
-/// would run where these do not. They are never joined: a child that a test forks has no such
-/// threads and may end as it likes.
+/// would run where these do not. One more is bound to none and has a terminal. They are never
+/// joined: a child that a test forks has no such threads and may end as it likes.
 class Sleepers {
  public:
   Sleepers() {
@@ -43,17 +74,14 @@ class Sleepers {
     ::pthread_attr_init(&attributes);
     ::pthread_attr_setstacksize(&attributes, std::size_t{256} << 10U);  // tests lock all memory
     ::pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
+    start(attributes, true);
     for (int processor = 0; processor < CPU_SETSIZE; ++processor) {
       if (!CPU_ISSET(processor, &allowed)) continue;
       cpu_set_t one;
       CPU_ZERO(&one);
       CPU_SET(processor, &one);
       ::pthread_attr_setaffinity_np(&attributes, sizeof one, &one);
-      auto sleeper = std::make_unique<Sleeper>();
-      pthread_t thread{};
-      if (::pthread_create(&thread, &attributes, &Sleeper::sleep, sleeper.get()) == 0) {
-        sleepers_.push_back(std::move(sleeper));
-      }
+      start(attributes, false);
     }
     ::pthread_attr_destroy(&attributes);
   }
@@ -87,6 +115,7 @@ class Sleepers {
         }
         const timespec duration{0, static_cast<long>(1e6 * kSleep_ms)};
         ::nanosleep(&duration, nullptr);
+        if (sleeper.terminal && g_sees_terminal) sleeper.terminal->pass();
       }
       return nullptr;
     }
@@ -95,9 +124,19 @@ class Sleepers {
       const double over_ms = now_ms() - std::max(asleep_ms, begun_ms) - kSleep_ms;
       longest_ms = std::max(longest_ms, over_ms);
     }
+    std::optional<Terminal> terminal;
     std::mutex mutex;
     double asleep_ms = now_ms(), begun_ms = asleep_ms, longest_ms = 0.0;
   };
+  void start(const pthread_attr_t& attributes, bool has_terminal) {
+    auto sleeper = std::make_unique<Sleeper>();
+    if (has_terminal) sleeper->terminal.emplace();
+    pthread_t thread{};
+    if (::pthread_create(&thread, &attributes, &Sleeper::sleep, sleeper.get()) == 0) {
+      sleepers_.push_back(std::move(sleeper));
+    }
+  }
+
   std::vector<std::unique_ptr<Sleeper>> sleepers_;
 };
 
@@ -107,7 +146,7 @@ class Judge final : public testing::EmptyTestEventListener {
     failure_.clear();
     excusable_ = true;
     g_sees_real_time = false;
-    g_kept_waiting_ms = 0.0;
+    g_sees_terminal = false;
     sleepers_.begin();
   }
   void OnTestPartResult(const testing::TestPartResult& part) override {
@@ -121,7 +160,7 @@ class Judge final : public testing::EmptyTestEventListener {
   }
   void OnTestEnd(const testing::TestInfo& test) override {
     if (test.result()->Skipped()) return;
-    const double waited_ms = std::max(sleepers_.longest_ms(), g_kept_waiting_ms.load());
+    const double waited_ms = sleepers_.longest_ms();
     const bool failed = test.result()->Failed();
     if (!failed || !excusable_ || !g_sees_real_time || waited_ms <= kKeptWaiting_ms) {
       judged_ += g_sees_real_time ? 1 : 0;

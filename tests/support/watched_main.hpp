@@ -14,12 +14,13 @@ inline void seesRealTime() {
   g_sees_real_time = true;
 }
 
-inline std::atomic<double> g_kept_waiting_ms{0.0};
+inline std::atomic<bool> g_sees_terminal{false};
 
-/// Said by a stand-in that the machine kept waiting itself: a thread of the kernel carries the
-/// bytes of a terminal, and may wait for a second on a processor that wakes every sleeper in time.
-inline void keptWaiting(double ms) {
-  if (ms > g_kept_waiting_ms) g_kept_waiting_ms = ms;
+/// The same, by what speaks over a terminal: a thread of the kernel carries its bytes, and may wait
+/// where every sleeper wakes in time. One sleeper passes a byte over a terminal each time.
+inline void seesTerminal() {
+  g_sees_terminal = true;
+  seesRealTime();
 }
 
 /// Begins the message of a failure that no machine excuses: EXPECT_LE(force_n, limit_n) << kAlways.

@@ -1,6 +1,7 @@
 """main() of the tests in Python. A test whose class says `paced = True` sees real time: processes that only sleep
 run beside it, one a processor. One that fails while even one of these was kept waiting is named as not judged, and
-fails nothing; nothing is tried again. A test may say by kept_waiting_s() how long a stand-in of its own waited. Errors,
+fails nothing; nothing is tried again. `terminal = True`: it speaks over a terminal, whose bytes a thread of the kernel
+carries, which may wait where every sleeper wakes in time; one sleeper passes a byte over a terminal each time. Errors,
 crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
 
 A test whose name ends in _slow runs where WHOLEHAND_FULL=1, or where it is asked for by its name."""
@@ -17,13 +18,20 @@ KEPT_WAITING_S = 0.005  # watched_main.hpp says why
 HANG_S = 300.0  # ends what hangs, not what is slow
 
 # Sleeps a millisecond at a time on one processor, since a process that may move wakes on one that is idle; reports at
-# every line how much longer than that it took at most, since the last.
+# every line how much longer than that it took at most, since the last. Without a processor it passes a byte, too.
 SLEEPER = """
-import os, select, sys, time
-os.sched_setaffinity(0, {int(sys.argv[1])})
+import os, pty, select, sys, time, tty
+if sys.argv[1:]:
+    os.sched_setaffinity(0, {int(sys.argv[1])})
+else:
+    here, there = pty.openpty()
+    tty.setraw(there)
 longest, last = 0.0, time.monotonic()
 while True:
     asked = select.select([sys.stdin], [], [], 0.001)[0]
+    if not sys.argv[1:]:
+        os.write(here, b".")
+        os.read(there, 1)
     now = time.monotonic()
     longest, last = max(longest, now - last - 0.001), now
     if asked:
@@ -37,9 +45,10 @@ while True:
 class Sleepers:
     """How long this machine let a process wait that only sleeps."""
 
-    def __init__(self):
-        self.processes = [subprocess.Popen([sys.executable, "-ISc", SLEEPER, str(processor)], text=True, stdin=subprocess.PIPE,
-                                           stdout=subprocess.PIPE) for processor in sorted(os.sched_getaffinity(0))]
+    def __init__(self, terminal):
+        where = [[str(processor)] for processor in sorted(os.sched_getaffinity(0))] + ([[]] if terminal else [])
+        self.processes = [subprocess.Popen([sys.executable, "-ISc", SLEEPER, *one], text=True, stdin=subprocess.PIPE,
+                                           stdout=subprocess.PIPE) for one in where]
         self.longest = 0.0
         self.longest_s()
         self.longest = 0.0  # from here on
@@ -62,7 +71,7 @@ class Judge(unittest.TextTestResult):
     def startTest(self, test):
         super().startTest(test)
         if getattr(test, "paced", False):
-            self.sleepers, self.excused = Sleepers(), False
+            self.sleepers, self.excused = Sleepers(getattr(test, "terminal", False)), False
 
     def stopTest(self, test):
         super().stopTest(test)
@@ -76,7 +85,7 @@ class Judge(unittest.TextTestResult):
         kind, failure, trace = error
         if not self.sleepers or not issubclass(kind, test.failureException) or ALWAYS in str(failure):
             return False
-        waited_s = max(self.sleepers.longest_s(), getattr(test, "kept_waiting_s", lambda: 0.0)())
+        waited_s = self.sleepers.longest_s()
         if waited_s <= KEPT_WAITING_S:
             return False
         place = next(frame for frame in reversed(traceback.extract_tb(trace)) if "unittest" not in frame.filename)

@@ -2,10 +2,8 @@
 // Prints the port, then a line whenever a drive changes its mode:
 //   <ms> drive <id> mode <mode> torque <N.m commanded before> silent <ms since its last command>
 //   gap <ms>
-// where gap is the longest time that the machine did not run it; and "kept waiting <ms>" whenever
-// the machine kept the port's bytes longer than ever. Ends when its input does.
+// where gap is the longest time that the machine did not run it. Ends when its input does.
 #include "pty_adapter.hpp"
-#include "support/watched_main.hpp"
 
 #include <algorithm>
 #include <array>
@@ -25,15 +23,11 @@ int main() {
   std::array<int, 3> mode{}, commands{};
   std::array<double, 3> torque_nm{}, last_ms{};
   const auto begin = Clock::now();
-  double now_ms = 0.0, gap_ms = 0.0, waited_ms = wholehand::test::kKeptWaiting_ms;
+  double now_ms = 0.0, gap_ms = 0.0;
   for (pollfd input{STDIN_FILENO, POLLIN, 0}; ::poll(&input, 1, 0) == 0; ::usleep(200)) {
     const double before_ms = now_ms;
     now_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
     gap_ms = std::max(gap_ms, now_ms - before_ms);
-    if (const double ms = wholehand::test::g_kept_waiting_ms; ms > waited_ms) {
-      std::printf("kept waiting %.1f\n", waited_ms = ms);
-      std::fflush(stdout);
-    }
     // A drive is never kept waiting: commands that came while this program was count as in time.
     const double passed_ms = std::min(now_ms - before_ms, 5.0);
     adapter.pass(static_cast<std::int64_t>(passed_ms * 1e6));

@@ -2,7 +2,6 @@
 
 #include "support/watched_main.hpp"
 
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
@@ -46,7 +45,7 @@ int padded(std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 PtyAdapter::PtyAdapter(moteus::TtyBus::Protocol protocol) : protocol_(protocol) {
-  seesRealTime();  // the driver waits for an answer for some time only
+  seesTerminal();  // the driver waits for an answer for some time only
   for (int id = 1; id <= 3; ++id) {
     drives_.emplace_back(id);
     drives_.back().enabling_ns = 0;
@@ -129,17 +128,12 @@ void PtyAdapter::answer(const std::string& line) {
 }
 
 void PtyAdapter::run() {
-  constexpr int kLook_ms = 20;
-  using Clock = std::chrono::steady_clock;
   std::string text;
-  for (auto began = Clock::now(); !ends_; began = Clock::now()) {
+  while (!ends_) {
     pollfd wait{master_, POLLIN, 0};
+    if (::poll(&wait, 1, 20) <= 0) continue;
     char buffer[512];
-    const bool ready = ::poll(&wait, 1, kLook_ms) > 0;
-    const ssize_t n = ready ? ::read(master_, buffer, sizeof buffer) : 0;
-    // Either may wait for the kernel's thread that carries the bytes.
-    keptWaiting(std::chrono::duration<double, std::milli>(Clock::now() - began).count() - kLook_ms);
-    if (!ready) continue;
+    const ssize_t n = ::read(master_, buffer, sizeof buffer);
     if (n <= 0) {  // nobody has opened the port yet, or has closed it
       ::usleep(1000);
       continue;
