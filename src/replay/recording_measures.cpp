@@ -101,7 +101,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
       {"results", std::move(results)},
       {"active_s", persons * meta.period_s},
       {"helped_share", ratio(with_help, persons)},
-      {"peak_speed_m_s", persons > 0.0 ? reaches["peak_m_s"] : Json()},
+      {"peak_speed_m_s", reaches["peak_m_s"]},
       {"path_ratio", ratio(reaches["path_m"].get<double>(), reaches["straight_m"].get<double>())},
       {"reaches", reaches["count"]},
       {"reach_s", ratio(reaches["sum_s"].get<double>(), count)},

@@ -9,7 +9,7 @@
 namespace wholehand {
 
 /// Version of the measures; counts every change of what one of them means.
-inline constexpr int kMeasuresVersion = 1;
+inline constexpr int kMeasuresVersion = 2;
 
 /// What a recording says of the person, for records over many visits (docs/clinic.md): results of
 /// the exercise's panel, active time, time, speed and path of reaches, how it ended. All of what

@@ -137,7 +137,7 @@ PartLog::PartLog(const RecordingMeta& meta)
 
 void PartLog::add(const TickRecord& record, const MovedTime& before, const MovedTime& now) {
   path_.add(record);
-  if (now.persons() > before.persons()) peak_m_s_ = std::max(peak_m_s_, path_.speed_m_s());
+  free_.peak_m_s = std::max(free_.peak_m_s, path_.speed_m_s());
   if (now.sum() == (now - before).sum()) {  // the first tick
     keepResults(record);
     free_ = {true, record.time_s, before, results_, path_.place_m(), path_.length_m()};
@@ -192,6 +192,7 @@ void PartLog::reach(double time_s, const MovedTime& now) {
     reaches_.sum_s += time_s - free_.time_s;
     reaches_.path_m += path_.length_m() - free_.path_m;
     reaches_.straight_m += (path_.place_m() - free_.place_m).norm();
+    reaches_.peak_m_s = std::max(reaches_.peak_m_s, free_.peak_m_s);
   } else {
     ++(moved.isShared() ? reaches_.shared : reaches_.others);
   }
@@ -285,10 +286,13 @@ void PartLog::write(Json& out) const {
   out["parts"] = std::move(parts);
   out["parts_left_out"] = left_out_;
   out["sums"] = std::move(sums);
-  out["reaches"] = {{"count", reaches_.count},   {"shared", reaches_.shared},
-                    {"others", reaches_.others}, {"sum_s", reaches_.sum_s},
-                    {"path_m", reaches_.path_m}, {"straight_m", reaches_.straight_m},
-                    {"peak_m_s", peak_m_s_}};
+  out["reaches"] = {{"count", reaches_.count},
+                    {"shared", reaches_.shared},
+                    {"others", reaches_.others},
+                    {"sum_s", reaches_.sum_s},
+                    {"path_m", reaches_.path_m},
+                    {"straight_m", reaches_.straight_m},
+                    {"peak_m_s", reaches_.count > 0 ? Json(reaches_.peak_m_s) : Json()}};
   out["results"] = resultsJson();
 }
 
@@ -387,13 +391,16 @@ void TouchLog::contact(const BodyContact& contact, const MovedTime& before, cons
   touch.moved = now - begin_;
 }
 
-void TouchLog::position(const Eigen::Vector3d& position_m, bool person) {
+void TouchLog::position(const Eigen::Vector3d& position_m, double time_s, bool person) {
   if (!position_m.allFinite()) return;
   if (!here_) anchor_m_ = position_m;
   seen_ = here_ = true;
   const double step_m = (position_m - anchor_m_).norm();
   if (step_m < kJitter_m) return;
-  if (person) story_.travelled_m += step_m;
+  // What nobody touches is moved by the exercise, or goes on by itself.
+  const std::vector<Touch>& touches = story_.touches;
+  const bool touched = !touches.empty() && time_s - touches.back().to_s <= kBridge_s;
+  if (person && touched) story_.travelled_m += step_m;
   anchor_m_ = position_m;
 }
 
@@ -470,7 +477,7 @@ void TherapyFacts::addContacts(const TickRecord& record, bool grips, std::uint64
     if (ofGame(b) && (!in_record || record.bodies[b].position_m.z < kEmptyBelow_m)) {
       bodies_[b].leave();
     } else if (in_record) {
-      bodies_[b].position(record.bodies[b].position_m.eigen(), person);
+      bodies_[b].position(record.bodies[b].position_m.eigen(), record.time_s, person);
     }
   }
 }

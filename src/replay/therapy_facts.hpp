@@ -111,11 +111,12 @@ class PartLog {
     std::vector<double> results;
     Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
     double path_m = 0.0;
+    double peak_m_s = 0.0;  ///< since then
   };
-  /// The sums are over the person's.
+  /// The sums, and the peak, are over the person's.
   struct Reaches {
     std::uint64_t count = 0, shared = 0, others = 0;
-    double sum_s = 0.0, path_m = 0.0, straight_m = 0.0;
+    double sum_s = 0.0, path_m = 0.0, straight_m = 0.0, peak_m_s = 0.0;
   };
   /// @param here the tick, as something that begins in it; a restart takes its counts to 0
   void addEvent(const ExerciseEvent& event, const TickRecord& record, Begin& here,
@@ -136,7 +137,6 @@ class PartLog {
   std::array<Begin, kKinds> after_{};  ///< end of the part before, for one that never began
   Begin free_;                         ///< since the hand is free to reach
   HandPath path_;
-  double peak_m_s_ = 0.0;  ///< while the person moved the hand
   std::vector<std::pair<int, double>> steps_;
   std::array<PartSums, kKinds> sums_{};
   Reaches reaches_;
@@ -218,7 +218,7 @@ class TouchLog {
   /// the same with it
   void contact(const BodyContact& contact, const MovedTime& before, const MovedTime& now);
   /// Adds the body's position of a tick. @param person the person moves the hand in it
-  void position(const Eigen::Vector3d& position_m, bool person);
+  void position(const Eigen::Vector3d& position_m, double time_s, bool person);
   /// A slot of a game is empty: where the next body appears is no way.
   void leave() { here_ = false; }
   [[nodiscard]] bool wasThere() const { return seen_; }

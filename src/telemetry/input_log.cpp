@@ -334,6 +334,15 @@ InputJournal::~InputJournal() {
 void InputJournal::append(const TickRecord& record) {
   constexpr std::size_t kTicksOfABlock = 250;
   if (broken_) return;
+  const bool follows = last_tick_
+                           ? missingBetween(*last_tick_, record.tick, record.elapsed_periods) == 0
+                           : record.tick == 0;
+  if (!follows) {
+    write();
+    broken_ = true;
+    return;
+  }
+  last_tick_ = record.tick;
   const std::size_t used = waiting_.size();
   waiting_.resize(used + kMostInputBytes);
   waiting_.resize(used + logInput(log_, record, waiting_.data() + used));

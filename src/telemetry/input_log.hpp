@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -73,8 +74,8 @@ class InputJournal {
   InputJournal(const InputJournal&) = delete;
   InputJournal& operator=(const InputJournal&) = delete;
 
-  /// Keeps the inputs of a tick. After a failed write nothing more is kept, for a journal with a
-  /// gap is of no use.
+  /// Keeps the inputs of a tick. After a failed write, or a tick that never came here, nothing more
+  /// is kept: what is made again from inputs with a gap never happened.
   void append(const TickRecord& record);
   /// Writes and syncs what was appended.
   void flush();
@@ -91,6 +92,7 @@ class InputJournal {
   InputLogState log_;
   std::vector<std::byte> waiting_;
   std::size_t ticks_ = 0;  ///< in `waiting_`
+  std::optional<std::uint64_t> last_tick_;
   bool broken_ = false;
   std::mutex mutex_;
   std::condition_variable ends_;

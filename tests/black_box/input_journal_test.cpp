@@ -89,6 +89,24 @@ TEST(InputJournal, CutOrDamagedAnywhere_GivesTrueInputsUpToThere) {
   EXPECT_GT(most, 0U);
 }
 
+// A queue that was full has dropped 100 ticks. What would be made again of the rest never happened.
+TEST(InputJournal, TicksThatNeverCame_EndIt) {
+  std::mt19937_64 random(test::seed());
+  const auto ticks = ticksOf(random, 1000);
+  const Folder folder;
+  const std::string path = folder.file("a.inputs");
+  for (const std::size_t first : {500, 0}) {
+    std::unique_ptr<InputJournal> journal;
+    ASSERT_EQ(InputJournal::create(path, synthetic::meta(), journal), "");
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+      if (i < first || i >= first + 100) journal->append(ticks[i]);
+    }
+    journal->flush();
+    journal.reset();
+    EXPECT_EQ(readsOf(path, ticks), first);
+  }
+}
+
 TEST(InputJournal, ClosedRecording_HasNone) {
   const Folder folder;
   const std::string path = folder.file("a.h5"), inputs = InputJournal::pathOf(path);

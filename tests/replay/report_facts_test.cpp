@@ -49,7 +49,7 @@ TEST(TouchLog, ShortBreaks_AreOneTouch) {
     // In a break between two contacts of the first touch somebody else moves.
     moving.tick(i == 603 ? Mover::kVirtualPatient : Mover::kPerson);
     if (touching) log.contact({t, 1e-3, 2.0 + t, t >= 2.0}, moving.before, moving.now);
-    log.position({0.1 * t + (i % 2) * 4e-4, 0.0, 0.0}, true);  // 30 cm, with 0.4 mm of jitter
+    log.position({0.1 * t + (i % 2) * 4e-4, 0.0, 0.0}, t, true);  // with 0.4 mm of jitter
   }
   const std::vector<Touch>& touches = log.story().touches;
   ASSERT_EQ(touches.size(), 2U);
@@ -60,7 +60,21 @@ TEST(TouchLog, ShortBreaks_AreOneTouch) {
   EXPECT_TRUE(touches[0].moved.isShared());
   ASSERT_EQ(log.story().persons().size(), 1U);
   EXPECT_EQ(log.story().persons()[0].from_s, touches[1].from_s);
-  EXPECT_NEAR(log.story().travelled_m, 0.3, 2e-3);
+  // From the first contact of each to 0.2 s, the break that is bridged, after its last.
+  EXPECT_NEAR(log.story().travelled_m, 0.1 * (1.2 - 0.506) + 0.1 * (2.45 - 2.0), 2e-3);
+}
+
+// The row of fruit goes on by itself; a finger passed over it once.
+TEST(TouchLog, BodyThatTheExerciseSlidesOn_TravelledNothing) {
+  TouchLog log(3, "lemon");
+  Moving moving;
+  for (int i = 0; i < 10'000; ++i) {
+    const double t = i * 1e-3;
+    moving.tick(Mover::kPerson);
+    if (i >= 1000 && i < 1100) log.contact({t, 1e-3, 2.0, false}, moving.before, moving.now);
+    log.position({i < 2000 ? 0.0 : 0.1 * (t - 2.0), 0.0, 0.0}, t, true);
+  }
+  EXPECT_EQ(log.story().travelled_m, 0.0);
 }
 
 // A force of 4 N + 0.5 N sin(2π 5 Hz t) over whole periods: its mean is 4 N, its deviation 0.5/√2
@@ -319,6 +333,16 @@ void reachAroundACorner(TickRecord& record, int i) {
   ExerciseRecord& out = record.exercise;
   if (i == kPersonFrom) out.events[out.event_count++] = {kRestarted, -1, 0.0};
   if (i == kPersonFrom + 2000) out.events[out.event_count++] = {kEngaged, 0, 0.0};
+}
+
+// The patient's speed is still in the hand when the person takes it over, and aims at nothing.
+TEST(TherapyFacts, HandTakenOverInMotion_HasNoPeakSpeedOfThePersons) {
+  const auto change = [](TickRecord& record, int i) {
+    record.moved_by = i < 500 ? Mover::kVirtualPatient : Mover::kPerson;
+    record.qd_mf = AxisVelocity(6);
+    record.qd_mf[0] = i < 500 ? 2.0 : 2.0 * std::exp(-0.01 * (i - 500));
+  };
+  EXPECT_TRUE(therapyFacts(2000, change, barMeta())["reaches"]["peak_m_s"].is_null());
 }
 
 // Path over straight line: (0.3 + 0.4) / 0.5. Tremor across a step of 1 mm makes it 2 % longer at
