@@ -91,7 +91,7 @@ NeutralRampState advanceRamp(const NeutralRampState& state, const AxisEffort& wa
   }
   switch (next.phase) {
     case RampPhase::kRendering:
-      if (elapsed_s > config.gap_s) engageAnew(next, config.reengage_s);
+      if (elapsed_periods > 1 && elapsed_s > config.gap_s) engageAnew(next, config.reengage_s);
       render(next, wanted, period_s, next.again ? next.again_s : config.engage_s);
       if (stop == StopAsked::kGentle && !std::exchange(next.gentle, true)) {
         next.at_gentle_stop = state.sent;

@@ -166,7 +166,8 @@ void SafetyChain::watchEnergy(double avatar_j, TickRecord& record) noexcept {
   record.tank = tank_.energy;
   // During engagement, the springs hold energy that nobody was given yet. It begins anew after a
   // gap.
-  if (ramp_.authority < 1.0 || elapsedOf(record) * period_s_ > config_.ramp.gap_s) return;
+  const bool gap = elapsedOf(record) > 1 && elapsedOf(record) * period_s_ > config_.ramp.gap_s;
+  if (ramp_.authority < 1.0 || gap) return;
   record.tank_effort = step.effort;
   for (int i = 0; i < step.effort.size(); ++i) {
     if (step.effort[i] != 0.0) noteFault(Fault::kTankEmpty, i, record);

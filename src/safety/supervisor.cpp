@@ -37,7 +37,7 @@ void watchTiming(DeviceWatchState& state, int elapsed_periods, const SupervisorC
   }
   const double elapsed_s = elapsed_periods * config.period_s;
   for (double& since_s : state.since_gap_s) since_s += elapsed_s;
-  if (elapsed_s > kGap_s) {
+  if (elapsed_periods > 1 && elapsed_s > kGap_s) {
     const bool one_more = state.since_gap_s.back() < kGapsWithin_s;
     if (watch.late_in_a_row > 0 && one_more) finding.faults |= Fault::kLateInARow;
     std::shift_right(state.since_gap_s.begin(), state.since_gap_s.end(), 1);

@@ -128,26 +128,26 @@ void PersonSettings::setHelp(Help help, std::uint64_t asked) {
   help_asked_ = asked;
 }
 
+double PersonSettings::inRange(const PublishedParameter& parameter, double value) {
+  if (isEffortLimit(parameter.name)) return std::clamp(value, parameter.lower, parameter.upper);
+  return value >= parameter.lower && value <= parameter.upper ? value : parameter.initial;
+}
+
 double PersonSettings::valueOf(const PublishedParameter& parameter) const {
   const auto set = set_.find(parameter.name);
-  if (set == set_.end()) return parameter.initial;
-  const double value = set->second.value;
-  return value >= parameter.lower && value <= parameter.upper ? value : parameter.initial;
+  return set == set_.end() ? parameter.initial : inRange(parameter, set->second.value);
 }
 
 void PersonSettings::changePerson(const Change& change, const Values& first,
                                   const std::vector<PublishedParameter>& parameters) {
-  ++person_;
-  if (help_asked_ < change.asked || change.visit) {
-    help_ = change.profile != nullptr ? change.profile->help : Help::kUnsaid;
-  }
   std::map<std::string, Setting> next;
   put(first, change.asked, next);
   if (change.profile != nullptr) put(change.profile->parameters, change.asked, next);
   for (const PublishedParameter& parameter : parameters) {
     const auto set = set_.find(parameter.name);
     const auto found = next.find(parameter.name);
-    const double coming = found == next.end() ? parameter.initial : found->second.value;
+    const double coming =
+        found == next.end() ? parameter.initial : inRange(parameter, found->second.value);
     const bool lowered = isEffortLimit(parameter.name) && valueOf(parameter) < coming;
     const bool later =
         set != set_.end() && set->second.asked > change.asked && (!change.visit || lowered);
@@ -158,6 +158,10 @@ void PersonSettings::changePerson(const Change& change, const Values& first,
     }
   }
   set_ = std::move(next);
+  ++person_;
+  if (help_asked_ < change.asked || change.visit) {
+    help_ = change.profile != nullptr ? change.profile->help : Help::kUnsaid;
+  }
 }
 
 }  // namespace wholehand

@@ -61,7 +61,8 @@ class PersonSettings {
   }
   void setHelp(Help help, std::uint64_t asked);
 
-  /// The file's value unless a person set one that is in the range.
+  /// The file's value unless a person set one that is in the range. An effort limit outside of it
+  /// is the nearest within: the file's own is the greatest.
   [[nodiscard]] double valueOf(const PublishedParameter& parameter) const;
   [[nodiscard]] Help help() const { return help_; }
   /// Counts persons and hands that were loaded.
@@ -86,6 +87,7 @@ class PersonSettings {
     double value = 0.0;
     std::uint64_t asked = 0;
   };
+  static double inRange(const PublishedParameter& parameter, double value);
   static void put(const Values& values, std::uint64_t asked, std::map<std::string, Setting>& in);
 
   std::map<std::string, Setting> set_;

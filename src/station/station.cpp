@@ -143,6 +143,8 @@ class Station::Core {
   void finishSession(bool goes_on = false);
   bool discardUnjoined(RunOutcome& ended);
   void refreshStatus();
+  [[nodiscard]] std::shared_ptr<SceneFacts> sceneOf(const Models& models,
+                                                    const std::string& profile) const;
   void publishScene(const std::string& recording);
   void runTask();
   void watchSession();
@@ -165,7 +167,8 @@ class Station::Core {
                      const std::function<void(OrderReply)>& done);
   [[nodiscard]] Profile profileNow() const;
   [[nodiscard]] static Profile profileOf(const Models& models);
-  void changePerson(const Task& task, const Profile* profile);
+  void changePerson(const Task& task, const Profile* profile, bool may_raise_limits);
+  void show(std::shared_ptr<SceneFacts> facts, Profile loaded, const std::string& recording);
   OrderReply carryOut(const Order& order, std::uint64_t asked);
   OrderReply setHelp(const orders::SetHelp& order, std::uint64_t asked);
   OrderReply aim(const orders::Aim& order);
@@ -234,7 +237,8 @@ class Station::Core {
   LoopStatus status_;
   StationBodies bodies_;  ///< of a game
   PersonSettings person_;
-  Profile loaded_;  ///< what is loaded, without name and values
+  std::optional<StationClock::time_point> person_at_;  ///< when it was loaded; none: at the start
+  Profile loaded_;                                     ///< what is loaded, without name and values
 
   TickRecord latest_;
   int level_done_ = -1;  ///< index of that event in the loaded exercise; -1: none
@@ -247,6 +251,7 @@ class Station::Core {
 namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(20);
+constexpr auto kUnseenWithin = std::chrono::seconds(1);  // from a visit opened to seen
 
 OrderReply visitOpen(std::uint64_t visit) {
   return refused(Refusal::kVisitOpen,
@@ -270,6 +275,11 @@ constexpr const char* kLevelDone = "level_done";  // event that ends a level (do
 constexpr auto kStopWithin = std::chrono::seconds(10);
 constexpr double kLongestRun_s = 1e9;  // limit of the clock's range
 constexpr auto kLogWithin = std::chrono::seconds(1);
+
+bool isSameFile(const std::string& a, const std::string& b) {
+  std::error_code error;
+  return a == b || std::filesystem::equivalent(a, b, error);
+}
 
 std::vector<std::string> stemsIn(const std::string& folder) {
   std::vector<std::string> stems;
@@ -311,6 +321,11 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
   if (!task.starts) return {true, ""};
   if (endings_.stoppedSince(task.asked) || InterruptScope::interrupted()) {
     return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
+  }
+  if (task.person != person_.person()) {
+    return refused(Refusal::kStopNotSeen,
+                   "another person or hand was loaded after this was asked: look who, then arm "
+                   "again");
   }
   return endings_.refuseUnseen(task.endings_seen);
 }
@@ -354,16 +369,25 @@ void Station::Core::runTask() {
     task.waited_s = now() - task.asked_at;
     if (task.starts && !live_) starting_ = task;
   }
+  const bool had_session = live_ != nullptr;
+  const std::uint64_t person = person_.person();
   OrderReply reply;
   try {
     reply = carryOutTask(task);
   } catch (const std::exception& error) {  // a running loop continues
     reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
     say("an order " + reply.reason);
+    const std::lock_guard lock(mutex_);
+    if (had_session && !live_) endings_.countOn();
   }
   {
     const std::lock_guard lock(mutex_);
     starting_.reset();
+    // Who loads a person and then arms, arms that person; another client does not know of it.
+    for (Task& next : tasks_) {
+      const bool same = next.order.client == task.order.client && next.person == person;
+      if (next.starts && same) next.person = person_.person();
+    }
     if (!reply.accepted && task.order.client != 0) {
       // What was asked after the stop that cancelled it builds on the stop.
       const bool cancelled = task.starts && endings_.stoppedSince(task.asked);
@@ -471,6 +495,13 @@ OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::u
     return refused(Refusal::kOutOfRange,
                    fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
                                order.value, found->lower, found->upper, found->unit));
+  }
+  // Who sets it may still see the person of before.
+  const bool unseen =
+      scene_->visit.number != 0 && person_at_ && now() - *person_at_ < kUnseenWithin;
+  if (unseen && isEffortLimit(order.name) && order.value > person_.valueOf(*found)) {
+    return refused(Refusal::kOther,
+                   "another visit was opened just now: look whose, then set the limit again");
   }
   if (live_) {
     Command command;
@@ -745,11 +776,12 @@ Profile Station::Core::profileNow() const {
   return profile;
 }
 
-void Station::Core::changePerson(const Task& task, const Profile* profile) {
-  endings_.changePerson();
+void Station::Core::changePerson(const Task& task, const Profile* profile, bool may_raise_limits) {
   const bool visit = task.order.is<orders::OpenVisit>() || task.order.is<orders::CloseVisit>();
-  person_.changePerson({profile, task.asked, visit, task.order.may_raise_limits},
-                       config_.first_parameters, scene_->parameters);
+  person_.changePerson({profile, task.asked, visit, may_raise_limits}, config_.first_parameters,
+                       scene_->parameters);
+  person_at_ = now();
+  endings_.changePerson();
 }
 
 OrderReply Station::Core::saveProfile(const orders::SaveProfile& order, const Task& task) {
@@ -854,7 +886,13 @@ OrderReply Station::Core::loadVisit(Task task, const ModelFiles& files, const Pr
                                     const Visit& visit) {
   task.order.may_raise_limits = visit_.number != visit.number || visit.number == 0;
   const Visit before = std::exchange(visit_, visit);
-  OrderReply reply = load(task, files, &settings);
+  OrderReply reply;
+  try {
+    reply = load(task, files, &settings);
+  } catch (...) {
+    visit_ = before;
+    throw;
+  }
   if (!reply.accepted) {
     visit_ = before;
     return reply;
@@ -925,6 +963,7 @@ Expected<Rehearsal> Station::Core::rehearsalOf(const Models& models, const AxisP
 OrderReply Station::Core::rehearseNext(const Models& models, Task task,
                                        std::optional<Rehearsal>& passed) {
   task.starts = true;
+  task.person = person_.person();
   auto rehearsal = rehearsalOf(models, makePlayer(models)->start(), task);
   if (!rehearsal && stillDo(task).accepted) {
     return refused(Refusal::kRehearsalFailed, format(rehearsal.errors()));
@@ -1179,8 +1218,9 @@ Expected<Done> Station::Core::load() {
   return Done{};
 }
 
-void Station::Core::publishScene(const std::string& recording) {
-  auto facts = std::make_shared<SceneFacts>(sceneFacts(models_, config_.rig.period_s));
+std::shared_ptr<SceneFacts> Station::Core::sceneOf(const Models& models,
+                                                   const std::string& profile) const {
+  auto facts = std::make_shared<SceneFacts>(sceneFacts(models, config_.rig.period_s));
   facts->program_version = config_.program_version;
   facts->exercises = {};
   for (const ExerciseFile& file : listExercises(config_.config_folder + "/exercises")) {
@@ -1188,11 +1228,21 @@ void Station::Core::publishScene(const std::string& recording) {
   }
   facts->hands = stemsIn(config_.config_folder + "/hands");
   facts->profiles = profiles_.list();
-  facts->profile = profile_;
+  facts->profile = profile;
   facts->visit = visit_;
-  facts->recording = fs::path(recording).filename().string();
+  return facts;
+}
+
+void Station::Core::publishScene(const std::string& recording) {
+  auto facts = sceneOf(models_, profile_);
   Profile loaded = profileOf(models_);
   const std::lock_guard lock(mutex_);
+  show(std::move(facts), std::move(loaded), recording);
+}
+
+void Station::Core::show(std::shared_ptr<SceneFacts> facts, Profile loaded,
+                         const std::string& recording) {
+  facts->recording = fs::path(recording).filename().string();
   facts->session = status_.session;
   scene_ = std::move(facts);
   loaded_ = std::move(loaded);
@@ -1292,6 +1342,7 @@ bool Station::Core::renewSession() {
       return false;
     }
     again.endings_seen = endings_.count();
+    again.person = person_.person();
     again.asked = orders_;
     again.starts = true;
     starting_ = again;
@@ -1379,27 +1430,34 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
   if (OrderReply may = stillDo(task); !may.accepted) return may;
   Task start = task;
   start.starts = true;
+  start.person = person_.person();
   if (rendered) {
     const std::lock_guard lock(mutex_);
     starting_ = start;
   }
+  // Read before anything changes: whom the settings are for and what is shown change at once.
+  const bool other_person = profile != nullptr || !isSameFile(files.hand, models_.files.hand);
+  std::string name = profile != nullptr ? profile->name : other_person ? "" : profile_;
+  auto scene = sceneOf(*models, name);
+  Profile loaded = profileOf(*models);
   stopGently(true);
-  const bool other_person = profile != nullptr || files.hand != models_.files.hand;
-  if (other_person) profile_ = profile != nullptr ? profile->name : "";
-  models_ = std::move(*models);
-  rehearsed_ = std::move(rehearsal);
-  forgetLatest();
   bool again = false;
   {
     // Rendering continues only if it was on until now and nobody stopped it; a stop or a fault
-    // remains.
+    // remains. A limit does not rise without a press of Start.
     const std::lock_guard lock(mutex_);
-    if (other_person) changePerson(task, profile);
+    if (other_person) changePerson(task, profile, task.order.may_raise_limits && !rendered);
+    show(std::move(scene), std::move(loaded), "");
+    std::swap(models_, *models);
+    profile_ = std::move(name);
+    rehearsed_ = std::move(rehearsal);
     bodies_.dropKept();  // checked against the scene of before
+    start.person = person_.person();
+    if (starting_) starting_->person = start.person;
     again = rendered && mayStillDo(start).accepted && !any(status_.latched);
     if (had_session && !again) endings_.countOn();
   }
-  publishScene("");
+  forgetLatest();
   if (!again) return {true, ""};
   OrderReply reply = armForClient(start);
   if (!reply.accepted) {

@@ -122,6 +122,9 @@ OrderReply StationBodies::keep(CheckedOrders& orders, std::uint32_t claim) {
 }
 
 OrderReply StationBodies::handOver(CheckedOrders& orders) {
+  if (loop_ == nullptr) {  // they were checked against the scene of before
+    return refused(Refusal::kNoBodies, "another scene was loaded meanwhile, without such bodies");
+  }
   OrderReply reply = take(orders, loop_->waitingCommands(), "the loop");
   for (const Command& command : orders.commands) {
     if (!loop_->tryCommand(command)) return busy(loop_->waitingCommands(), "the loop");

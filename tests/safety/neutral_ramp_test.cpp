@@ -173,6 +173,20 @@ TEST(NeutralRamp, GapOfExactlyFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
   }
 }
 
+// A loop of 100 Hz is slow, and stalls no more than another.
+TEST(NeutralRamp, PeriodLongerThanTheGap_IsNoStall) {
+  constexpr double kSlow_s = 0.01;
+  NeutralRampState s = engageFrom(kNeutral);
+  const auto tick = [&](int periods) {
+    s = advanceRamp(s, kWanted, kNeutral, StopAsked::kNone, periods, kSlow_s, kRamp);
+  };
+  for (int k = 0; k < std::lround(kRamp.engage_s / kSlow_s) + 1; ++k) tick(1);
+  EXPECT_EQ(s.authority, 1.0);
+  EXPECT_EQ(s.sent[0], kWanted[0]);
+  tick(2);
+  EXPECT_LT(s.authority, 1.0) << "a period that is skipped is one";
+}
+
 TEST(NeutralRamp, StallAfterStall_EachBeginsFromWhatWasSentLast) {
   NeutralRampState s = engaged();
   for (int k = 0; k < 400; ++k) {

@@ -59,6 +59,13 @@ TEST_F(DeviceWatch, AtRest_FindsNothingForEver) {
   for (int k = 0; k < 5000; ++k) ASSERT_EQ(see(at(0.05)).faults, Fault::kNone) << k;
 }
 
+TEST_F(DeviceWatch, AtRestAtAHundredHertz_FindsNothingForEver) {
+  DeviceModel device = threeAxes();
+  config_ = makeSupervisor(device, 0.01, false);
+  ASSERT_GT(config_.watch.late_in_a_row, 0);
+  for (int k = 0; k < 1000; ++k) ASSERT_EQ(see(at(0.05)).faults, Fault::kNone) << k;
+}
+
 // |Δq| = v T + 2 δ is allowed: 1.5 mm and two counts.
 TEST_F(DeviceWatch, JustBelowTheSpeedLimit_FindsNothing) {
   see(at(0.0));

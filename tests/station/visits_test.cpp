@@ -20,6 +20,7 @@ class Visits : public Bar {
     StationConfig config = barConfig();
     config.rehearse = false;
     config.visit_hands_folder = folder_ + "/hands";
+    config.now = [this] { return Clock::now() + std::chrono::seconds(ahead_s_); };
     load(config);
     run(false);
   }
@@ -46,6 +47,8 @@ class Visits : public Bar {
     for (const PublishedParameter& p : station_->scene()->parameters) out[p.name] = p.initial;
     return out;
   }
+
+  std::atomic<int> ahead_s_{0};
 };
 
 orders::OpenVisit ofVisit(std::uint64_t visit) {
@@ -80,7 +83,8 @@ TEST_F(Visits, NextPatient_HasNoValueOfTheLast) {
     EXPECT_EQ(station_->status().help, visit.help);
     EXPECT_EQ(station_->scene()->hand.name, visit.hand);
     EXPECT_EQ(station_->scene()->visit.number, visit.visit);
-    // Whatever the therapist sets in it is gone with it.
+    // Whatever the therapist sets in it, once it is seen, is gone with it.
+    ahead_s_ += 2;
     for (const PublishedParameter& p : station_->scene()->parameters) {
       if (random() % 2 == 0) ASSERT_TRUE(set(p.name, uniform(random, p.lower, p.upper)).accepted);
     }
@@ -110,6 +114,44 @@ TEST_F(Visits, NextItem_RaisesNoLimitThatWasLowered) {
   visit.visit = 8;
   ASSERT_TRUE(open(visit).accepted);
   EXPECT_EQ(values()["effort_limit_arm_n"], 9.0) << "another visit begins as it says";
+}
+
+// A console that shows the patient before moves a slider when the next visit is open already.
+TEST_F(Visits, LimitRaisedBeforeAnybodySawIt_IsRefused) {
+  begin();
+  orders::OpenVisit visit = ofVisit(9);
+  visit.parameters = {{"effort_limit_arm_n", 6.0}};
+  ASSERT_TRUE(open(visit).accepted);
+  EXPECT_FALSE(set("effort_limit_arm_n", 15.0).accepted);
+  EXPECT_EQ(values()["effort_limit_arm_n"], 6.0);
+  EXPECT_TRUE(set("effort_limit_arm_n", 5.0).accepted) << "lower is safe whoever it was meant for";
+  ahead_s_ += 2;
+  EXPECT_TRUE(set("effort_limit_arm_n", 15.0).accepted);
+}
+
+// Memory runs out, a file goes away: whatever is thrown.
+TEST_F(Visits, OpeningThatThrows_LeavesNoneOpen) {
+  std::atomic<bool> throws{true};
+  StationConfig config = barConfig();
+  config.visit_hands_folder = folder_ + "/hands";
+  config.make_player = [&throws, make = config.make_player](const Models& models) {
+    if (throws) throw std::bad_alloc();
+    return make(models);
+  };
+  load(config);
+  run(false);
+  const auto before = values();
+  orders::OpenVisit visit = ofVisit(77);
+  visit.exercise = "free-grasping";
+  visit.parameters = {{"effort_limit_arm_n", 3.0}};
+  EXPECT_EQ(open(visit).refusal, Refusal::kFailed);
+  EXPECT_EQ(values(), before);
+  throws = false;
+  visit.visit = 78;
+  const OrderReply next = open(visit);
+  EXPECT_TRUE(next.accepted) << next.reason;
+  EXPECT_EQ(station_->scene()->visit.number, 78U);
+  quit();
 }
 
 TEST_F(Visits, WhileOneIsOpen_NothingMakesItAnothers) {
@@ -238,6 +280,26 @@ TEST_F(Visits, WithoutAnOpenVisit_TheClinicsGentleLimitsHold) {
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
   EXPECT_EQ(record.effort_limit[0], 6.0);
+}
+
+// The clinic's limit is below what this device's may be lowered to: its own is the greatest.
+TEST_F(Visits, GentleLimitBelowTheRange_IsTheLeastInIt) {
+  StationConfig config = barConfig();
+  config.rehearse = false;
+  config.visit_hands_folder = folder_ + "/hands";
+  config.first_parameters = {{"effort_limit_arm_n", 1e-3}};
+  load(config);
+  run(false);
+  const auto least = [this] {
+    for (const PublishedParameter& p : station_->scene()->parameters) {
+      if (p.name == "effort_limit_arm_n") return p.lower;
+    }
+    return 0.0;
+  };
+  ASSERT_GT(least(), 1e-3);
+  EXPECT_EQ(values()["effort_limit_arm_n"], least());
+  ASSERT_TRUE(ask(orders::LoadExercise{.hand = "woman-p05-left"}).accepted) << "a player's";
+  EXPECT_EQ(values()["effort_limit_arm_n"], least());
 }
 
 // A hand of any size is rehearsed before somebody is asked to begin, not while they wait.

@@ -68,6 +68,7 @@ class WaitingOrders : public Bar {
   void begin(bool arm_at_once = false) {
     StationConfig config = barConfig();
     config.files.exercise = kRoot + "/config/exercises/free-grasping.toml";
+    if (!hand_.empty()) config.files.hand = hand_;
     config.recordings_folder.clear();
     config.profiles_folder = folder_ + "/profiles";
     config.visit_hands_folder = folder_ + "/hands";
@@ -122,6 +123,7 @@ class WaitingOrders : public Bar {
 
   Devices devices;
   std::function<void()> when_it_begins, while_it_is_built;  ///< in the station's thread
+  std::string hand_;  ///< file of the first hand; empty: the bar's
 
  private:
   std::atomic<std::int64_t> now_ms_{1000};
@@ -296,6 +298,48 @@ TEST_F(WaitingOrders, LoadWhileRendering_GoesOnOnlyForWhoMay) {
   staysAt(RunState::kStopped);
   EXPECT_GT(station_->status().endings, seen) << "it has ended, and that is said";
   EXPECT_EQ(devices.open, 0);
+}
+
+// Even for who may raise it: a person is strapped in, and nobody has pressed Start.
+TEST_F(WaitingOrders, AnotherHandWhileItRenders_RaisesNoLimit) {
+  begin(true);
+  ASSERT_TRUE(rendersOn());
+  const std::vector<const char*> limits = {"effort_limit_arm_n", "effort_limit_hand_tip_n"};
+  for (const char* name : limits) ASSERT_TRUE(ask(parameter(name, 2.5)).accepted);
+  Order load = of(orders::LoadExercise{.hand = "man-p95-right"});
+  load.may_raise_limits = true;
+  ASSERT_TRUE(ask(person().asks(load)).accepted);
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(station_->scene()->hand.name, "man-p95-right");
+  for (const char* name : limits) EXPECT_EQ(value(name), 2.5) << name;
+}
+
+TEST_F(WaitingOrders, SameHandByAnotherPath_IsTheSamePersons) {
+  hand_ = kRoot + "/tests/../config/hands/adult-median-right.toml";
+  begin();
+  ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 4.0)).accepted);
+  Order load = of(orders::LoadExercise{.hand = "adult-median-right", .level = 1});
+  load.may_raise_limits = true;
+  ASSERT_TRUE(ask(person().asks(load)).accepted);
+  EXPECT_EQ(value("effort_limit_arm_n"), 4.0);
+}
+
+// The screen of who presses Start shows p-1; p-2's order to load waits before it.
+TEST_F(WaitingOrders, ArmBehindAnotherPersons_StartsOnlyForWhoLoadedThem) {
+  begin();
+  ASSERT_TRUE(ask(of(orders::SaveProfile{"p-2"})).accepted);
+  for (const bool same : {false, true}) {
+    hold();
+    const Person loads = person(), other = person();
+    auto loaded = askLater(loads.asks(of(orders::LoadProfile{"p-2"})));
+    auto armed = askLater((same ? loads : other).asks(of(orders::Arm{})));
+    release();
+    ASSERT_TRUE(loaded.get().accepted);
+    const OrderReply reply = armed.get();
+    EXPECT_EQ(reply.accepted, same) << reply.reason;
+    EXPECT_EQ(station_->status().run_state == RunState::kRendering, same) << kAlways;
+    EXPECT_EQ(devices.opened, same ? 1 : 0) << kAlways;
+  }
 }
 
 TEST_F(WaitingOrders, SaveProfile_WritesTheValuesOfTheMomentWhenItWasAsked) {
