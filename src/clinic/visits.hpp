@@ -59,6 +59,10 @@ class Visits {
   void close(std::int64_t account, VisitRow visit, const std::string& state);
   void takeBackSettings(const VisitRow& visit);
   void chooseHand(VisitRow& visit);
+  void fitToPerson(VisitRow& visit);
+  void removeHandFile(const std::string& name) const;
+  void refuseOtherSide(std::int64_t patient, const std::string& side);
+  void refuseWhileAsking() const;
   void refuseWhileOpen();
   void ask(Call& call, const std::function<StationReply()>& order);
   /// Removes recordings once the change is committed; those that are left stand in the answer.

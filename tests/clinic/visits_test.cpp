@@ -269,6 +269,42 @@ TEST(Visits, StationBeganAnew_VisitIsOfferedAsUnfinished_GoesOn) {
   EXPECT_EQ(b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}})["state"], "open");
 }
 
+TEST(Visits, UnfinishedOneThatWasMoved_GoesOnWithTheRightHandOrNotAtAll) {
+  Bench b;
+  Json left = patientOf("P-002"), small = patientOf("P-003");
+  left["side"] = "left";
+  left["hands"] = {{"left", {{"length_m", 0.1524}, {"breadth_m", 0.0696}}}};
+  small["hands"]["right"] = {{"length_m", 0.171}, {"breadth_m", 0.080}};
+  const std::int64_t wrong = b.addPatient("P-001"),
+                     other_side = b.post("/api/patients", left)["id"],
+                     right = b.post("/api/patients", small)["id"];
+  const std::int64_t visit = b.beginVisit(wrong);
+  const std::string path = fmt::format("/api/visits/{}", visit);
+  const std::string first_hand = b.station.orders.back().hand;
+  EXPECT_NE(first_hand, "");
+  b.station.now.values["effort_limit_arm_n"] = 12.0;
+  b.post(path + "/finish", {{"state", "unfinished"}});
+  b.post(path + "/move", {{"patient", other_side}});
+  EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["field"], "side");
+  EXPECT_EQ(b.station.orders.size(), 1U);
+  b.post(path + "/move", {{"patient", right}});
+  EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["state"], "open");
+  const std::string file = b.options.folder + "/hands/" + b.station.orders.back().hand_file;
+  EXPECT_EQ(b.station.orders.back().hand, "");
+  EXPECT_NE(textOf(file).find("length_m = 0.171\n"), std::string::npos);
+  EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 6.0);
+  EXPECT_EQ(b.get(path)["hand"], b.station.orders.back().hand_file);
+  // Its size is corrected while the visit is unfinished.
+  b.post(path + "/finish", {{"state", "unfinished"}});
+  Json person = b.get(fmt::format("/api/patients/{}", right));
+  person["hands"] = patientOf("")["hands"];
+  b.ask("PUT", fmt::format("/api/patients/{}", right), person);
+  EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["hand"], first_hand);
+  EXPECT_EQ(b.station.orders.back().hand, first_hand);
+  EXPECT_EQ(b.station.orders.back().hand_file, "");
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
 TEST(Visits, StationHoldsAVisitThatIsOver_ItIsClosedThere) {
   Bench b;
   b.station.now.visit = 77;  // of another clinic, or finished while the station was away
@@ -373,6 +409,40 @@ TEST(Settings, LimitThatWasLowered_CapsThePlan_StationThatIsGoneKeepsIt) {
   EXPECT_EQ(person["today"][0]["parameters"]["effort_limit_arm_n"], 4.0);
   b.ask("PUT", fmt::format("/api/patients/{}", id), person);
   EXPECT_EQ(b.status, 200);
+}
+
+TEST(Settings, LimitLoweredAfterAnUnfinishedVisit_HoldsWhenItGoesOn_AndWhenItIsEnded) {
+  for (const bool goes_on : {true, false}) {
+    Bench b;
+    Json body = patientOf("P-001");
+    body["parameters"] = {{"effort_limit_arm_n", 12.0}, {"damping_full_n", 4.0}};
+    const std::int64_t id = b.post("/api/patients", body)["id"], visit = b.beginVisit(id, 2);
+    const std::string path = fmt::format("/api/visits/{}", visit);
+    b.station.now.values["effort_limit_arm_n"] = 18.0;
+    b.station.now.values["damping_full_n"] = 7.0;
+    b.post(path + "/finish", {{"state", "unfinished"}});
+    Json person = personOf(b, id);
+    EXPECT_EQ(person["parameters"], (Json{{"effort_limit_arm_n", 18.0}, {"damping_full_n", 7.0}}));
+    person["parameters"]["effort_limit_arm_n"] = 4.0;
+    b.ask("PUT", fmt::format("/api/patients/{}", id), person);
+    ASSERT_EQ(b.status, 200);
+    if (goes_on) {
+      const Json now = b.post(path + "/item", {{"item", 0}});
+      ASSERT_EQ(b.status, 200) << now;
+      EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 4.0);
+      EXPECT_EQ(now["changed"], (Json{{"damping_full_n", 7.0}}));  // what still holds
+    }
+    b.post(path + "/finish", {{"state", "done"}});
+    ASSERT_EQ(b.status, 200);
+    EXPECT_EQ(personOf(b, id)["parameters"],
+              (Json{{"effort_limit_arm_n", 4.0}, {"damping_full_n", 7.0}}));
+    // Moved away, it gives back what is still its own.
+    const std::int64_t right = b.addPatient("P-002");
+    b.post(path + "/move", {{"patient", right}});
+    ASSERT_EQ(b.status, 200);
+    EXPECT_EQ(personOf(b, id)["parameters"],
+              (Json{{"effort_limit_arm_n", 4.0}, {"damping_full_n", 4.0}}));
+  }
 }
 
 TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
