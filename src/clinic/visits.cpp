@@ -256,6 +256,9 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
   if (plan.empty()) throw badValue("plan", "a visit has at least one item");
   refuseWhileAsking();
   refuseWhileOpen();
+  if (!station_.scene().heard) {  // it hears of no number: there is nothing to keep
+    throw Refused{504, "station_silent", "the station is not connected", {}};
+  }
   VisitRow visit;
   visit.patient = patient;
   visit.side = side;
@@ -278,12 +281,18 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
   try {
     ask(call, [&] { return station_.open(order); });
   } catch (const Refused& refused) {
+    // One that did not answer may still obey: its recordings will name this visit.
+    const bool silent = refused.code == "station_silent";
     Transaction transaction(records_.db());
-    records_.db().change("DELETE FROM visit WHERE id = ?", visit.id);
+    if (silent) {
+      close(call.session.account, visitRow(records_.db(), visit.id), "unfinished");
+    } else {
+      records_.db().change("DELETE FROM visit WHERE id = ?", visit.id);
+    }
     records_.log(call.session.account, "visit refused", patient.value_or(0), visit.id,
                  refused.code);
     transaction.commit();
-    if (!visit.hand_file.empty()) removeHandFile(visit.hand_file);
+    if (!silent && !visit.hand_file.empty()) removeHandFile(visit.hand_file);
     throw;
   }
   records_.begin(call);

@@ -121,14 +121,48 @@ TEST(Visits, RefusedBegin_LeavesNothingBehind) {
   const Json body = {{"side", "right"}, {"plan", planOf()}};
   b.station.reply = {StationReply::What::kRefused, "is armed; stop first"};
   EXPECT_EQ(b.post(path, body)["why"], "is armed; stop first");
-  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  b.station.now.heard = false;
   EXPECT_EQ(b.refused(path, body), "station_silent");
+  b.station.now.heard = true;
   EXPECT_EQ(b.refused(path, {{"side", "left"}, {"plan", planOf()}}),
             "bad_value");  // the wrong side
   EXPECT_TRUE(b.get(fmt::format("/api/patients/{}", id))["visits"].empty());
   EXPECT_EQ(b.get("/api/state")["visit"], 0);
   b.station.reply = {StationReply::What::kAccepted, ""};
   EXPECT_NE(b.beginVisit(id), 0);
+}
+
+TEST(Visits, SilentBegin_ARecordingOfItIsThePatients) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t id = b.addPatient("P-001");
+  const Json body = {{"side", "right"}, {"plan", planOf()}};
+  const std::string path = fmt::format("/api/patients/{}/visits", id);
+  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  EXPECT_EQ(b.refused(path, body), "station_silent");
+  EXPECT_EQ(b.get("/api/state")["visit"], 0);
+  b.station.reply = {StationReply::What::kAccepted, ""};
+  const VisitOrder late = b.station.orders.back();  // it obeys after all, and somebody trains
+  (void)b.station.open(late);
+  record(b, "a.h5");
+  const auto number = static_cast<std::int64_t>(late.visit);
+  measures.says["a.h5"] = FakeMeasures::of(number, "aa", 5.0);
+  look(b, measures);
+  for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
+  EXPECT_EQ(b.station.closed, std::vector<std::uint64_t>{late.visit});
+  const Json visits = b.get(fmt::format("/api/patients/{}", id))["visits"];
+  ASSERT_EQ(visits.size(), 1U);
+  EXPECT_EQ(visits[0]["id"], number);
+  EXPECT_EQ(visits[0]["state"], "unfinished");
+  EXPECT_GE(visits[0]["ended_us"], visits[0]["began_us"]);
+  ASSERT_EQ(visits[0]["trials"].size(), 1U);
+  EXPECT_EQ(visits[0]["trials"][0]["state"], "measured");
+  EXPECT_NE(b.beginVisit(id), 0);  // nothing is open
+  // A guest's stands among the guests.
+  b.finish(static_cast<std::int64_t>(b.station.now.visit));
+  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  EXPECT_EQ(b.refused("/api/guest_visits", {{"side", "left"}}), "station_silent");
+  EXPECT_EQ(b.get("/api/patients")["guests"].size(), 1U);
 }
 
 TEST(Visits, TwoConsoles_SecondBeginAndSecondFinishAreRefused) {
