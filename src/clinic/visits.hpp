@@ -31,6 +31,7 @@ class Visits {
   [[nodiscard]] std::uint64_t compareWithStation(const StationScene& scene);
 
   [[nodiscard]] std::int64_t openOne();  ///< number of the visit that is open; 0: none
+  void refuseWhileAsking() const;        ///< while an order to the station waits for its reply
 
   Json begin(Call& call);
   Json beginGuest(Call& call);
@@ -62,7 +63,6 @@ class Visits {
   void fitToPerson(VisitRow& visit);
   void removeHandFile(const std::string& name) const;
   void refuseOtherSide(std::int64_t patient, const std::string& side);
-  void refuseWhileAsking() const;
   void refuseWhileOpen();
   void ask(Call& call, const std::function<StationReply()>& order);
   /// Removes recordings once the change is committed; those that are left stand in the answer.

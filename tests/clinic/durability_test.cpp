@@ -191,6 +191,17 @@ TEST(Durability, DatabaseWithoutItsKey_IsNamed_AndGoesOnOnceItIsBack) {
   EXPECT_NE(b.addPatient("P-001"), 0);
 }
 
+TEST(Durability, RecordsWithoutDatabaseOrKey_ThrowAndDoNotAbort) {
+  Bench b;
+  Records records(b.options, b.clock);
+  EXPECT_THROW((void)records.db(), DatabaseError);
+  EXPECT_THROW((void)records.isNew(), DatabaseError);
+  EXPECT_THROW(records.log(1, "nothing"), DatabaseError);
+  EXPECT_FALSE(records.tryToLog(1, "nothing"));
+  EXPECT_THROW((void)records.seal("note", "cue given"), DatabaseError);
+  EXPECT_THROW((void)records.unseal("note", "sealed"), DatabaseError);
+}
+
 TEST(Durability, LockedDatabaseAndFullDisk_AreAnswered_ReadingGoesOn) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001");

@@ -192,6 +192,53 @@ TEST(Visits, TwoConsoles_SecondBeginAndSecondFinishAreRefused) {
   EXPECT_EQ(b.station.orders.size(), 1U);
 }
 
+TEST(Visits, LockedOrLostWhileTheStationIsAsked_IsAnswered) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id, 2);
+  const std::string path = fmt::format("/api/visits/{}", visit);
+  b.post(path + "/notes", {{"text", "cue given"}});
+  b.station.meanwhile = [&] {
+    b.station.meanwhile = nullptr;
+    EXPECT_EQ(b.refused("/api/lock", Json::object()), "busy");
+  };
+  const Json next = b.post(path + "/item", {{"item", 1}});
+  EXPECT_EQ(b.status, 200);
+  EXPECT_EQ(next["notes"][0]["text"], "cue given");
+  const auto lose = [&] {
+    b.station.meanwhile = nullptr;
+    std::filesystem::rename(b.database(), b.database() + ".away");
+    EXPECT_EQ(b.refused(path + "/notes", {{"text", "is not kept"}}), "database");
+  };
+  const auto put_back = [&] { std::filesystem::rename(b.database() + ".away", b.database()); };
+  b.station.meanwhile = lose;
+  EXPECT_EQ(b.refused(path + "/item", {{"item", 0}}), "database");
+  put_back();
+  EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["item"], 0);
+  b.station.meanwhile = lose;
+  b.station.reply = {StationReply::What::kRefused, "is armed; stop first"};
+  EXPECT_EQ(b.refused(path + "/item", {{"item", 1}}), "station");
+  put_back();
+  b.station.reply = {StationReply::What::kAccepted, ""};
+  b.finish(visit);
+  EXPECT_EQ(b.status, 200);
+  for (const auto what : {StationReply::What::kAccepted, StationReply::What::kSilent}) {
+    b.station.now.visit = 0;
+    b.station.meanwhile = lose;
+    b.station.reply.what = what;
+    EXPECT_EQ(b.refused(fmt::format("/api/patients/{}/visits", id),
+                        {{"side", "right"}, {"plan", planOf()}}),
+              "database");
+    put_back();
+    b.station.reply = {StationReply::What::kAccepted, ""};
+    const std::int64_t begun = b.get("/api/state")["visit"];
+    EXPECT_NE(begun, 0);  // its row was on the disk before
+    b.finish(begun);
+  }
+  b.post("/api/lock");
+  EXPECT_EQ(b.status, 200);
+  EXPECT_EQ(b.get("/api/state")["clinic"], "locked");
+}
+
 TEST(Visits, PainOfNought_IsAnAnswer) {
   Bench b;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
@@ -642,6 +689,31 @@ TEST(Trials, WhatFailed_IsTriedAgainWhileTheProcessRuns) {
   const int then = tries;
   pass(3700);
   EXPECT_EQ(tries, then);
+}
+
+TEST(Trials, DatabaseLostWhileOneIsMeasured_BothAreFoundLater) {
+  Bench b;
+  const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
+  bool lose = true;
+  const Measure measure = [&](const std::string& path, std::string&) -> std::optional<Json> {
+    if (std::exchange(lose, false)) {
+      std::filesystem::rename(b.database(), b.database() + ".away");
+      EXPECT_EQ(b.refused("/api/patients", patientOf("P-002")), "database");
+    }
+    return FakeMeasures::of(visit, path, 5.0);
+  };
+  record(b, "a.h5");
+  record(b, "b.h5");
+  const auto look = [&] {
+    for (int i = 0; i < 2; ++i, b.clock.pass(3 * kSecond_us)) {
+      b.clinic->lookAtRecordings(measure, {});
+    }
+  };
+  look();
+  EXPECT_FALSE(lose);
+  std::filesystem::rename(b.database() + ".away", b.database());
+  look();
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"].size(), 2U);
 }
 
 TEST(Sessions, RecordedWhileTheRecordsWereGone_AreGivenOrDeleted) {
