@@ -303,14 +303,18 @@ std::vector<std::string> removeFiles(const std::string& folder, const std::strin
   for (const std::string& hand : files.hands) fs::remove(folder + "/hands/" + hand, error);
   if (recordings.empty()) return files.recordings;
   for (const std::string& name : files.recordings) {
-    const std::string stem = fs::path(name).stem().string() + ".";
+    const std::string stem = fs::path(name).stem().string();
     std::vector<fs::path> parts;  // the recording, its note, its inputs
     for (fs::directory_iterator it(recordings, error), end; !error && it != end;
          it.increment(error)) {
-      if (it->path().filename().string().starts_with(stem)) parts.push_back(it->path());
+      if (it->path().filename().string().starts_with(stem + ".")) parts.push_back(it->path());
     }
     for (const fs::path& part : parts) fs::remove(part, error);
-    if (fs::exists(fs::path(recordings) / name, error)) left.push_back(name);
+    const std::string report = stem + "-report";  // which the station makes for a page
+    fs::remove_all(fs::path(recordings) / report, error);
+    for (const std::string& removed : {name, report}) {
+      if (fs::exists(fs::path(recordings) / removed, error)) left.push_back(removed);
+    }
   }
   return left;
 }

@@ -54,8 +54,8 @@ struct ErasedFiles {
 };
 /// Deletes every row of a patient but the log's.
 [[nodiscard]] ErasedFiles eraseRows(Database& db, std::int64_t patient);
-/// Removes recordings with what stands beside them, and hand files of FOLDER/hands.
-/// @return recordings that are still there
+/// Removes recordings with what stands beside them, their reports, and hand files of FOLDER/hands.
+/// @return recordings and reports that are still there
 [[nodiscard]] std::vector<std::string> removeFiles(const std::string& folder,
                                                    const std::string& recordings,
                                                    const ErasedFiles& files);

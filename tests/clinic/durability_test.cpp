@@ -100,6 +100,10 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   b.finish(visit);
   std::ofstream(b.options.recordings + "/a.h5") << "h5";
   std::ofstream(b.options.recordings + "/a.json") << "{}";
+  for (const char* folder : {"/a-report", "/a-report-2"}) {
+    std::filesystem::create_directory(b.options.recordings + folder);
+    std::ofstream(b.options.recordings + folder + "/index.html") << "a report";
+  }
   b.clinic->lookAtRecordings(
       [&](const std::string&, std::string&) {
         return Json{{"visit", visit}, {"recording", {{"ticks", 5}}}};
@@ -118,6 +122,8 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   EXPECT_EQ(said["recordings_left"], Json::array());
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.h5"));
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.json"));
+  EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a-report"));
+  EXPECT_TRUE(std::filesystem::exists(b.options.recordings + "/a-report-2"));  // another's
   // A second folder, which knows of the erasure only by the list beside the backup.
   for (const std::string& folder : {b.options.folder, b.folder.path() + "/second"}) {
     b.clinic.reset();

@@ -779,9 +779,12 @@ TEST(Sessions, DeletedGuest_LeavesNoRecording) {
   record(b, "a.h5");
   measures.says["a.h5"] = FakeMeasures::of(guest, "aa", 5.0);
   look(b, measures);
-  b.ask("DELETE", fmt::format("/api/visits/{}", guest));
-  EXPECT_EQ(b.status, 200);
+  std::filesystem::create_directory(b.options.recordings + "/a-report");
+  record(b, "a-report/index.html");
+  const Json deleted = b.ask("DELETE", fmt::format("/api/visits/{}", guest));
+  EXPECT_EQ(deleted["recordings_left"], Json::array());
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.h5"));
+  EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a-report"));
 }
 
 TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
