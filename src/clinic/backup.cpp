@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <set>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -270,12 +269,22 @@ void removeOldBackups(const std::string& folder, std::int64_t now_us) {
   }
 }
 
-void listErased(const std::string& folder, const std::string& backups, const std::string& mark) {
-  addMarks(folder + "/erased", {mark});
+std::set<std::string> marksOf(Database& db, std::int64_t patient) {
+  std::set<std::string> marks;
+  Statement rows = db.query(
+      "SELECT mark FROM patient WHERE id = ?1 UNION SELECT mark FROM merged WHERE patient = ?1",
+      patient);
+  while (rows.step()) marks.insert(rows.text(0));
+  return marks;
+}
+
+void listErased(const std::string& folder, const std::string& backups,
+                const std::set<std::string>& marks) {
+  addMarks(folder + "/erased", marks);
   if (!backups.empty()) {
     std::error_code ignored;
     fs::create_directories(backups, ignored);
-    addMarks(backups + "/erased", {mark});
+    addMarks(backups + "/erased", marks);
   }
 }
 

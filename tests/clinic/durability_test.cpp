@@ -141,6 +141,31 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   EXPECT_GT(std::abs(b.beginVisit(stays) - visit), 1000);
 }
 
+TEST(Durability, ErasedAfterAMerge_TheDoubleStaysErasedAfterAnOlderBackup) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001", "Anna Gone"),
+                     twin = b.addPatient("P-002", "Anna Double"),
+                     third = b.addPatient("P-003", "Anna Triple"),
+                     stays = b.addPatient("P-004", "Karl Stays");
+  b.post(fmt::format("/api/patients/{}/notes", third), {{"text", "calls on Monday"}});
+  const std::string backup = b.options.backups + "/old.db";
+  ASSERT_TRUE(backUp(b.options.folder, backup).ok());
+  b.post(fmt::format("/api/patients/{}/merge", twin), {{"from", third}});
+  b.post(fmt::format("/api/patients/{}/merge", id), {{"from", twin}});
+  ASSERT_EQ(b.status, 200);
+  b.post(fmt::format("/api/patients/{}/erase", id), {{"code", "P-001"}});
+  ASSERT_EQ(b.status, 200);
+  EXPECT_EQ(
+      Database(b.database(), Database::Mode::kReadWrite).number("SELECT COUNT(*) FROM merged"), 0);
+  b.clinic.reset();
+  const auto restored = restoreBackup(backup, b.options.folder);
+  ASSERT_TRUE(restored.ok()) << format(restored.errors());
+  b.restart();
+  const Json patients = b.get("/api/patients")["patients"];
+  ASSERT_EQ(patients.size(), 1U) << patients;
+  EXPECT_EQ(patients[0]["id"], stays);
+}
+
 TEST(Durability, Backup_IsComparedAndRead_DamagedOneIsRefused) {
   Bench b;
   b.addPatient("P-001");
