@@ -793,15 +793,34 @@ TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
   record(b, "a.h5");
   measures.says["a.h5"] = FakeMeasures::of(visit, "aa", 12.0);
+  record(b, "g.h5");
+  measures.says["g.h5"] = FakeMeasures::of(0, "gg", 7.0);
   look(b, measures);
+  const Json session = b.get("/api/sessions")["sessions"][0];
+  const std::int64_t given =
+      b.post("/api/sessions/give", {{"patient", id}, {"sessions", {session["id"]}}})["id"];
   b.clinic.reset();
   {
     Database(b.database(), Database::Mode::kReadWrite)
         .run("UPDATE trial SET measures = '{}', state = 'failed'");
   }
-  const auto rebuilt = rebuildTrials(b.options.folder, b.options.recordings, measures.measure());
-  ASSERT_TRUE(rebuilt.ok());
+  for (const char* name : {"a (copy).h5", "a.h5.h5"}) {
+    record(b, name);
+    measures.says[name] = measures.says["a.h5"];
+  }
+  std::filesystem::rename(b.options.recordings + "/g.h5", b.options.recordings + "/h.h5");
+  measures.says["h.h5"] = measures.says["g.h5"];
+  for (int i = 0; i < 2; ++i) {  // once more changes nothing
+    const auto rebuilt = rebuildTrials(b.options.folder, b.options.recordings, measures.measure());
+    ASSERT_TRUE(rebuilt.ok());
+    EXPECT_EQ(*rebuilt, "4 recordings: 2 are trials of this clinic's visits, 2 are not");
+  }
   b.restart();
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"].size(), 1U);
+  const Json gift = b.get(fmt::format("/api/visits/{}", given))["trials"];
+  ASSERT_EQ(gift.size(), 1U);
+  EXPECT_EQ(gift[0]["recording"], "h.h5");
+  EXPECT_EQ(gift[0]["state"], "measured");
   EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"][0]["results"][0]["value"], 12.0);
 }
 
