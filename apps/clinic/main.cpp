@@ -191,13 +191,13 @@ int eraseByCode(const ClinicOptions& options, const std::string& code) {
   if (!lock) return refuse(lock.errors());
   Database db(options.folder + "/clinic.db", Database::Mode::kReadWrite);
   migrate(db);
-  Statement row = db.query("SELECT id, mark FROM patient WHERE code = ?", code);
+  Statement row = db.query("SELECT id FROM patient WHERE code = ?", code);
   if (!row.step()) return refuse({{options.folder, 0, "CODE", code, "is no patient's", ""}});
   const std::int64_t id = row.integer(0);
   if (db.number("SELECT COUNT(*) FROM visit WHERE patient = ? AND state = 'open'", id) != 0) {
     return refuse({{options.folder, 0, "CODE", code, "has a visit open", "finish it first"}});
   }
-  listErased(options.folder, options.backups, row.text(1));
+  listErased(options.folder, options.backups, marksOf(db, id));
   ErasedFiles files;
   {
     Transaction transaction(db);

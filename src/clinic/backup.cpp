@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <set>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -270,12 +269,22 @@ void removeOldBackups(const std::string& folder, std::int64_t now_us) {
   }
 }
 
-void listErased(const std::string& folder, const std::string& backups, const std::string& mark) {
-  addMarks(folder + "/erased", {mark});
+std::set<std::string> marksOf(Database& db, std::int64_t patient) {
+  std::set<std::string> marks;
+  Statement rows = db.query(
+      "SELECT mark FROM patient WHERE id = ?1 UNION SELECT mark FROM merged WHERE patient = ?1",
+      patient);
+  while (rows.step()) marks.insert(rows.text(0));
+  return marks;
+}
+
+void listErased(const std::string& folder, const std::string& backups,
+                const std::set<std::string>& marks) {
+  addMarks(folder + "/erased", marks);
   if (!backups.empty()) {
     std::error_code ignored;
     fs::create_directories(backups, ignored);
-    addMarks(backups + "/erased", {mark});
+    addMarks(backups + "/erased", marks);
   }
 }
 
@@ -303,14 +312,18 @@ std::vector<std::string> removeFiles(const std::string& folder, const std::strin
   for (const std::string& hand : files.hands) fs::remove(folder + "/hands/" + hand, error);
   if (recordings.empty()) return files.recordings;
   for (const std::string& name : files.recordings) {
-    const std::string stem = fs::path(name).stem().string() + ".";
+    const std::string stem = fs::path(name).stem().string();
     std::vector<fs::path> parts;  // the recording, its note, its inputs
     for (fs::directory_iterator it(recordings, error), end; !error && it != end;
          it.increment(error)) {
-      if (it->path().filename().string().starts_with(stem)) parts.push_back(it->path());
+      if (it->path().filename().string().starts_with(stem + ".")) parts.push_back(it->path());
     }
     for (const fs::path& part : parts) fs::remove(part, error);
-    if (fs::exists(fs::path(recordings) / name, error)) left.push_back(name);
+    const std::string report = stem + "-report";  // which the station makes for a page
+    fs::remove_all(fs::path(recordings) / report, error);
+    for (const std::string& removed : {name, report}) {
+      if (fs::exists(fs::path(recordings) / removed, error)) left.push_back(removed);
+    }
   }
   return left;
 }

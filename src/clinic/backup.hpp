@@ -5,6 +5,7 @@
 #include "core/expected.hpp"
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -46,16 +47,19 @@ inline constexpr std::int64_t kBackupsKept_us = 30 * kDay_us;
 /// Removes the folder's own backups that are older than 30 days.
 void removeOldBackups(const std::string& folder, std::int64_t now_us);
 
-/// Puts a patient on the lists of the erased, which restoreBackup() obeys: first of all.
-void listErased(const std::string& folder, const std::string& backups, const std::string& mark);
+/// Marks of a patient, and of the doubles that were merged into this one.
+[[nodiscard]] std::set<std::string> marksOf(Database& db, std::int64_t patient);
+/// Puts marks on the lists of the erased, which restoreBackup() obeys: first of all.
+void listErased(const std::string& folder, const std::string& backups,
+                const std::set<std::string>& marks);
 /// Files that belong to an erased patient.
 struct ErasedFiles {
   std::vector<std::string> recordings, hands;  ///< names
 };
 /// Deletes every row of a patient but the log's.
 [[nodiscard]] ErasedFiles eraseRows(Database& db, std::int64_t patient);
-/// Removes recordings with what stands beside them, and hand files of FOLDER/hands.
-/// @return recordings that are still there
+/// Removes recordings with what stands beside them, their reports, and hand files of FOLDER/hands.
+/// @return recordings and reports that are still there
 [[nodiscard]] std::vector<std::string> removeFiles(const std::string& folder,
                                                    const std::string& recordings,
                                                    const ErasedFiles& files);

@@ -74,7 +74,7 @@ std::vector<Clinic::Route> Clinic::routes() {
       {"POST", "/api/init", A::kAnyone, K::kSession, by(accounts_, &Accounts::init)},
       {"POST", "/api/unlock", A::kAnyone, K::kSession, by(accounts_, &Accounts::unlock)},
       {"POST", "/api/sign_in", A::kAnyone, K::kSession, by(accounts_, &Accounts::signIn)},
-      {"POST", "/api/lock", A::kSigned, K::kSession, by(accounts_, &Accounts::lockClinic)},
+      {"POST", "/api/lock", A::kSigned, K::kSession, by(*this, &Clinic::lock)},
       {"POST", "/api/sign_out", A::kSigned, K::kSession, by(accounts_, &Accounts::signOut)},
       {"POST", "/api/hide", A::kSigned, K::kSession, by(accounts_, &Accounts::hide)},
       {"POST", "/api/show", A::kSigned, K::kSession, by(accounts_, &Accounts::show)},
@@ -201,6 +201,12 @@ Json Clinic::state(Call&) {
               {"version", 1}};
   if (records_.isNew()) out["folder"] = folderFacts(records_.options().folder);
   return out;
+}
+
+/// Not while a request waits for the station: its answer needs the key.
+Json Clinic::lock(Call& call) {
+  visits_.refuseWhileAsking();
+  return accounts_.lockClinic(call);
 }
 
 void Clinic::backUpIfDue() {

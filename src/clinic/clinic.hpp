@@ -47,6 +47,7 @@ class Clinic {
   void route(Call& call);
   void perform(Call& call, const Route& route);
   Json state(Call& call);
+  Json lock(Call& call);
 
   Station& station_;
   std::mutex mutex_;  ///< guards all below

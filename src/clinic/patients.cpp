@@ -320,6 +320,10 @@ Json Patients::merge(Call& call) {
   records_.db().change("UPDATE visit SET patient = ?, before = '{}' WHERE patient = ?", id, other);
   records_.db().change("UPDATE note SET patient = ? WHERE patient = ?", id, other);
   records_.db().change("UPDATE patient SET version = version + 1 WHERE id = ?", id);
+  // Erasing this one erases the other again where an older backup has it.
+  records_.db().change(
+      "INSERT INTO merged (patient, mark) SELECT ?, mark FROM patient WHERE id = ?", id, other);
+  records_.db().change("UPDATE merged SET patient = ? WHERE patient = ?", id, other);
   records_.db().change("DELETE FROM patient WHERE id = ?", other);
   records_.log(call.session.account, "merged", id, 0, fmt::format("from {}", other));
   return toJson(id);
@@ -327,13 +331,13 @@ Json Patients::merge(Call& call) {
 
 Json Patients::erase(Call& call) {
   const std::int64_t id = call.ids.at(0);
-  Statement row = records_.db().query("SELECT mark, code FROM patient WHERE id = ?", id);
+  Statement row = records_.db().query("SELECT code FROM patient WHERE id = ?", id);
   if (!row.step()) throw notFound(fmt::format("there is no patient {}", id));
-  if (call.body.value("code", Json()) != row.text(1)) {
+  if (call.body.value("code", Json()) != row.text(0)) {
     throw badValue("code", "type the patient's code to erase everything of this person");
   }
   checkNoOpenVisit(id);
-  listErased(records_.options().folder, records_.options().backups, row.text(0));
+  listErased(records_.options().folder, records_.options().backups, marksOf(records_.db(), id));
   const ErasedFiles files = eraseRows(records_.db(), id);
   records_.log(call.session.account, "erased", id);
   call.after.emplace_back([this, &call, files] {

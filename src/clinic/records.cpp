@@ -63,12 +63,22 @@ void Records::open() {
   was_open_ = true;
 }
 
+Database& Records::db() {
+  if (!db_) throw DatabaseError(options_.folder + "/clinic.db: was closed meanwhile; try again");
+  return *db_;
+}
+
+const Key& Records::openKey() const {
+  if (!key_) throw DatabaseError("the clinic was locked meanwhile; unlock it and try again");
+  return *key_;
+}
+
 std::string Records::seal(std::string_view kind, std::string_view text) const {
-  return key_->seal(kind, text);
+  return openKey().seal(kind, text);
 }
 
 std::string Records::unseal(std::string_view kind, std::string_view sealed) const {
-  auto text = key_->open(kind, sealed);
+  auto text = openKey().open(kind, sealed);
   if (!text) {
     throw DatabaseError(options_.folder +
                         "/clinic.db: a sealed text does not open with this "
@@ -79,14 +89,14 @@ std::string Records::unseal(std::string_view kind, std::string_view sealed) cons
 
 void Records::log(std::int64_t account, const std::string& what, std::int64_t patient,
                   std::int64_t visit, const std::string& detail) {
-  db_->change(
+  db().change(
       "INSERT INTO log (at_us, account, what, patient, visit, detail) VALUES (?, ?, ?, ?, ?, ?)",
       clock_.now_us(), account, what, patient, visit, detail);
 }
 
 bool Records::tryToLog(std::int64_t account, const std::string& what, std::int64_t patient) {
   try {
-    Transaction transaction(*db_);
+    Transaction transaction(db());
     log(account, what, patient);
     transaction.commit();
     return true;

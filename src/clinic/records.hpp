@@ -34,23 +34,25 @@ class Records {
   /// Lets go of a database whose file is gone: it may come back.
   void closeLost();
   [[nodiscard]] bool isOpen() const { return db_.has_value(); }
-  /// @pre isOpen(); likewise below
-  [[nodiscard]] Database& db() { return *db_; }
+  /// Throws where it was let go of: whoever gave up the lock in between asks again.
+  [[nodiscard]] Database& db();
+  /// @pre open() has returned once; likewise below
   [[nodiscard]] const Presets& presets() const { return *presets_; }
   [[nodiscard]] const std::vector<ShippedHand>& hands() const { return hands_; }
   [[nodiscard]] const ClinicOptions& options() const { return options_; }
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
   /// Whether nobody has begun this clinic.
-  [[nodiscard]] bool isNew() { return db_->number("SELECT COUNT(*) FROM clinic") == 0; }
+  [[nodiscard]] bool isNew() { return db().number("SELECT COUNT(*) FROM clinic") == 0; }
   /// The key; empty while the clinic is locked.
   [[nodiscard]] const std::optional<Key>& key() const { return key_; }
   void unlock(Key key) { key_ = std::move(key); }
   void lock() { key_.reset(); }
+  /// Both throw while the clinic is locked.
   [[nodiscard]] std::string seal(std::string_view kind, std::string_view text) const;
   [[nodiscard]] std::string unseal(std::string_view kind, std::string_view sealed) const;
 
-  void begin(Call& call) { call.transaction.emplace(*db_); }
+  void begin(Call& call) { call.transaction.emplace(db()); }
   void log(std::int64_t account, const std::string& what, std::int64_t patient = 0,
            std::int64_t visit = 0, const std::string& detail = {});
   /// Writes the log where it can: a full disk keeps nobody from reading.
@@ -66,6 +68,7 @@ class Records {
 
  private:
   void tryToCompact();
+  [[nodiscard]] const Key& openKey() const;
 
   const ClinicOptions options_;
   const Clock& clock_;

@@ -5,11 +5,25 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <set>
 
 namespace wholehand::clinic {
 namespace {
 
 constexpr std::size_t kMostDepth = 16;
+
+/// As Json::parse(). A key that stands twice is refused: which of the two was meant, nobody knows.
+Json parsedOnce(const std::string& body) {
+  std::vector<std::set<std::string>> keys;  // of each object that is being read
+  return Json::parse(body, [&keys](int, Json::parse_event_t event, const Json& value) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) {
+      throw badValue("", "a key stands twice");  // unnamed: any text could be one
+    }
+    return true;
+  });
+}
 
 }  // namespace
 
@@ -51,7 +65,7 @@ Json parsed(const std::string& body) {
   }
   Json json;
   try {
-    json = Json::parse(body);
+    json = parsedOnce(body);
   } catch (const Json::exception& error) {
     const std::string why = error.what();
     const bool utf8 = why.find("UTF-8") != std::string::npos;

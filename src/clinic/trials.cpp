@@ -104,6 +104,26 @@ Outcome judged(Database& db, const std::string& name, const Json& json) {
   return out;
 }
 
+/// The same recording under another name: one that was renamed takes its row, a copy counts not.
+void findUnderAnotherName(Database& db, const std::string& recordings, const std::string& name,
+                          Outcome& out) {
+  if (out.sha256.empty() || out.state == "ignored") return;
+  Statement same = db.query(
+      "SELECT id, recording, visit FROM trial WHERE sha256 = ? AND recording <> ? AND state <>"
+      " 'ignored'",
+      out.sha256, name);
+  if (!same.step()) return;
+  std::error_code error;
+  if (!fs::exists(fs::path(recordings) / same.text(1), error)) {
+    if (!same.isNull(2)) out.visit = same.integer(2);
+    db.change("DELETE FROM trial WHERE id = ?", same.integer(0));
+  } else if (!out.visit || !same.isNull(2)) {  // one that was given stays given
+    out.state = "ignored";
+    out.why = "is a copy of " + same.text(1);
+    out.visit.reset();
+  }
+}
+
 void insertOrUpdate(Database& db, const Found& file, const Outcome& out) {
   db.change(
       "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us, sha256,"
@@ -124,27 +144,9 @@ void insertOrUpdate(Database& db, const Found& file, const Outcome& out) {
 void Trials::store(const std::string& name, const SeenFile& file, const std::optional<Json>& json,
                    const std::string& why) {
   const std::lock_guard lock(mutex_);
-  if (!records_.isOpen()) return;
   Transaction transaction(records_.db());
   Outcome out = json ? judged(records_.db(), name, *json) : failed(records_.db(), name, why);
-  if (!out.sha256.empty() && out.state != "ignored") {
-    // The same recording under another name: renamed, or a copy.
-    Statement same = records_.db().query(
-        "SELECT id, recording, visit FROM trial WHERE sha256 = ? AND recording <> ? AND state <>"
-        " 'ignored'",
-        out.sha256, name);
-    if (same.step()) {
-      std::error_code error;
-      if (fs::exists(fs::path(records_.options().recordings) / same.text(1), error)) {
-        out.state = "ignored";
-        out.why = "is a copy of " + same.text(1);
-        out.visit.reset();
-      } else {
-        if (!same.isNull(2)) out.visit = same.integer(2);
-        records_.db().change("DELETE FROM trial WHERE id = ?", same.integer(0));
-      }
-    }
-  }
+  findUnderAnotherName(records_.db(), records_.options().recordings, name, out);
   insertOrUpdate(records_.db(), {name, file.size, file.modified_ns}, out);
   transaction.commit();
 }
@@ -272,9 +274,10 @@ Expected<std::string> rebuildTrials(const std::string& folder, const std::string
     for (const Found& file : found) {
       std::string why;
       const auto json = measure((fs::path(recordings) / file.name).string(), why);
-      const Outcome out = json ? judged(db, file.name, *json) : failed(db, file.name, why);
-      ++(out.state == "measured" ? measured : others);
       Transaction transaction(db);
+      Outcome out = json ? judged(db, file.name, *json) : failed(db, file.name, why);
+      findUnderAnotherName(db, recordings, file.name, out);
+      ++(out.state == "measured" ? measured : others);
       insertOrUpdate(db, file, out);
       transaction.commit();
     }

@@ -118,12 +118,13 @@ void Visits::keepSettings(VisitRow& visit) {
   transaction.commit();
 }
 
-/// Ends a visit: what was set in it is the person's from now on.
+/// Ends a visit: what was set in it is the person's from now on. One that was unfinished has given
+/// it already; the person may have been changed since.
 void Visits::close(std::int64_t account, VisitRow visit, const std::string& state) {
   records_.db().change("UPDATE visit SET state = ?, ended_us = ? WHERE id = ?",
                        visit.patient ? state : std::string("guest"),
                        std::max(records_.clock().now_us(), visit.began_us), visit.id);
-  if (!visit.patient || visit.changed.empty()) return;
+  if (!visit.patient || visit.changed.empty() || visit.state == "unfinished") return;
   Statement row =
       records_.db().query("SELECT parameters, plan FROM patient WHERE id = ?", *visit.patient);
   row.step();
@@ -180,6 +181,46 @@ void Visits::chooseHand(VisitRow& visit) {
   if (!written) throw Refused{503, "database", format(written.errors()), field};
 }
 
+/// Makes an unfinished visit again the person's whom it is of now: side, hand and limits may have
+/// been changed since, or the visit moved.
+void Visits::fitToPerson(VisitRow& visit) {
+  refuseOtherSide(*visit.patient, visit.side);
+  Statement row =
+      records_.db().query("SELECT parameters FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  const Json own = Json::parse(row.text(0)), changed = visit.changed;
+  for (const auto& [name, value] : changed.items()) {
+    if (own.value(name, Json()) == value) continue;
+    visit.changed.erase(name);
+    visit.before.erase(name);
+  }
+  const std::string file = std::exchange(visit.hand_file, {});
+  chooseHand(visit);
+  Transaction transaction(records_.db());
+  records_.db().change(
+      "UPDATE visit SET hand = ?, hand_file = ?, changed = ?, before = ? WHERE id = ?", visit.hand,
+      visit.hand_file, visit.changed.dump(), visit.before.dump(), visit.id);
+  transaction.commit();
+  if (!file.empty() && visit.hand_file != file) removeHandFile(file);
+}
+
+void Visits::removeHandFile(const std::string& name) const {
+  std::error_code ignored;
+  std::filesystem::remove(records_.options().folder + "/hands/" + name, ignored);
+}
+
+void Visits::refuseOtherSide(std::int64_t patient, const std::string& side) {
+  Statement row = records_.db().query("SELECT side FROM patient WHERE id = ?", patient);
+  row.step();
+  if (row.text(0) != "both" && row.text(0) != side) {
+    throw badValue("side", "the patient's affected side is " + row.text(0) + ", not " + side);
+  }
+}
+
+void Visits::refuseWhileAsking() const {
+  if (asking_) throw Refused{409, "busy", "the station is being asked already; try again", {}};
+}
+
 void Visits::refuseWhileOpen() {
   const std::int64_t open = openOne();
   if (open == 0) return;
@@ -192,7 +233,7 @@ void Visits::refuseWhileOpen() {
 
 /// Sends an order and waits for its reply; other requests go on meanwhile.
 void Visits::ask(Call& call, const std::function<StationReply()>& order) {
-  if (asking_) throw Refused{409, "busy", "the station is being asked already; try again", {}};
+  refuseWhileAsking();
   asking_ = true;
   call.lock.unlock();
   StationReply reply;
@@ -213,8 +254,11 @@ void Visits::ask(Call& call, const std::function<StationReply()>& order) {
 Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::string& side,
                    const Plan& plan) {
   if (plan.empty()) throw badValue("plan", "a visit has at least one item");
-  if (asking_) throw Refused{409, "busy", "the station is being asked already; try again", {}};
+  refuseWhileAsking();
   refuseWhileOpen();
+  if (!station_.scene().heard) {  // it hears of no number: there is nothing to keep
+    throw Refused{504, "station_silent", "the station is not connected", {}};
+  }
   VisitRow visit;
   visit.patient = patient;
   visit.side = side;
@@ -237,15 +281,18 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
   try {
     ask(call, [&] { return station_.open(order); });
   } catch (const Refused& refused) {
+    // One that did not answer may still obey: its recordings will name this visit.
+    const bool silent = refused.code == "station_silent";
     Transaction transaction(records_.db());
-    records_.db().change("DELETE FROM visit WHERE id = ?", visit.id);
+    if (silent) {
+      close(call.session.account, visitRow(records_.db(), visit.id), "unfinished");
+    } else {
+      records_.db().change("DELETE FROM visit WHERE id = ?", visit.id);
+    }
     records_.log(call.session.account, "visit refused", patient.value_or(0), visit.id,
                  refused.code);
     transaction.commit();
-    std::error_code ignored;
-    if (!visit.hand_file.empty()) {
-      std::filesystem::remove(records_.options().folder + "/hands/" + visit.hand_file, ignored);
-    }
+    if (!silent && !visit.hand_file.empty()) removeHandFile(visit.hand_file);
     throw;
   }
   records_.begin(call);
@@ -257,11 +304,7 @@ Json Visits::begin(Call& call) {
   const std::int64_t id = call.ids.at(0);
   patients_.check(id);
   const std::string side = sideOf(call.body);
-  Statement row = records_.db().query("SELECT side FROM patient WHERE id = ?", id);
-  row.step();
-  if (row.text(0) != "both" && row.text(0) != side) {
-    throw badValue("side", "the patient's affected side is " + row.text(0) + ", not " + side);
-  }
+  refuseOtherSide(id, side);
   return start(
       call, id, side,
       plans_.readPlan(call.body.value("plan", Json::array()), "plan", plans_.limitsOf(id)));
@@ -293,16 +336,19 @@ Json Visits::nextItem(Call& call) {
     throw badValue("item", fmt::format("item must be one of 0 to {}", items - 1));
   }
   const auto k = item.get<std::int64_t>();
+  refuseWhileAsking();
+  if (visit.state == "unfinished") fitToPerson(visit);
   keepSettings(visit);
   const VisitOrder order = orderOf(visit, k);
   const Json in_force = inForce(order);
   ask(call, [&] { return station_.open(order); });
   records_.begin(call);
-  // Another console may have finished it meanwhile: then nothing changes, and the station is told.
+  // Another console may have finished or moved it meanwhile: then nothing changes, and the station
+  // is told.
   records_.db().change(
       "UPDATE visit SET item = ?, in_force = ?, state = 'open', ended_us = 0 WHERE id = ? AND state"
-      " = ?",
-      k, in_force.dump(), visit.id, visit.state);
+      " = ? AND patient IS ?",
+      k, in_force.dump(), visit.id, visit.state, visit.patient);
   records_.log(call.session.account, "began an item", visit.patient.value_or(0), visit.id,
                std::to_string(k));
   return visitJson(records_, visit.id, call.session.hidden);
@@ -318,7 +364,7 @@ Json Visits::finish(Call& call) {
     throw changedMeanwhile("this visit was finished meanwhile",
                            visitJson(records_, visit.id, call.session.hidden));
   }
-  keepSettings(visit);
+  if (visit.state == "open") keepSettings(visit);
   // A station that is not there has nothing open; lookAtStation() closes it when it comes back.
   if (visit.state == "open" && station_.scene().heard) {
     ask(call, [&] { return station_.close(static_cast<std::uint64_t>(visit.id)); });

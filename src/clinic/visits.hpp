@@ -31,6 +31,7 @@ class Visits {
   [[nodiscard]] std::uint64_t compareWithStation(const StationScene& scene);
 
   [[nodiscard]] std::int64_t openOne();  ///< number of the visit that is open; 0: none
+  void refuseWhileAsking() const;        ///< while an order to the station waits for its reply
 
   Json begin(Call& call);
   Json beginGuest(Call& call);
@@ -59,6 +60,9 @@ class Visits {
   void close(std::int64_t account, VisitRow visit, const std::string& state);
   void takeBackSettings(const VisitRow& visit);
   void chooseHand(VisitRow& visit);
+  void fitToPerson(VisitRow& visit);
+  void removeHandFile(const std::string& name) const;
+  void refuseOtherSide(std::int64_t patient, const std::string& side);
   void refuseWhileOpen();
   void ask(Call& call, const std::function<StationReply()>& order);
   /// Removes recordings once the change is committed; those that are left stand in the answer.

@@ -100,6 +100,10 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   b.finish(visit);
   std::ofstream(b.options.recordings + "/a.h5") << "h5";
   std::ofstream(b.options.recordings + "/a.json") << "{}";
+  for (const char* folder : {"/a-report", "/a-report-2"}) {
+    std::filesystem::create_directory(b.options.recordings + folder);
+    std::ofstream(b.options.recordings + folder + "/index.html") << "a report";
+  }
   b.clinic->lookAtRecordings(
       [&](const std::string&, std::string&) {
         return Json{{"visit", visit}, {"recording", {{"ticks", 5}}}};
@@ -118,6 +122,8 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   EXPECT_EQ(said["recordings_left"], Json::array());
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.h5"));
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.json"));
+  EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a-report"));
+  EXPECT_TRUE(std::filesystem::exists(b.options.recordings + "/a-report-2"));  // another's
   // A second folder, which knows of the erasure only by the list beside the backup.
   for (const std::string& folder : {b.options.folder, b.folder.path() + "/second"}) {
     b.clinic.reset();
@@ -133,6 +139,31 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   // What was recorded after the backup has numbers that are given out again nowhere.
   b.station.now.visit = 0;
   EXPECT_GT(std::abs(b.beginVisit(stays) - visit), 1000);
+}
+
+TEST(Durability, ErasedAfterAMerge_TheDoubleStaysErasedAfterAnOlderBackup) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001", "Anna Gone"),
+                     twin = b.addPatient("P-002", "Anna Double"),
+                     third = b.addPatient("P-003", "Anna Triple"),
+                     stays = b.addPatient("P-004", "Karl Stays");
+  b.post(fmt::format("/api/patients/{}/notes", third), {{"text", "calls on Monday"}});
+  const std::string backup = b.options.backups + "/old.db";
+  ASSERT_TRUE(backUp(b.options.folder, backup).ok());
+  b.post(fmt::format("/api/patients/{}/merge", twin), {{"from", third}});
+  b.post(fmt::format("/api/patients/{}/merge", id), {{"from", twin}});
+  ASSERT_EQ(b.status, 200);
+  b.post(fmt::format("/api/patients/{}/erase", id), {{"code", "P-001"}});
+  ASSERT_EQ(b.status, 200);
+  EXPECT_EQ(
+      Database(b.database(), Database::Mode::kReadWrite).number("SELECT COUNT(*) FROM merged"), 0);
+  b.clinic.reset();
+  const auto restored = restoreBackup(backup, b.options.folder);
+  ASSERT_TRUE(restored.ok()) << format(restored.errors());
+  b.restart();
+  const Json patients = b.get("/api/patients")["patients"];
+  ASSERT_EQ(patients.size(), 1U) << patients;
+  EXPECT_EQ(patients[0]["id"], stays);
 }
 
 TEST(Durability, Backup_IsComparedAndRead_DamagedOneIsRefused) {
@@ -189,6 +220,17 @@ TEST(Durability, DatabaseWithoutItsKey_IsNamed_AndGoesOnOnceItIsBack) {
   EXPECT_FALSE(std::filesystem::exists(b.database()));
   std::filesystem::rename(b.database() + ".away", b.database());
   EXPECT_NE(b.addPatient("P-001"), 0);
+}
+
+TEST(Durability, RecordsWithoutDatabaseOrKey_ThrowAndDoNotAbort) {
+  Bench b;
+  Records records(b.options, b.clock);
+  EXPECT_THROW((void)records.db(), DatabaseError);
+  EXPECT_THROW((void)records.isNew(), DatabaseError);
+  EXPECT_THROW(records.log(1, "nothing"), DatabaseError);
+  EXPECT_FALSE(records.tryToLog(1, "nothing"));
+  EXPECT_THROW((void)records.seal("note", "cue given"), DatabaseError);
+  EXPECT_THROW((void)records.unseal("note", "sealed"), DatabaseError);
 }
 
 TEST(Durability, LockedDatabaseAndFullDisk_AreAnswered_ReadingGoesOn) {

@@ -247,6 +247,16 @@ TEST(Requests, BadInput_IsRefusedByName_ChangesNothing) {
             std::string::npos);
   EXPECT_EQ(said("{\"name\":\"\xFF\"}")["why"], "the text is not UTF-8");
   EXPECT_EQ(said("{\"name\":NaN}")["why"], "the body is not JSON");
+  std::string twice = patientOf("P-002").dump();
+  const std::string none = "\"parameters\":{}";
+  ASSERT_NE(twice.find(none), twice.npos);
+  twice.replace(twice.find(none), none.size(),
+                "\"parameters\":{\"effort_limit_arm_n\":3,\"effort_limit_arm_n\":20}");
+  EXPECT_EQ(said(twice)["why"], "a key stands twice");
+  EXPECT_EQ(
+      Json::parse(b.raw("POST", "/api/patients/1/erase", "{\"code\":\"P-999\",\"code\":\"P-001\"}")
+                      .body)["why"],
+      "a key stands twice");
   EXPECT_EQ(b.post("/api/patients", Json::array()).value("refused", ""), "bad_value");
   EXPECT_EQ(b.raw("POST", "/api/patients", patientOf("P-003").dump(), "").status, 400);  // no key
   EXPECT_EQ(b.raw("GET", "/api/patients", "").body, before);

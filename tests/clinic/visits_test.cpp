@@ -121,14 +121,48 @@ TEST(Visits, RefusedBegin_LeavesNothingBehind) {
   const Json body = {{"side", "right"}, {"plan", planOf()}};
   b.station.reply = {StationReply::What::kRefused, "is armed; stop first"};
   EXPECT_EQ(b.post(path, body)["why"], "is armed; stop first");
-  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  b.station.now.heard = false;
   EXPECT_EQ(b.refused(path, body), "station_silent");
+  b.station.now.heard = true;
   EXPECT_EQ(b.refused(path, {{"side", "left"}, {"plan", planOf()}}),
             "bad_value");  // the wrong side
   EXPECT_TRUE(b.get(fmt::format("/api/patients/{}", id))["visits"].empty());
   EXPECT_EQ(b.get("/api/state")["visit"], 0);
   b.station.reply = {StationReply::What::kAccepted, ""};
   EXPECT_NE(b.beginVisit(id), 0);
+}
+
+TEST(Visits, SilentBegin_ARecordingOfItIsThePatients) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t id = b.addPatient("P-001");
+  const Json body = {{"side", "right"}, {"plan", planOf()}};
+  const std::string path = fmt::format("/api/patients/{}/visits", id);
+  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  EXPECT_EQ(b.refused(path, body), "station_silent");
+  EXPECT_EQ(b.get("/api/state")["visit"], 0);
+  b.station.reply = {StationReply::What::kAccepted, ""};
+  const VisitOrder late = b.station.orders.back();  // it obeys after all, and somebody trains
+  (void)b.station.open(late);
+  record(b, "a.h5");
+  const auto number = static_cast<std::int64_t>(late.visit);
+  measures.says["a.h5"] = FakeMeasures::of(number, "aa", 5.0);
+  look(b, measures);
+  for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
+  EXPECT_EQ(b.station.closed, std::vector<std::uint64_t>{late.visit});
+  const Json visits = b.get(fmt::format("/api/patients/{}", id))["visits"];
+  ASSERT_EQ(visits.size(), 1U);
+  EXPECT_EQ(visits[0]["id"], number);
+  EXPECT_EQ(visits[0]["state"], "unfinished");
+  EXPECT_GE(visits[0]["ended_us"], visits[0]["began_us"]);
+  ASSERT_EQ(visits[0]["trials"].size(), 1U);
+  EXPECT_EQ(visits[0]["trials"][0]["state"], "measured");
+  EXPECT_NE(b.beginVisit(id), 0);  // nothing is open
+  // A guest's stands among the guests.
+  b.finish(static_cast<std::int64_t>(b.station.now.visit));
+  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  EXPECT_EQ(b.refused("/api/guest_visits", {{"side", "left"}}), "station_silent");
+  EXPECT_EQ(b.get("/api/patients")["guests"].size(), 1U);
 }
 
 TEST(Visits, TwoConsoles_SecondBeginAndSecondFinishAreRefused) {
@@ -156,6 +190,53 @@ TEST(Visits, TwoConsoles_SecondBeginAndSecondFinishAreRefused) {
   EXPECT_EQ(late["refused"], "changed");
   EXPECT_EQ(late["now"]["state"], "done");
   EXPECT_EQ(b.station.orders.size(), 1U);
+}
+
+TEST(Visits, LockedOrLostWhileTheStationIsAsked_IsAnswered) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id, 2);
+  const std::string path = fmt::format("/api/visits/{}", visit);
+  b.post(path + "/notes", {{"text", "cue given"}});
+  b.station.meanwhile = [&] {
+    b.station.meanwhile = nullptr;
+    EXPECT_EQ(b.refused("/api/lock", Json::object()), "busy");
+  };
+  const Json next = b.post(path + "/item", {{"item", 1}});
+  EXPECT_EQ(b.status, 200);
+  EXPECT_EQ(next["notes"][0]["text"], "cue given");
+  const auto lose = [&] {
+    b.station.meanwhile = nullptr;
+    std::filesystem::rename(b.database(), b.database() + ".away");
+    EXPECT_EQ(b.refused(path + "/notes", {{"text", "is not kept"}}), "database");
+  };
+  const auto put_back = [&] { std::filesystem::rename(b.database() + ".away", b.database()); };
+  b.station.meanwhile = lose;
+  EXPECT_EQ(b.refused(path + "/item", {{"item", 0}}), "database");
+  put_back();
+  EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["item"], 0);
+  b.station.meanwhile = lose;
+  b.station.reply = {StationReply::What::kRefused, "is armed; stop first"};
+  EXPECT_EQ(b.refused(path + "/item", {{"item", 1}}), "station");
+  put_back();
+  b.station.reply = {StationReply::What::kAccepted, ""};
+  b.finish(visit);
+  EXPECT_EQ(b.status, 200);
+  for (const auto what : {StationReply::What::kAccepted, StationReply::What::kSilent}) {
+    b.station.now.visit = 0;
+    b.station.meanwhile = lose;
+    b.station.reply.what = what;
+    EXPECT_EQ(b.refused(fmt::format("/api/patients/{}/visits", id),
+                        {{"side", "right"}, {"plan", planOf()}}),
+              "database");
+    put_back();
+    b.station.reply = {StationReply::What::kAccepted, ""};
+    const std::int64_t begun = b.get("/api/state")["visit"];
+    EXPECT_NE(begun, 0);  // its row was on the disk before
+    b.finish(begun);
+  }
+  b.post("/api/lock");
+  EXPECT_EQ(b.status, 200);
+  EXPECT_EQ(b.get("/api/state")["clinic"], "locked");
 }
 
 TEST(Visits, PainOfNought_IsAnAnswer) {
@@ -269,6 +350,42 @@ TEST(Visits, StationBeganAnew_VisitIsOfferedAsUnfinished_GoesOn) {
   EXPECT_EQ(b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}})["state"], "open");
 }
 
+TEST(Visits, UnfinishedOneThatWasMoved_GoesOnWithTheRightHandOrNotAtAll) {
+  Bench b;
+  Json left = patientOf("P-002"), small = patientOf("P-003");
+  left["side"] = "left";
+  left["hands"] = {{"left", {{"length_m", 0.1524}, {"breadth_m", 0.0696}}}};
+  small["hands"]["right"] = {{"length_m", 0.171}, {"breadth_m", 0.080}};
+  const std::int64_t wrong = b.addPatient("P-001"),
+                     other_side = b.post("/api/patients", left)["id"],
+                     right = b.post("/api/patients", small)["id"];
+  const std::int64_t visit = b.beginVisit(wrong);
+  const std::string path = fmt::format("/api/visits/{}", visit);
+  const std::string first_hand = b.station.orders.back().hand;
+  EXPECT_NE(first_hand, "");
+  b.station.now.values["effort_limit_arm_n"] = 12.0;
+  b.post(path + "/finish", {{"state", "unfinished"}});
+  b.post(path + "/move", {{"patient", other_side}});
+  EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["field"], "side");
+  EXPECT_EQ(b.station.orders.size(), 1U);
+  b.post(path + "/move", {{"patient", right}});
+  EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["state"], "open");
+  const std::string file = b.options.folder + "/hands/" + b.station.orders.back().hand_file;
+  EXPECT_EQ(b.station.orders.back().hand, "");
+  EXPECT_NE(textOf(file).find("length_m = 0.171\n"), std::string::npos);
+  EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 6.0);
+  EXPECT_EQ(b.get(path)["hand"], b.station.orders.back().hand_file);
+  // Its size is corrected while the visit is unfinished.
+  b.post(path + "/finish", {{"state", "unfinished"}});
+  Json person = b.get(fmt::format("/api/patients/{}", right));
+  person["hands"] = patientOf("")["hands"];
+  b.ask("PUT", fmt::format("/api/patients/{}", right), person);
+  EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["hand"], first_hand);
+  EXPECT_EQ(b.station.orders.back().hand, first_hand);
+  EXPECT_EQ(b.station.orders.back().hand_file, "");
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
 TEST(Visits, StationHoldsAVisitThatIsOver_ItIsClosedThere) {
   Bench b;
   b.station.now.visit = 77;  // of another clinic, or finished while the station was away
@@ -373,6 +490,40 @@ TEST(Settings, LimitThatWasLowered_CapsThePlan_StationThatIsGoneKeepsIt) {
   EXPECT_EQ(person["today"][0]["parameters"]["effort_limit_arm_n"], 4.0);
   b.ask("PUT", fmt::format("/api/patients/{}", id), person);
   EXPECT_EQ(b.status, 200);
+}
+
+TEST(Settings, LimitLoweredAfterAnUnfinishedVisit_HoldsWhenItGoesOn_AndWhenItIsEnded) {
+  for (const bool goes_on : {true, false}) {
+    Bench b;
+    Json body = patientOf("P-001");
+    body["parameters"] = {{"effort_limit_arm_n", 12.0}, {"damping_full_n", 4.0}};
+    const std::int64_t id = b.post("/api/patients", body)["id"], visit = b.beginVisit(id, 2);
+    const std::string path = fmt::format("/api/visits/{}", visit);
+    b.station.now.values["effort_limit_arm_n"] = 18.0;
+    b.station.now.values["damping_full_n"] = 7.0;
+    b.post(path + "/finish", {{"state", "unfinished"}});
+    Json person = personOf(b, id);
+    EXPECT_EQ(person["parameters"], (Json{{"effort_limit_arm_n", 18.0}, {"damping_full_n", 7.0}}));
+    person["parameters"]["effort_limit_arm_n"] = 4.0;
+    b.ask("PUT", fmt::format("/api/patients/{}", id), person);
+    ASSERT_EQ(b.status, 200);
+    if (goes_on) {
+      const Json now = b.post(path + "/item", {{"item", 0}});
+      ASSERT_EQ(b.status, 200) << now;
+      EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 4.0);
+      EXPECT_EQ(now["changed"], (Json{{"damping_full_n", 7.0}}));  // what still holds
+    }
+    b.post(path + "/finish", {{"state", "done"}});
+    ASSERT_EQ(b.status, 200);
+    EXPECT_EQ(personOf(b, id)["parameters"],
+              (Json{{"effort_limit_arm_n", 4.0}, {"damping_full_n", 7.0}}));
+    // Moved away, it gives back what is still its own.
+    const std::int64_t right = b.addPatient("P-002");
+    b.post(path + "/move", {{"patient", right}});
+    ASSERT_EQ(b.status, 200);
+    EXPECT_EQ(personOf(b, id)["parameters"],
+              (Json{{"effort_limit_arm_n", 4.0}, {"damping_full_n", 4.0}}));
+  }
 }
 
 TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
@@ -540,6 +691,31 @@ TEST(Trials, WhatFailed_IsTriedAgainWhileTheProcessRuns) {
   EXPECT_EQ(tries, then);
 }
 
+TEST(Trials, DatabaseLostWhileOneIsMeasured_BothAreFoundLater) {
+  Bench b;
+  const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
+  bool lose = true;
+  const Measure measure = [&](const std::string& path, std::string&) -> std::optional<Json> {
+    if (std::exchange(lose, false)) {
+      std::filesystem::rename(b.database(), b.database() + ".away");
+      EXPECT_EQ(b.refused("/api/patients", patientOf("P-002")), "database");
+    }
+    return FakeMeasures::of(visit, path, 5.0);
+  };
+  record(b, "a.h5");
+  record(b, "b.h5");
+  const auto look = [&] {
+    for (int i = 0; i < 2; ++i, b.clock.pass(3 * kSecond_us)) {
+      b.clinic->lookAtRecordings(measure, {});
+    }
+  };
+  look();
+  EXPECT_FALSE(lose);
+  std::filesystem::rename(b.database() + ".away", b.database());
+  look();
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"].size(), 2U);
+}
+
 TEST(Sessions, RecordedWhileTheRecordsWereGone_AreGivenOrDeleted) {
   Bench b;
   FakeMeasures measures;
@@ -603,9 +779,12 @@ TEST(Sessions, DeletedGuest_LeavesNoRecording) {
   record(b, "a.h5");
   measures.says["a.h5"] = FakeMeasures::of(guest, "aa", 5.0);
   look(b, measures);
-  b.ask("DELETE", fmt::format("/api/visits/{}", guest));
-  EXPECT_EQ(b.status, 200);
+  std::filesystem::create_directory(b.options.recordings + "/a-report");
+  record(b, "a-report/index.html");
+  const Json deleted = b.ask("DELETE", fmt::format("/api/visits/{}", guest));
+  EXPECT_EQ(deleted["recordings_left"], Json::array());
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.h5"));
+  EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a-report"));
 }
 
 TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
@@ -614,15 +793,34 @@ TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
   record(b, "a.h5");
   measures.says["a.h5"] = FakeMeasures::of(visit, "aa", 12.0);
+  record(b, "g.h5");
+  measures.says["g.h5"] = FakeMeasures::of(0, "gg", 7.0);
   look(b, measures);
+  const Json session = b.get("/api/sessions")["sessions"][0];
+  const std::int64_t given =
+      b.post("/api/sessions/give", {{"patient", id}, {"sessions", {session["id"]}}})["id"];
   b.clinic.reset();
   {
     Database(b.database(), Database::Mode::kReadWrite)
         .run("UPDATE trial SET measures = '{}', state = 'failed'");
   }
-  const auto rebuilt = rebuildTrials(b.options.folder, b.options.recordings, measures.measure());
-  ASSERT_TRUE(rebuilt.ok());
+  for (const char* name : {"a (copy).h5", "a.h5.h5"}) {
+    record(b, name);
+    measures.says[name] = measures.says["a.h5"];
+  }
+  std::filesystem::rename(b.options.recordings + "/g.h5", b.options.recordings + "/h.h5");
+  measures.says["h.h5"] = measures.says["g.h5"];
+  for (int i = 0; i < 2; ++i) {  // once more changes nothing
+    const auto rebuilt = rebuildTrials(b.options.folder, b.options.recordings, measures.measure());
+    ASSERT_TRUE(rebuilt.ok());
+    EXPECT_EQ(*rebuilt, "4 recordings: 2 are trials of this clinic's visits, 2 are not");
+  }
   b.restart();
+  EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"].size(), 1U);
+  const Json gift = b.get(fmt::format("/api/visits/{}", given))["trials"];
+  ASSERT_EQ(gift.size(), 1U);
+  EXPECT_EQ(gift[0]["recording"], "h.h5");
+  EXPECT_EQ(gift[0]["state"], "measured");
   EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"][0]["results"][0]["value"], 12.0);
 }
 
