@@ -336,8 +336,10 @@ void printNotes(const Decomposed& d) {
   for (const std::string& notice : d.notices) {
     std::printf("  note     the mesh %s\n", notice.c_str());
   }
-  if (d.solid.turned) {
-    std::printf("  note     the mesh is inside out: its triangles were turned\n");
+  if (d.solid.turned != TurnedShells::kNone) {
+    const char* const what =
+        d.solid.turned == TurnedShells::kAll ? "the mesh" : "a part of the mesh";
+    std::printf("  note     %s is inside out: its triangles were turned\n", what);
   }
   if (d.pieces.twice_share > 0.0) {
     std::printf(
@@ -390,7 +392,7 @@ ordered_json jsonOf(const Decomposed& d) {
             {"triangles", d.solid.surface.triangles.size()},
             {"size_m", d.solid.size_m},
             {"volume_m3", d.solid.volume_m3},
-            {"turned", d.solid.turned},
+            {"turned", d.solid.turned != TurnedShells::kNone},
             {"share_inside", d.pieces.twice_share},
             {"mass", massJson(d.mesh_mass)}}},
           {"concavity_m", d.options.concavity_m},
