@@ -85,6 +85,19 @@ class Guessed(AppTest):
         self.assertNotIn("beside it", result.err)  # the device was named
 
 
+    def test_a_motion_alone_says_that_no_device_was_asked(self):
+        millimetres = self.write("mm.csv", "time_s,x_m\n" + "".join(f"{.01 * i:.2f},{.2 * i:.1f}\n" for i in range(100)))
+        self.expect(self.run_app("validate", millimetres), DONE, "ok  motion",
+                    "not held against a device: name its device file beside it")
+        self.expect_refused(self.run_app("validate", millimetres, DEVICE), "mm.csv", "x_m")
+        result = self.expect(self.run_app("validate", MOTION, DEVICE), DONE, "ok  motion")
+        self.assertNotIn("not held", result.out)
+
+    def test_the_ending_of_a_motion_in_any_case(self):
+        for name in ("MOTION.CSV", "Motion.Csv"):
+            self.expect(self.run_app("validate", self.write(name, MOTION.read_text())), DONE, "ok  motion", name)
+
+
 class Mistakes(AppTest):
     def expect_one_message(self, path, texts, line=0):
         place = f"{path}:{line}:" if line else str(path)

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -22,12 +23,20 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
+// By the ending, in any case: instruments and Windows write MOTION.CSV.
+bool isMotionName(const std::string& file) {
+  std::string ending = fs::path(file).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".csv";
+}
+
 // Files to check, by kind, and what to check them against.
 class Validation {
  public:
   explicit Validation(const std::vector<std::string>& files) {
     for (const std::string& file : files) {
-      if (fs::path(file).extension() == ".csv") {
+      if (isMotionName(file)) {
         kinds_.emplace_back(file, "motion");
       } else {
         auto kind = fileKind(file);
@@ -180,7 +189,9 @@ class Validation {
                             ? Expected<DeviceModel>(Diagnostics{})
                             : loadDeviceFile(device_file);
     const auto motion = loadMotionFile(file, device ? &*device : nullptr);
-    return add(motion) ? noticed(motion->notices) : "";
+    if (!add(motion)) return {};
+    const char* const alone = "    (not held against a device: name its device file beside it)\n";
+    return (device ? "" : alone) + noticed(motion->notices);
   }
 
   static std::string noticed(const Diagnostics& notices) {
