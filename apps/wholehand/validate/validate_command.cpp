@@ -31,6 +31,12 @@ bool isMotionName(const std::string& file) {
   return ending == ".csv";
 }
 
+// Shipped driver whose settings are of that kind; empty: none.
+std::string driverOfKind(const std::string& kind) {
+  if (kind == "moteus" || kind == "composite") return kind;
+  return kind == "force-dimension" ? "force_dimension" : "";
+}
+
 // Files to check, by kind, and what to check them against.
 class Validation {
  public:
@@ -137,6 +143,15 @@ class Validation {
   void checkKind(const std::string& file, const std::string& kind) {
     TomlFile toml(file, kind);
     if (!toml.readable()) return;
+    if (const std::string driver = driverOfKind(kind); !driver.empty()) {
+      toml.root().fail("kind", "is the settings of a driver, which reads them itself",
+                       fmt::format("check it with: wholehand device inspect --driver {} "
+                                   "--driver-settings {}",
+                                   driver, printable(file)));
+      toml.root().ignoreUnknownKeys();
+      add(toml.finish());
+      return;
+    }
     toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
                                 "passport", "device-check", "sweep", "clinic-presets"});
     if (toml.root().isGood("kind")) return;
