@@ -3,6 +3,7 @@ import json
 import math
 import os
 import re
+import struct
 import xml.dom.minidom
 
 import numpy
@@ -186,6 +187,15 @@ class Decompose(AppTest):
                 for done in (right, turned)]
         self.assertEqual(len(rows[0]), 3)
         self.assertEqual(rows[0], rows[1])
+
+    def test_triangles_that_a_file_does_not_announce_are_said_where_it_is_not_closed(self):
+        points, faces = CUBE
+        triangles = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
+        half = bytes(80) + struct.pack("<I", len(triangles) // 2)
+        for triangle in triangles:
+            half += struct.pack("<12fH", 0, 0, 0, *(c for corner in triangle for c in points[corner]), 0)
+        self.expect_refused(self.decompose(self.write("half.stl", half)), "half.stl", "is not closed",
+                            "has 300 bytes behind the 6 triangles that it announces", "close its holes", lines=1)
 
     def test_a_hollow_stays(self):
         inner = [tuple(.01 + .5 * c for c in point) for point in CUBE[0]]

@@ -274,7 +274,12 @@ Expected<ClosedSurface> readSolid(const DecomposeOptions& o, std::vector<std::st
   notices = file->notices;
   for (Eigen::Vector3d& p : file->surface.points) p *= o.scale;
   Expected<ClosedSurface> solid = closedSurface(file->surface.points, file->surface.triangles);
-  if (!solid) return meshFault(o.mesh, solid.errors().front());
+  if (!solid) {
+    Diagnostic fault = meshFault(o.mesh, solid.errors().front());
+    // It may be the cause: triangles that the file does not announce.
+    for (const std::string& notice : notices) fault.problem += "; it " + notice;
+    return fault;
+  }
   return solid;
 }
 
