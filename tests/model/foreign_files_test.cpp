@@ -951,6 +951,16 @@ TEST(ForeignUrdf, MeshNamesOfEveryForm_AreFound) {
   }
 }
 
+// A scene that speaks of OpenSim's mark is none of its files.
+TEST(ForeignFile, WordOfOpenSimInAComment_IsNoMotionOfIt) {
+  EXPECT_FALSE(
+      foreignFile("# made from the .mot behind its endheader\nkind = \"scene\"\n", "toml"));
+  EXPECT_FALSE(foreignFile("# endheader\nkind = \"scene\"\n", "toml"));
+  EXPECT_FALSE(foreignFile("name = \"endheaders\"\n", "toml"));
+  EXPECT_TRUE(foreignFile("name\nnRows=2\nendheader\ntime\tx\n", "mot"));
+  EXPECT_TRUE(foreignFile("name\r\nendheader \r\ntime\tx\r\n", "txt"));
+}
+
 TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {
   const struct {
     const char *name, *text, *is, *remedy;
