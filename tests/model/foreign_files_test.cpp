@@ -455,6 +455,8 @@ TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
   expectBox(twice, Affine3d::Identity(), 1e-6);
   EXPECT_TRUE(says(format(orThrow(loadMeshCollider(twice, Vector3d::Ones())).notices),
                    "has 684 bytes behind the 12 triangles"));  // 84 + 12 x 50
+  EXPECT_TRUE(says(refusalOf(folder, "c.stl", "# made by me\n" + bare),
+                   "is a text that starts with \"#\", not with \"solid\"; take out"));
   EXPECT_TRUE(says(refusalOf(folder, "c.stl", binary.substr(0, binary.size() - 60)),
                    "announces 12 triangles and holds 10"));
 }
