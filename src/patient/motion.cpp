@@ -419,17 +419,43 @@ void Reader::checkValues() {
   line_ = 0;
 }
 
-/// Milliseconds in the column of seconds: a recording has more than one row a second.
+/// Milliseconds in the column of seconds: a recording has more than one row a second. Rows that are
+/// missing: the motion between is a straight line, which nobody moved.
 void Reader::checkPace() {
   constexpr std::size_t kEnough = 10;
-  const std::size_t rows = motion_.time_s.size();
-  if (rows < kEnough) return;
-  const double step_s =
-      (motion_.time_s.back() - motion_.time_s.front()) / static_cast<double>(rows - 1);
-  if (step_s < 1.0) return;
-  motion_.notices.push_back(keyFault(motion_.path, "time_s", "",
-                                     fmt::format("has a row every {:.3g} s", step_s),
-                                     "if these are milliseconds, divide them by 1000"));
+  constexpr double kGapSteps = 10.0, kLeastGap_s = 0.2;
+  if (motion_.time_s.size() < kEnough) return;
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < motion_.time_s.size(); ++i) {
+    steps_s.push_back(motion_.time_s[i] - motion_.time_s[i - 1]);
+  }
+  std::vector<double> sorted_s = steps_s;
+  const auto middle = sorted_s.begin() + static_cast<std::ptrdiff_t>(sorted_s.size() / 2);
+  std::nth_element(sorted_s.begin(), middle, sorted_s.end());
+  const double usual_s = *middle;
+  if (usual_s >= 1.0) {
+    motion_.notices.push_back(keyFault(motion_.path, "time_s", "",
+                                       fmt::format("has a row every {:.3g} s", usual_s),
+                                       "if these are milliseconds, divide them by 1000"));
+    return;
+  }
+  const double most_s = std::max(kGapSteps * usual_s, kLeastGap_s);
+  const auto gaps =
+      std::count_if(steps_s.begin(), steps_s.end(), [&](double step_s) { return step_s > most_s; });
+  if (gaps == 0) return;
+  const auto largest = std::max_element(steps_s.begin(), steps_s.end());
+  const std::size_t row = static_cast<std::size_t>(largest - steps_s.begin()) + 1;
+  std::string problem = fmt::format(
+      "is {:.4g} s after the row before, where {:.3g} s are usual: the motion goes on in a "
+      "straight "
+      "line between them",
+      *largest, usual_s);
+  if (gaps > 1) problem += fmt::format(" (the longest of {} gaps)", gaps);
+  Diagnostic notice =
+      keyFault(motion_.path, "time_s", fmt::format("{:.10g}", motion_.time_s[row]),
+               std::move(problem), "if rows were lost, fill them in or cut the file there");
+  notice.line = lines_[row];
+  motion_.notices.push_back(std::move(notice));
 }
 
 void Reader::checkWhole() {

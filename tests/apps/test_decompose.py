@@ -3,6 +3,7 @@ import json
 import math
 import os
 import re
+import struct
 import xml.dom.minidom
 
 import numpy
@@ -171,6 +172,36 @@ class Decompose(AppTest):
         points, faces = L
         self.expect(self.decompose(self.mesh((points, [face[::-1] for face in faces]))), DONE, "inside out",
                     "pieces 40 cm3")
+
+    def test_a_part_that_is_wound_inward_is_turned_and_said_so(self):
+        """A mirrored part: its volume and its moments would be subtracted."""
+        far = [(x + .1, y, z) for x, y, z in CUBE[0]]
+        faces = [tuple(i + 8 for i in face) for face in CUBE[1]]
+        two = (CUBE[0] + far, CUBE[1] + faces)
+        inward = (CUBE[0] + far, CUBE[1] + [face[::-1] for face in faces])
+        right = self.expect(self.decompose(self.mesh(two), "--mass-kg", "0.2"), DONE, "mesh 250 cm3, pieces 250 cm3")
+        turned = self.expect(self.decompose(self.mesh(inward), "--mass-kg", "0.2"), DONE,
+                             "a part of the mesh is inside out: its triangles were turned")
+        self.assertNotIn("note     a part of the mesh", right.out)
+        rows = [[line for line in done.out.splitlines() if "kg m2" in line or "volume  " in line]
+                for done in (right, turned)]
+        self.assertEqual(len(rows[0]), 3)
+        self.assertEqual(rows[0], rows[1])
+
+    def test_triangles_that_a_file_does_not_announce_are_said_where_it_is_not_closed(self):
+        points, faces = CUBE
+        triangles = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
+        half = bytes(80) + struct.pack("<I", len(triangles) // 2)
+        for triangle in triangles:
+            half += struct.pack("<12fH", 0, 0, 0, *(c for corner in triangle for c in points[corner]), 0)
+        self.expect_refused(self.decompose(self.write("half.stl", half)), "half.stl", "is not closed",
+                            "has 300 bytes behind the 6 triangles that it announces", "close its holes", lines=1)
+
+    def test_a_hollow_stays(self):
+        inner = [tuple(.01 + .5 * c for c in point) for point in CUBE[0]]
+        hollow = (CUBE[0] + inner, CUBE[1] + [tuple(i + 8 for i in face[::-1]) for face in CUBE[1]])
+        done = self.expect(self.decompose(self.mesh(hollow), "--volume-bound", "1"), DONE, "mesh 109.4 cm3")
+        self.assertNotIn("inside out", done.out)
 
     def test_options_out_of_range_are_refused(self):
         mesh = self.mesh(CUBE)

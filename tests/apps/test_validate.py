@@ -3,7 +3,7 @@ import json
 import re
 import shutil
 
-from app import CONFIG, DONE, MOTION, SOURCE, AppTest, main, read_recording
+from app import BAD_INPUT, CONFIG, DONE, MOTION, SOURCE, AppTest, main, read_recording
 from device_app import passport_of, sealed
 
 DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda-pride.toml"
@@ -83,6 +83,36 @@ class Guessed(AppTest):
         self.expect(self.run_app("validate", gains, device), DONE)
         result = self.expect_refused(self.run_app("validate", gains, DEVICE), "roll")
         self.assertNotIn("beside it", result.err)  # the device was named
+
+
+    def test_a_motion_alone_says_that_no_device_was_asked(self):
+        millimetres = self.write("mm.csv", "time_s,x_m\n" + "".join(f"{.01 * i:.2f},{.2 * i:.1f}\n" for i in range(100)))
+        self.expect(self.run_app("validate", millimetres), DONE, "ok  motion",
+                    "not held against a device: name its device file beside it")
+        self.expect_refused(self.run_app("validate", millimetres, DEVICE), "mm.csv", "x_m")
+        result = self.expect(self.run_app("validate", MOTION, DEVICE), DONE, "ok  motion")
+        self.assertNotIn("not held", result.out)
+
+    def test_the_ending_of_a_motion_in_any_case(self):
+        for name in ("MOTION.CSV", "Motion.Csv"):
+            self.expect(self.run_app("validate", self.write(name, MOTION.read_text())), DONE, "ok  motion", name)
+
+    def test_settings_of_drivers_name_the_command_that_checks_them(self):
+        settings = sorted((SOURCE / "drivers").rglob("*.toml"))
+        self.assertGreaterEqual(len(settings), 2)
+        pair = self.write("pair.toml", 'kind = "composite"\nversion = 1\nlongest_skew_s = 0.005\n')
+        for file in (*settings, pair):
+            with self.subTest(file.name):
+                driver = "composite" if file == pair else file.parent.name
+                command = f"device inspect --driver {driver} --driver-settings {file}"
+                result = self.expect_refused(self.run_app("validate", file), f'{file}:', "is the settings of a driver",
+                                             "wholehand " + command, lines=1)
+                self.assertNotIn("is unknown", result.err)
+                # It reads them before it opens anything, and finds a shipped driver by its name.
+                wrong = self.write("wrong.toml", file.read_text().replace("version = 1", "version = 1\nwidht = 1"))
+                checked = self.run_app(*command.split()[:-1], wrong)
+                self.expect(checked, BAD_INPUT)
+                self.assertIn("widht", checked.out + checked.err)
 
 
 class Mistakes(AppTest):

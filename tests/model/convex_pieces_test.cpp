@@ -167,9 +167,70 @@ TEST(ClosedSurface, AnInwardMesh_IsTurned) {
   MeshSurface inward = cube(0.1);
   for (Vector3i& t : inward.triangles) std::swap(t[1], t[2]);
   const ClosedSurface solid = solidOf(inward);
-  EXPECT_TRUE(solid.turned);
+  EXPECT_EQ(solid.turned, TurnedShells::kAll);
   EXPECT_NEAR(signedVolume(solid.surface), 1e-3, 1e-12);
-  EXPECT_FALSE(solidOf(cube(0.1)).turned);
+  EXPECT_EQ(solidOf(cube(0.1)).turned, TurnedShells::kNone);
+}
+
+/// A cube with its lower corner at (x, x, x), and what of it is wound inward.
+MeshSurface cubeAt(double x_m, double edge_m, bool inward) {
+  MeshSurface mesh = cube(edge_m);
+  for (Vector3d& p : mesh.points) p += Vector3d::Constant(x_m);
+  if (inward) {
+    for (Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
+  }
+  return mesh;
+}
+
+void append(MeshSurface& mesh, const MeshSurface& other) {
+  const int first = static_cast<int>(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), other.points.begin(), other.points.end());
+  for (const Vector3i& t : other.triangles) mesh.triangles.push_back(t.array() + first);
+}
+
+// A mirrored part: the volume of the whole is that of the larger one less the smaller one's.
+TEST(ClosedSurface, AnInwardShellBesideAnother_IsTurned) {
+  for (const double x_m : {0.2, 0.1, 0.05}) {  // apart, touching at a corner, overlapping
+    for (const bool smaller : {false, true}) {
+      MeshSurface mesh = cubeAt(0.0, 0.1, !smaller);
+      append(mesh, cubeAt(x_m, 0.06, smaller));
+      const ClosedSurface solid = solidOf(mesh);
+      EXPECT_EQ(solid.turned, TurnedShells::kSome);
+      EXPECT_NEAR(solid.volume_m3, 1e-3 + 0.216e-3, 1e-12) << x_m;
+    }
+  }
+}
+
+// They share a face's corners: each edge of the face belongs to four triangles.
+TEST(ClosedSurface, AnInwardShellOnAnothersFace_IsTurned) {
+  MeshSurface mesh = cube(0.1), other = cube(0.1);
+  for (Vector3d& p : other.points) p.z() += 0.1;
+  MeshSurface outward = mesh;
+  append(outward, other);
+  EXPECT_NEAR(solidOf(outward).volume_m3, 2e-3, 1e-12);
+  EXPECT_EQ(solidOf(outward).turned, TurnedShells::kNone);
+  for (Vector3i& t : other.triangles) std::swap(t[1], t[2]);
+  append(mesh, other);
+  EXPECT_NEAR(solidOf(mesh).volume_m3, 2e-3, 1e-12);
+  EXPECT_EQ(solidOf(mesh).turned, TurnedShells::kSome);
+}
+
+TEST(ClosedSurface, AHollow_Stays) {
+  MeshSurface hollow = cubeAt(0.0, 0.1, false);
+  append(hollow, cubeAt(0.02, 0.05, true));
+  constexpr double kHollow_m3 = 1e-3 - 0.125e-3;
+  EXPECT_EQ(solidOf(hollow).turned, TurnedShells::kNone);
+  EXPECT_NEAR(solidOf(hollow).volume_m3, kHollow_m3, 1e-12);
+  append(hollow, cubeAt(0.03, 0.01, false));  // a core in the hollow
+  EXPECT_NEAR(solidOf(hollow).volume_m3, kHollow_m3 + 1e-6, 1e-12);
+  // The hollow of a part that is wound inward is turned with it.
+  MeshSurface inward = cubeAt(0.0, 0.1, true);
+  append(inward, cubeAt(0.02, 0.05, false));
+  EXPECT_EQ(solidOf(inward).turned, TurnedShells::kAll);
+  EXPECT_NEAR(solidOf(inward).volume_m3, kHollow_m3, 1e-12);
+  append(inward, cubeAt(0.2, 0.15, false));
+  EXPECT_EQ(solidOf(inward).turned, TurnedShells::kSome);
+  EXPECT_NEAR(solidOf(inward).volume_m3, kHollow_m3 + 3.375e-3, 1e-12);
 }
 
 TEST(ClosedSurface, BadMeshes_AreRefused) {

@@ -455,6 +455,8 @@ TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
   expectBox(twice, Affine3d::Identity(), 1e-6);
   EXPECT_TRUE(says(format(orThrow(loadMeshCollider(twice, Vector3d::Ones())).notices),
                    "has 684 bytes behind the 12 triangles"));  // 84 + 12 x 50
+  EXPECT_TRUE(says(refusalOf(folder, "c.stl", "# made by me\n" + bare),
+                   "is a text that starts with \"#\", not with \"solid\"; take out"));
   EXPECT_TRUE(says(refusalOf(folder, "c.stl", binary.substr(0, binary.size() - 60)),
                    "announces 12 triangles and holds 10"));
 }
@@ -949,6 +951,16 @@ TEST(ForeignUrdf, MeshNamesOfEveryForm_AreFound) {
             std::string(name) + R"(" scale="2"/></geometry></collision></link></robot>)")));
     EXPECT_NEAR(moments(body.shapes.at(0)).volume_m3, 8.0 * kBox_m3, 1e-14) << name;
   }
+}
+
+// A scene that speaks of OpenSim's mark is none of its files.
+TEST(ForeignFile, WordOfOpenSimInAComment_IsNoMotionOfIt) {
+  EXPECT_FALSE(
+      foreignFile("# made from the .mot behind its endheader\nkind = \"scene\"\n", "toml"));
+  EXPECT_FALSE(foreignFile("# endheader\nkind = \"scene\"\n", "toml"));
+  EXPECT_FALSE(foreignFile("name = \"endheaders\"\n", "toml"));
+  EXPECT_TRUE(foreignFile("name\nnRows=2\nendheader\ntime\tx\n", "mot"));
+  EXPECT_TRUE(foreignFile("name\r\nendheader \r\ntime\tx\r\n", "txt"));
 }
 
 TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {

@@ -332,6 +332,33 @@ TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
   }
 }
 
+// What moves is recorded by name: run --record refused such names, and named no line.
+TEST(SceneFile, MovingLinkWhoseNameCannotBeRecorded_IsRefusedAtItsLine) {
+  const Folder folder;
+  const auto load = [&](const std::string& name, const std::string& more = "") {
+    folder.write("thing.urdf",
+                 "<robot name=\"r\"><link name=\"a\"><collision><geometry><sphere radius=\"0.02\"/>"
+                 "</geometry></collision></link>\n<link name=\"" +
+                     name +
+                     "\"><inertial><mass value=\"0.1\"/><inertia ixx=\"2e-5\" iyy=\"2e-5\" "
+                     "izz=\"2e-5\"/></inertial><collision><geometry><sphere radius=\"0.02\"/>"
+                     "</geometry></collision></link>\n<joint name=\"j\" type=\"revolute\">"
+                     "<origin xyz=\"0.1 0 0\"/><parent link=\"a\"/><child link=\"" +
+                     name +
+                     "\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\"/></joint></robot>");
+    return loadSceneFile(folder.write("s.toml", kSceneHead + kUrdfBody + more));
+  };
+  EXPECT_TRUE(load("t\u00fcr"));
+  EXPECT_TRUE(load(std::string(198, 'n')));  // with "u/" 200
+  EXPECT_TRUE(refusedWith(load(std::string(199, 'n')), "thing.urdf:2: link[nnn"));
+  EXPECT_TRUE(refusedWith(load(std::string(3000, 'n')), "is too long"));
+  EXPECT_TRUE(refusedWith(load("t\xfcr"), "thing.urdf:2: link[t\\xfcr]: moves on a joint, and"));
+  EXPECT_TRUE(refusedWith(load("a&#10;b"), "thing.urdf:2: link[a\\x0ab]: moves on a joint, and"));
+  EXPECT_TRUE(load("door", ball("u/lid", 0.5)));
+  EXPECT_TRUE(refusedWith(load("door", ball("u/door", 0.5)),
+                          "thing.urdf:2: link[door]: moves on a joint as 'u/door', the name of"));
+}
+
 TEST(SceneFile, AllFaultsAtOnce_OneLineEach) {
   const Folder folder;
   const Expected<SceneModel> scene = loadSceneFile(

@@ -247,6 +247,35 @@ TEST(MotionFile, MillisecondsAsSeconds_AreNamed) {
   EXPECT_EQ(at(0.01), "");
 }
 
+// Rows of an occlusion are dropped: what is played between is a slow drift.
+TEST(MotionFile, GapInTheTime_IsNamedWithItsLineAndLength) {
+  const auto with_gaps = [](double step_s, int rows, std::vector<double> gaps_s) {
+    std::string text = "time_s,x_m\n";
+    double time_s = 0.0;
+    for (int i = 0; i < rows; ++i) {
+      if (i > 0) time_s += step_s;
+      if (i >= rows / 2 && !gaps_s.empty()) {
+        time_s += gaps_s.back();
+        gaps_s.pop_back();
+      }
+      text += std::to_string(time_s) + ",0\n";
+    }
+    return noticesOf(text);
+  };
+  const std::string minute = with_gaps(0.01, 2000, {60.0});
+  EXPECT_SAYS(minute, ":1002: time_s = 70: is 60.01 s after the row before, where 0.01 s");
+  // The mean step of these is 20 s.
+  const std::string lost = with_gaps(0.01, 50, {1000.0});
+  EXPECT_SAYS(lost, ":27: time_s = 1000.25: is 1000 s after the row before");
+  EXPECT_EQ(lost.find("milliseconds"), lost.npos);
+  EXPECT_SAYS(with_gaps(0.01, 50, {0.5, 3.0, 0.5}), "is 3.01 s");
+  EXPECT_SAYS(with_gaps(0.01, 50, {0.5, 3.0, 0.5}), "(the longest of 3 gaps)");
+  EXPECT_EQ(with_gaps(0.01, 50, {0.18}), "");
+  EXPECT_EQ(with_gaps(0.1, 50, {0.85}), "");
+  EXPECT_EQ(with_gaps(0.01, 8, {60.0}), "");  // places, not a recording
+  EXPECT_SAYS(with_gaps(10.0, 50, {1000.0}), "if these are milliseconds");
+}
+
 TEST(MotionFile, MotionOfAnotherProgram_IsNamedAsWhatItIs) {
   EXPECT_SAYS(faultsOf("PathFileType\t4\t(X/Y/Z)\tm.trc\n"), "is TRC");
   EXPECT_SAYS(faultsOf("HIERARCHY\nROOT Hips\n"), "bvh2csv");

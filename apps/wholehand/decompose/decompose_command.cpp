@@ -274,7 +274,12 @@ Expected<ClosedSurface> readSolid(const DecomposeOptions& o, std::vector<std::st
   notices = file->notices;
   for (Eigen::Vector3d& p : file->surface.points) p *= o.scale;
   Expected<ClosedSurface> solid = closedSurface(file->surface.points, file->surface.triangles);
-  if (!solid) return meshFault(o.mesh, solid.errors().front());
+  if (!solid) {
+    Diagnostic fault = meshFault(o.mesh, solid.errors().front());
+    // It may be the cause: triangles that the file does not announce.
+    for (const std::string& notice : notices) fault.problem += "; it " + notice;
+    return fault;
+  }
   return solid;
 }
 
@@ -336,8 +341,10 @@ void printNotes(const Decomposed& d) {
   for (const std::string& notice : d.notices) {
     std::printf("  note     the mesh %s\n", notice.c_str());
   }
-  if (d.solid.turned) {
-    std::printf("  note     the mesh is inside out: its triangles were turned\n");
+  if (d.solid.turned != TurnedShells::kNone) {
+    const char* const what =
+        d.solid.turned == TurnedShells::kAll ? "the mesh" : "a part of the mesh";
+    std::printf("  note     %s is inside out: its triangles were turned\n", what);
   }
   if (d.pieces.twice_share > 0.0) {
     std::printf(
@@ -390,7 +397,7 @@ ordered_json jsonOf(const Decomposed& d) {
             {"triangles", d.solid.surface.triangles.size()},
             {"size_m", d.solid.size_m},
             {"volume_m3", d.solid.volume_m3},
-            {"turned", d.solid.turned},
+            {"turned", d.solid.turned != TurnedShells::kNone},
             {"share_inside", d.pieces.twice_share},
             {"mass", massJson(d.mesh_mass)}}},
           {"concavity_m", d.options.concavity_m},

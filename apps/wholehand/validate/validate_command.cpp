@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -22,12 +23,26 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
+// By the ending, in any case: instruments and Windows write MOTION.CSV.
+bool isMotionName(const std::string& file) {
+  std::string ending = fs::path(file).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".csv";
+}
+
+// Shipped driver whose settings are of that kind; empty: none.
+std::string driverOfKind(const std::string& kind) {
+  if (kind == "moteus" || kind == "composite") return kind;
+  return kind == "force-dimension" ? "force_dimension" : "";
+}
+
 // Files to check, by kind, and what to check them against.
 class Validation {
  public:
   explicit Validation(const std::vector<std::string>& files) {
     for (const std::string& file : files) {
-      if (fs::path(file).extension() == ".csv") {
+      if (isMotionName(file)) {
         kinds_.emplace_back(file, "motion");
       } else {
         auto kind = fileKind(file);
@@ -128,6 +143,15 @@ class Validation {
   void checkKind(const std::string& file, const std::string& kind) {
     TomlFile toml(file, kind);
     if (!toml.readable()) return;
+    if (const std::string driver = driverOfKind(kind); !driver.empty()) {
+      toml.root().fail("kind", "is the settings of a driver, which reads them itself",
+                       fmt::format("check it with: wholehand device inspect --driver {} "
+                                   "--driver-settings {}",
+                                   driver, printable(file)));
+      toml.root().ignoreUnknownKeys();
+      add(toml.finish());
+      return;
+    }
     toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
                                 "passport", "device-check", "sweep", "clinic-presets"});
     if (toml.root().isGood("kind")) return;
@@ -180,7 +204,9 @@ class Validation {
                             ? Expected<DeviceModel>(Diagnostics{})
                             : loadDeviceFile(device_file);
     const auto motion = loadMotionFile(file, device ? &*device : nullptr);
-    return add(motion) ? noticed(motion->notices) : "";
+    if (!add(motion)) return {};
+    const char* const alone = "    (not held against a device: name its device file beside it)\n";
+    return (device ? "" : alone) + noticed(motion->notices);
   }
 
   static std::string noticed(const Diagnostics& notices) {

@@ -150,8 +150,10 @@ Diagnostic PluginDriver::failed(const std::string& what, const std::string& reme
   return fileFault(location_.path, last_line_.empty() ? what : what + ": " + last_line_, remedy);
 }
 
-Expected<PluginFacts> pluginFacts(const std::string& path) {
-  auto plugin = findPlugin(path, CalledBy::kHost);
+Expected<PluginFacts> pluginFacts(const std::string& name) {
+  auto path = findDriver(name, shippedDriverFolders());
+  if (!path) return path.errors();
+  auto plugin = findPlugin(*path, CalledBy::kHost);
   if (!plugin) return plugin.errors();
   const wh_plugin& facts = **plugin;
   return PluginFacts{facts.name != nullptr ? facts.name : "", facts.major, facts.minor,

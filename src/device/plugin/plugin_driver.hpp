@@ -45,7 +45,7 @@ struct PluginFacts {
 
 /// Loads the shared object and describes it. Refused like PluginDriver::load(), except for errors
 /// of a device.
-[[nodiscard]] Expected<PluginFacts> pluginFacts(const std::string& path);
+[[nodiscard]] Expected<PluginFacts> pluginFacts(const std::string& name);
 
 /// A driver loaded from a shared object (wholehand/device.h), with its device open but not
 /// enabled. The device stays open between armings: it is found and homed once.

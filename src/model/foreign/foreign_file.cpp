@@ -104,6 +104,18 @@ std::string_view firstElement(std::string_view text) {
   return {};
 }
 
+/// True when a line of the text is that word alone, but for blanks.
+bool hasLine(std::string_view text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
+    const std::size_t before = text.substr(0, at).find_last_not_of(" \t");
+    const std::size_t after = text.find_first_not_of(" \t", at + word.size());
+    const bool begins = before == text.npos || text[before] == '\n' || text[before] == '\r';
+    const bool ends = after == text.npos || text[after] == '\n' || text[after] == '\r';
+    if (begins && ends) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<Diagnostic> wideText(std::string_view head) {
@@ -142,7 +154,7 @@ std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view en
   if (head.starts_with("#usda") || head.starts_with("PXR-USDC")) return asFault(kUsd);
   if (head.starts_with("#VRML_SIM")) return asFault(kWebots);
   if (head.starts_with("PathFileType")) return asFault(kTrc);
-  if (head.find("endheader") != head.npos) return asFault(kOpenSim);
+  if (hasLine(head, "endheader")) return asFault(kOpenSim);
   // The block of its parameters, then the mark of C3D.
   if (head.size() > 2 && head[0] > 0 && head[0] < '\t' && head[1] == 0x50) return asFault(kC3d);
   const std::size_t brace = head.find_first_not_of(" \t\r\n");

@@ -128,6 +128,11 @@ MeshFile readStl(std::string_view bytes) {
         "\"solid\" nor 84 bytes long",
         "export it again as STL, OBJ, PLY, DAE or GLB"};
   }
+  if (!exact && text.find('\0') == text.npos && lowerCase(text).find("facet normal") != text.npos) {
+    throw UnreadableMesh{fmt::format("is a text that starts with \"{}\", not with \"solid\"",
+                                     printable(MeshWords(text.substr(0, 200)).next(), 40)),
+                         "take out what stands before its line \"solid\""};
+  }
   return readStlBinary(bytes, count);
 }
 

@@ -1,6 +1,7 @@
 #include "model/mesh/solid.hpp"
 
 #include "model/mesh/mesh_checks.hpp"
+#include "model/mesh/shells.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -136,15 +137,9 @@ Expected<ClosedSurface> closedSurface(const std::vector<Vector3d>& points_m,
   ClosedSurface closed;
   closed.size_m = mesh.size_m;
   closed.surface = {std::move(mesh.points_m), std::move(mesh.triangles)};
-  const double volume_m3 = signedVolume(closed.surface);
-  if (std::abs(volume_m3) < kWeldShare * std::pow(closed.size_m, 3)) {
-    return flatFault();
-  }
-  closed.turned = volume_m3 < 0.0;
-  closed.volume_m3 = std::abs(volume_m3);
-  if (closed.turned) {
-    for (Vector3i& t : closed.surface.triangles) std::swap(t[1], t[2]);
-  }
+  closed.turned = turnInwardShells(closed.surface, closed.size_m);
+  closed.volume_m3 = signedVolume(closed.surface);
+  if (closed.volume_m3 < kWeldShare * std::pow(closed.size_m, 3)) return flatFault();
   return closed;
 }
 

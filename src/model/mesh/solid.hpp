@@ -2,6 +2,7 @@
 
 #include "core/expected.hpp"
 #include "model/mesh/mesh_file.hpp"
+#include "model/mesh/shells.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -19,7 +20,7 @@ struct ClosedSurface {
   MeshSurface surface;     ///< vertices merged, triangles wound outward
   double volume_m3 = 0.0;  ///< enclosed; > 0. Space that is enclosed twice counts twice
   double size_m = 0.0;     ///< diagonal of the bounding box
-  bool turned = false;     ///< the input was wound inward
+  TurnedShells turned = TurnedShells::kNone;  ///< what of the input was wound inward
 };
 
 /// Merges vertices, and verifies that the triangles enclose a volume: every edge is passed as often

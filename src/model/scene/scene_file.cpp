@@ -40,6 +40,8 @@ constexpr double kAir_kg_m3 = 1.2;
 /// Ballast has no collider, but its place is in metres: within this many extents of the colliders.
 constexpr double kMostBallastReach = 10.0;
 
+constexpr std::size_t kMostName = 200;    ///< characters of a name that is recorded
+constexpr std::size_t kShownName = 60;    ///< of them in a fault
 constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
 
 NumberRule dimension() {
@@ -114,6 +116,12 @@ double ballInertia(double mass_kg, double density_kg_m3) {
   return 0.4 * mass_kg * radius_m * radius_m;
 }
 
+/// A body that moves on a joint of a URDF.
+struct Mover {
+  SceneBody body;
+  Diagnostic link;  ///< file, line and key of its link
+};
+
 /// Reads one `[[bodies]]` table.
 class BodyReader {
  public:
@@ -153,7 +161,14 @@ class BodyReader {
   /// Faults inside the URDF, with lines of that file.
   [[nodiscard]] const Diagnostics& urdfFaults() const { return urdf_faults_; }
   /// Bodies that move on joints of the URDF.
-  [[nodiscard]] const std::vector<SceneBody>& movers() const { return movers_; }
+  [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+  /// Refuses a link of the URDF.
+  void failLink(const Mover& mover, std::string problem, std::string remedy) {
+    Diagnostic fault = mover.link;
+    fault.problem = std::move(problem);
+    fault.remedy = std::move(remedy);
+    urdf_faults_.push_back(std::move(fault));
+  }
 
  private:
   void readPose(SceneBody& body) {
@@ -278,9 +293,9 @@ class BodyReader {
   void addMover(const SceneBody& root, UrdfMover mover, const std::string& path) {
     SceneBody body;
     body.name = root.name + "/" + mover.name;
+    const std::string key = fmt::format("link[{}]", printable(mover.name, kShownName));
     const auto note = [&](std::string problem, std::string remedy) {
-      notices_.push_back(keyFault(path, fmt::format("link[{}]", mover.name), "", std::move(problem),
-                                  std::move(remedy)));
+      notices_.push_back(keyFault(path, key, "", std::move(problem), std::move(remedy)));
     };
     if (mover.shapes.empty()) {
       note("moves on a joint and has no collider: it is left out", "give it a <collision>");
@@ -319,7 +334,25 @@ class BodyReader {
     if (body.joint->dry_friction == 0.0) {
       note("moves without dry friction: it opens at a touch", "give its joint <dynamics friction>");
     }
-    movers_.push_back(std::move(body));
+    Mover moving{std::move(body), keyFault(path, key, "", "", "")};
+    moving.link.line = mover.line;
+    checkName(moving);
+    movers_.push_back(std::move(moving));
+  }
+
+  /// Bodies that move are recorded by name, and shown in lists.
+  void checkName(const Mover& mover) {
+    const std::string& name = mover.body.name;
+    if (isPrintable(name, kMostName)) return;
+    if (isPrintable(name, name.size())) {
+      failLink(mover, "moves on a joint, and its name with that of its body is too long",
+               fmt::format("\"<body>/<link>\" may have {} characters", kMostName));
+    } else {
+      failLink(
+          mover,
+          "moves on a joint, and its name holds control characters or bytes that are not UTF-8",
+          "write a name that can be shown in a list, and save the file as UTF-8");
+    }
   }
 
   void readSoft(SceneBody& body) {
@@ -498,7 +531,7 @@ class BodyReader {
   bool urdf_wrong_ = false;  ///< its mass is then unknown
   std::vector<std::string> assets_;
   Diagnostics notices_;
-  std::vector<SceneBody> movers_;
+  std::vector<Mover> movers_;
 };
 
 void reportSameNames(const SceneModel& scene, std::vector<BodyReader>& readers) {
@@ -542,7 +575,14 @@ void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) 
 void addMovers(SceneModel& scene, std::vector<BodyReader>& readers) {
   const std::size_t others = scene.bodies.size();
   for (BodyReader& reader : readers) {
-    for (const SceneBody& mover : reader.movers()) {
+    for (const Mover& moving : reader.movers()) {
+      const SceneBody& mover = moving.body;
+      if (reader.table().isGood("name") && scene.bodyIndex(mover.name) >= 0) {
+        reader.failLink(
+            moving, fmt::format("moves on a joint as '{}', the name of another body", mover.name),
+            "give one of them another name");
+        continue;
+      }
       for (std::size_t i = 0; i < others; ++i) {
         const SceneBody& other = scene.bodies[i];
         if (mover.passes(other) || !readers[i].placed() || !reader.placed()) continue;

@@ -986,6 +986,7 @@ class Reader {
       mover_of[i] = static_cast<int>(body.movers.size());
       UrdfMover& mover = body.movers.emplace_back();
       mover.name = links_[i].name;
+      mover.line = links_[i].element->GetLineNum();
       mover.joint = *links_[i].joint;
       mover.in_root = poseBelow(static_cast<int>(i), -1);
     }

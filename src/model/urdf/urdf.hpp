@@ -23,6 +23,7 @@ struct UrdfUse {
 /// What a movable joint of a URDF carries: one rigid body.
 struct UrdfMover {
   std::string name;                        ///< of its link
+  int line = 0;                            ///< of its link
   Pose in_root;                            ///< of its link's frame, in the root link's, at q = 0
   SceneJoint joint;                        ///< in the frame of its link
   std::vector<Shape> shapes;               ///< in the frame of its link
