@@ -13,6 +13,7 @@ constexpr std::int64_t kMillisecond_ns = 1'000'000;
 constexpr std::int64_t kAskAgain_ns = 20 * kMillisecond_ns;
 constexpr std::int64_t kHandshake_ns = 2000 * kMillisecond_ns;
 constexpr std::int64_t kControl_ns = 1000 * kMillisecond_ns;
+constexpr std::int64_t kSample_ns = 20 * kMillisecond_ns;
 constexpr std::int64_t kMovement_ns = 60'000 * kMillisecond_ns;
 constexpr const char* kLook = "look at its cable and its power, and at --device-at";
 
@@ -145,8 +146,24 @@ Expected<Done> FrameDevice::control(std::uint32_t verb, double argument, const W
         answer_.result == WH_UNSUPPORTED ? "the device cannot do it" : "the device did not do it",
         "look at the device");
   }
-  if (verb == WH_ENABLE) enabled_.store(true);
+  if (verb == WH_ENABLE) {
+    awaitEnabledSample(wait);
+    enabled_.store(true);
+  }
   return Done{};
+}
+
+// The answer comes between two samples, and the one before it still says that the device is off.
+void FrameDevice::awaitEnabledSample(const Wait& wait) {
+  const std::uint64_t before = sample_.sequence;
+  const auto isOn = [&] {
+    return sample_.sequence != before && (sample_.status & WH_ENABLED) != 0;
+  };
+  std::int64_t now_ns = wait();
+  for (const std::int64_t until_ns = now_ns + kSample_ns; !gone_.load(); now_ns = wait()) {
+    pump(now_ns);
+    if (isOn() || now_ns >= until_ns) return;
+  }
 }
 
 FrameCounters FrameDevice::counters() const {

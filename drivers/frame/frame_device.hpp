@@ -47,6 +47,7 @@ class FrameDevice {
   [[nodiscard]] const Carrier& carrier() const noexcept { return *carrier_; }
 
   /// A verb of device.h. Asks until it is answered, for 1 s, or 60 s to home and to test itself.
+  /// WH_ENABLE then waits, for up to 20 ms, for a sample of after it that says WH_ENABLED.
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument, const Wait& wait);
   /// Takes all that has come and sends the loop's newest command, once; on a line that is still
   /// busy with an earlier one, later. The time of a sample is that of the oldest command that the
@@ -72,6 +73,7 @@ class FrameDevice {
   [[nodiscard]] Expected<Done> askAxes(const Wait& wait);
   [[nodiscard]] bool ask(wf_frame question, std::uint8_t answer, std::int64_t within_ns,
                          const Wait& wait);
+  void awaitEnabledSample(const Wait& wait);
   [[nodiscard]] Diagnostic silent(const std::string& what) const;
   void sendFrame(const wf_frame& frame) noexcept;
   void sendCommand(std::int64_t now_ns) noexcept;

@@ -178,13 +178,14 @@ int MoteusDevice::enable() {
     return WH_OK;
   }
   sayWhyItStopped();
-  say_("the drives do not come into position mode");
+  say_("the drives do not come into position mode, or answer later than 3 ms after the question");
   (void)round_.sendStops();
   (void)awaitRound();
   return WH_FAILED;
 }
 
-// Zero torque again and again, until the drives have measured their currents and are ready.
+// Zero torque again and again, until the drives have measured their currents, are ready, and answer
+// before read() gives a round up: a later answer is no sample.
 bool MoteusDevice::awaitPositionMode() {
   const std::int64_t until_ns = clock_->now_ns() + kEnabling_ns;
   while (clock_->now_ns() < until_ns) {
@@ -194,7 +195,7 @@ bool MoteusDevice::awaitPositionMode() {
       if (round_.state(i).mode == kModeFault) return false;
       all = all && round_.state(i).mode == kModePosition;
     }
-    if (all) return true;
+    if (all && clock_->now_ns() - round_.begun_ns() <= kLate_ns) return true;
     clock_->rest();
   }
   return false;
@@ -261,7 +262,7 @@ int MoteusDevice::read(wh_sample& sample) noexcept {
   sample.status = status();
   sample.vendor_code = vendorCode();
   sample.sequence = round_.completed();
-  sample.monotonic_ns = round_.completed_ns();
+  sample.monotonic_ns = round_.completedBegun_ns();
   sample.valid = 0;
   for (std::size_t a = 0; a < map_.size(); ++a) {
     sample.position[a] = q[a];

@@ -22,7 +22,8 @@ inline constexpr double kArmingWatchdog_s = 2.0;
 
 /// Axes that moteus drives move, as device.h wants a driver. No thread: write() sends a command and
 /// asks for the state, read() takes the answers that have come. A sample is therefore as old as the
-/// round trip on the bus, at most a period where three drives share a bus of 5 Mbit/s.
+/// round trip on the bus, at most a period where three drives share a bus of 5 Mbit/s. Its time is
+/// that of the question. An answer that comes more than 3 ms late is no sample.
 class MoteusDevice {
  public:
   using Say = std::function<void(const std::string&)>;
@@ -42,8 +43,9 @@ class MoteusDevice {
   /// wh_plugin.describe, control, read, write.
   void describe(wh_axis* axes, std::uint32_t capacity, std::uint32_t& count) const;
   /// WH_ENABLE: a stop, which forgets faults and time-outs, then zero torque. Refused where a drive
-  /// is not homed or does not come into position mode. WH_DISABLE: zero torque, then a stop.
-  /// WH_SELF_TEST: check(). WH_DROP_WATCHDOG: nothing is sent any more but questions. Waits.
+  /// is not homed, does not come into position mode or answers late. WH_DISABLE: zero torque, then
+  /// a stop. WH_SELF_TEST: check(). WH_DROP_WATCHDOG: nothing is sent any more but questions.
+  /// Waits.
   [[nodiscard]] int control(std::uint32_t verb);
   [[nodiscard]] int read(wh_sample& sample) noexcept;
   [[nodiscard]] int write(const wh_command& command) noexcept;

@@ -20,9 +20,24 @@ void writeMode(FrameWriter& out, int mode) noexcept {
   out.writeInt8(kMode, value);
 }
 
-void writeQuery(FrameWriter& out) noexcept {
-  out.read(RegisterType::kFloat, kMode, 4);      // mode, position, velocity, torque
-  out.read(RegisterType::kInt8, kHomeState, 4);  // home state, voltage, temperature, fault
+// An answer names no question. Each round therefore reads other registers besides the needed ones,
+// and an answer has those of its own round. Eight rounds differ: each takes 3 ms at least until it
+// is given up, so an answer is taken for a later one after 24 ms at the earliest. The answer still
+// fits into a frame of 32 bytes, as without a mark.
+constexpr unsigned kMarks = 8, kAfter = kMarks / 2;
+
+void writeQuery(FrameWriter& out, unsigned mark) noexcept {
+  const unsigned before = mark / kAfter, after = mark % kAfter;
+  out.read(RegisterType::kFloat, kMode, 4);  // mode, position, velocity, torque
+  // Home state, voltage, temperature, fault; before them whether a trajectory is complete, after
+  // them the phases' PWM.
+  out.read(RegisterType::kInt8, kHomeState - before, static_cast<std::uint8_t>(4 + before + after));
+}
+
+unsigned markOf(const Answer& answer) noexcept {
+  unsigned after = 0;
+  while (after + 1 < kAfter && answer.of(kPwmPhaseA + after)) ++after;
+  return (answer.of(kTrajectoryComplete) ? kAfter : 0) + after;
 }
 
 void writeTorque(FrameWriter& out, double torque_nm, double most_nm, double watchdog_s) noexcept {
@@ -47,6 +62,7 @@ MoteusRound::MoteusRound(const std::vector<Motor>& motors, CanBus& bus, BusClock
 
 void MoteusRound::begin() noexcept {
   awaited_ = (1U << motors_.size()) - 1U;
+  mark_ = (mark_ + 1) % kMarks;
   begun_ns_ = clock_.now_ns();
 }
 
@@ -63,7 +79,7 @@ bool MoteusRound::sendToAll(Write write) noexcept {
     CanFrame frame;
     FrameWriter out(frame);
     write(out, i);
-    writeQuery(out);
+    writeQuery(out, mark_);
     sent = send(frame, i) && sent;
   }
   return sent;
@@ -113,6 +129,7 @@ void MoteusRound::take(const CanFrame& frame) noexcept {
     ++malformed_;
     return;
   }
+  if (markOf(answer) != mark_) return;  // of a round that was given up
   const auto i = static_cast<std::size_t>(of - motors_.begin());
   last_[i] = {static_cast<int>(*mode),
               static_cast<int>(*fault),
@@ -125,7 +142,7 @@ void MoteusRound::take(const CanFrame& frame) noexcept {
   awaited_ &= ~(1U << i);
   if (awaited_ != 0) return;
   ++completed_;
-  completed_ns_ = clock_.now_ns();
+  completed_begun_ns_ = begun_ns_;
   of_round_ = last_;
 }
 

@@ -21,6 +21,8 @@ struct DriveState {
 
 /// Rounds on the bus: a frame to every drive, each of which answers with its state. The next round
 /// begins when the last is complete, so that the bus is never asked for more than it carries.
+/// An answer counts for the round that asked for it, and for no other: one that comes after its
+/// round was given up is dropped.
 /// Real-time safe but for the constructor.
 class MoteusRound {
  public:
@@ -42,13 +44,14 @@ class MoteusRound {
   /// Every drive has answered.
   [[nodiscard]] bool complete() const noexcept { return awaited_ == 0; }
   [[nodiscard]] std::int64_t begun_ns() const noexcept { return begun_ns_; }
-  /// Rounds that were completed, and when the last one was; its states by motor.
+  /// Rounds that were completed, and when the last of them was begun; its states by motor.
+  /// The drives measured after that time: a sample is never younger than it says.
   [[nodiscard]] std::uint64_t completed() const noexcept { return completed_; }
-  [[nodiscard]] std::int64_t completed_ns() const noexcept { return completed_ns_; }
+  [[nodiscard]] std::int64_t completedBegun_ns() const noexcept { return completed_begun_ns_; }
   [[nodiscard]] const DriveState& completedState(std::size_t motor) const noexcept {
     return of_round_[motor];
   }
-  /// The last that was heard, of whatever round.
+  /// The last that was heard, of the round that is under way or an earlier one.
   [[nodiscard]] const DriveState& state(std::size_t motor) const noexcept { return last_[motor]; }
   /// Frames so far that no drive of ours sent, and answers that were malformed or incomplete.
   [[nodiscard]] std::uint64_t foreign() const noexcept { return foreign_; }
@@ -66,7 +69,8 @@ class MoteusRound {
   CanBus& bus_;
   BusClock& clock_;
   std::uint32_t awaited_ = 0;  ///< bit i: the answer of motor i
-  std::int64_t begun_ns_ = 0, completed_ns_ = 0;
+  unsigned mark_ = 0;          ///< of the round's answers
+  std::int64_t begun_ns_ = 0, completed_begun_ns_ = 0;
   std::uint64_t completed_ = 0, foreign_ = 0, malformed_ = 0;
   std::array<DriveState, kMostMotors> last_{}, of_round_{};
 };

@@ -18,10 +18,12 @@ enum Register : std::uint32_t {
   kPosition = 0x001,
   kVelocity = 0x002,
   kTorque = 0x003,
+  kTrajectoryComplete = 0x00b,
   kHomeState = 0x00c,
   kVoltage = 0x00d,
   kTemperature = 0x00e,
   kFault = 0x00f,
+  kPwmPhaseA = 0x010,  ///< and of the phases B and C
   kCommandPosition = 0x020,
   kIntegralLimitScale = 0x02b,
   kFirmwareVersion = 0x101,

@@ -294,6 +294,29 @@ INSTANTIATE_TEST_SUITE_P(Kinds, LostHost,
                                          HostKind{"crash", "crashes@1500", 0}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
+// The host keeps its last answer: that of the loop which died is no answer to the next one.
+TEST(RestartedHost, OfWhichAnotherLoopHasDied_EnablesAnew) {
+  const std::string name = hostName("restarted");
+  const auto driver = std::make_shared<KeepingDriver>();
+  const DeviceModel model = weighted();
+  auto host = std::make_unique<HostThread>(name, driver, model);
+  const auto hosted = orThrow(HostedDriver::connect(name));
+  host.reset();
+  host = std::make_unique<HostThread>(name, driver, model);
+  {
+    Partner other({"loop", name, "forever"});
+    ASSERT_TRUE(host->awaitsLoopOf(1));
+    other.send(SIGKILL);
+    other.wait();
+  }
+  ASSERT_TRUE(host->awaits(HostPhase::kLatched));
+  const std::uint64_t of_the_other = host->sample().session;
+  ASSERT_TRUE(hosted->reconnect());
+  const auto enabled = hosted->control(WH_ENABLE, 0.0);
+  ASSERT_TRUE(enabled) << format(enabled.errors());
+  EXPECT_EQ(host->sample().session, of_the_other + 1);
+}
+
 // A stopped host, or one whose driver blocks for good.
 TEST(StoppedHost, KeepsNoRunFromEndingAndIsNotArmed) {
   const std::string name = hostName("stopped");

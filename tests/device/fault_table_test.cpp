@@ -117,11 +117,17 @@ TEST_P(FaultTable, OfEveryKindAtRandomTicks_BeginsTheRampAtMostATickAfterTheSamp
       if (!course.healthy && adapter->inRealTime()) continue;
       ASSERT_TRUE(course.healthy);
       ASSERT_GE(course.began, 0) << "never begins";
+      const bool still = std::string(kind) == "frozen";
+      const int most_said = row.most_said + (still ? kStill_ticks : 0);
+      ++judged;
+      // Samples that stand still age: their mean age may end the session before the standstill.
+      if (still && course.said < 0) {
+        ASSERT_LE(course.began, most_said);
+        continue;
+      }
       ASSERT_GE(course.said, 0) << "begins, and no sample says so";
       ASSERT_LE(course.began - course.said, 1);
-      const bool still = std::string(kind) == "frozen";
-      ASSERT_LE(course.said, row.most_said + (still ? kStill_ticks : 0));
-      ++judged;
+      ASSERT_LE(course.said, most_said);
     }
   }
   EXPECT_GT(judged, kFew ? 0 : static_cast<int>(row.kinds.size())) << "the table must not be empty";

@@ -83,6 +83,18 @@ TEST(PluginDriver, AnotherFileSettingOrFileThatTheSettingsName_HasAnotherDigest)
   std::ofstream(map) << "gear = -3";
   all.insert(digest("faulty", map));
   EXPECT_EQ(all.size(), 5U);
+  for (const char* name : {"a b", "a=b"}) {
+    std::filesystem::create_directory(folder.file(name));
+    const std::string file = folder.file(std::string(name) + "/map.toml");
+    for (const std::string& settings : {file, "map=" + file}) {
+      if (settings != file && file.find(' ') != std::string::npos) continue;  // not one word
+      std::ofstream(file) << "max_torque_nm = 0.8";
+      const std::string safe = digest("faulty", settings);
+      EXPECT_EQ(digest("faulty", settings), safe);
+      std::ofstream(file) << "max_torque_nm = 8.0";
+      EXPECT_NE(digest("faulty", settings), safe) << settings;
+    }
+  }
 }
 
 TEST(PluginDevice, WithoutAClearance_IsNotArmedWhereItMayMoveAPerson) {

@@ -70,6 +70,21 @@ TEST_F(CompositeDriver, PartThatMayWait_IsRefusedForALoopAndTakenForAHost) {
   EXPECT_TRUE(open(file("well", "well"))) << "both never wait";
 }
 
+// A passport is of the files that the parts' settings name, too.
+TEST_F(CompositeDriver, AnotherFileThatAPartsSettingsName_HasAnotherIdentity) {
+  for (const char* name : {"ab", "a b", "a=b"}) {
+    fs::create_directory(folder_.file(name));
+    const std::string map = folder_.file(std::string(name) + "/map.toml");
+    const auto sdk = [&](const char* text) {
+      std::ofstream(map) << text;
+      return orThrow(open(file("gear=1", map)))->identity().sdk;
+    };
+    const std::string first = sdk("sign = 1");
+    EXPECT_EQ(sdk("sign = 1"), first);
+    EXPECT_NE(sdk("sign = -1"), first) << map;
+  }
+}
+
 TEST_F(CompositeDriver, WhatDoesNotFit_IsRefusedByName) {
   const std::string head = "kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.005\n";
   const auto part = [](const std::string& driver, const std::string& axes) {

@@ -88,11 +88,15 @@ class BenchBoard {
   BenchBoard(const BenchBoard&) = delete;
   BenchBoard& operator=(const BenchBoard&) = delete;
 
-  /// The firmware takes what has come and ticks once.
-  void tick() {
+  /// The firmware takes what has come.
+  void hear() {
     const std::vector<std::uint8_t> bytes(wires->to_device.begin(), wires->to_device.end());
     wires->to_device.clear();
     firmware_receive(&fw, bytes.data(), bytes.size(), now_us);
+  }
+  /// The same, and it ticks once.
+  void tick() {
+    hear();
     firmware_tick(&fw, now_us);
   }
   /// A millisecond passes, the firmware ticks.

@@ -90,6 +90,37 @@ TEST_F(FrameLine, EnabledAnew_SendsNothingFromBefore) {
   EXPECT_EQ(bench_.given[0], 1.0F);
 }
 
+// The board answers between two of its ticks: a sample of before the answer says nothing of it.
+TEST_F(FrameLine, Enabled_SaysSoInTheFirstSampleThatIsRead) {
+  ASSERT_TRUE(device_->control(WH_DISABLE, 0.0, bench_.wait()));
+  ASSERT_EQ(tick({}), WH_OK);
+  ASSERT_EQ(sample_.status, static_cast<std::uint32_t>(WH_HOMED));
+  bool ticks = true;
+  const auto answersInOneWaitAndTicksInTheNext = [&] {
+    bench_.now_us += 500;
+    ticks = !ticks;
+    if (ticks) {
+      firmware_tick(&bench_.fw, bench_.now_us);
+    } else {
+      bench_.hear();
+    }
+    return bench_.now_ns();
+  };
+  ASSERT_TRUE(device_->control(WH_ENABLE, 0.0, answersInOneWaitAndTicksInTheNext));
+  EXPECT_EQ(device_->read(sample_), WH_OK);
+  EXPECT_EQ(sample_.status, static_cast<std::uint32_t>(WH_ENABLED | WH_HOMED));
+}
+
+TEST_F(FrameLine, EnabledBoardInFault_IsWaitedForNoLongerThan20ms) {
+  ASSERT_TRUE(device_->control(WH_DISABLE, 0.0, bench_.wait()));
+  bench_.state.status = WH_HOMED | WH_DRIVE_FAULT;
+  const std::int64_t begun_ns = bench_.now_ns();
+  ASSERT_TRUE(device_->control(WH_ENABLE, 0.0, bench_.wait()));
+  EXPECT_LE(bench_.now_ns() - begun_ns, 25'000'000);
+  EXPECT_EQ(device_->read(sample_), WH_OK);
+  EXPECT_EQ(sample_.status, static_cast<std::uint32_t>(WH_HOMED | WH_DRIVE_FAULT));
+}
+
 TEST_F(FrameLine, Disabled_RefusesWrites) {
   ASSERT_TRUE(device_->control(WH_DISABLE, 0.0, bench_.wait()));
   EXPECT_EQ(device_->write(commandOf({1.0, 1.0, 1.0})), WH_FAILED);

@@ -31,6 +31,12 @@ DriverIdentity identityOf(const SharedFrame& frame) {
           text(frame.driver_sha256)};
 }
 
+// Of whatever loop: the host answers another number only. 0: nobody has asked.
+std::uint64_t lastRequestOf(const SharedFrame& frame) {
+  HostRequest last{};
+  return frame.request.take(last) ? last.number : 0;
+}
+
 bool sameAxes(const std::vector<wh_axis>& a, const std::vector<wh_axis>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const wh_axis& x, const wh_axis& y) {
     return std::strcmp(x.name, y.name) == 0 && x.kind == y.kind &&
@@ -45,8 +51,7 @@ bool sameAxes(const std::vector<wh_axis>& a, const std::vector<wh_axis>& b) {
 HostedDriver::HostedDriver(std::string name, std::unique_ptr<HostSegment> segment)
     : name_(std::move(name)), segment_(std::move(segment)), axes_(axesOf(segment_->frame())) {
   identity_ = identityOf(segment_->frame());
-  HostRequest last{};
-  if (segment_->frame().request.take(last)) requests_ = last.number;
+  requests_ = lastRequestOf(segment_->frame());
 }
 
 Expected<std::shared_ptr<HostedDriver>> HostedDriver::connect(const std::string& name) {
@@ -92,7 +97,7 @@ Expected<Done> HostedDriver::connectAnew() {
   }
   segment_ = std::move(*segment);
   identity_ = identityOf(segment_->frame());
-  requests_ = 0;
+  requests_ = lastRequestOf(segment_->frame());
   last_ = {};
   return Done{};
 }

@@ -88,14 +88,26 @@ std::string contentOf(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Everything of this machine between an effort and the motor. Settings are words of "key=value".
-std::string digestOf(const std::string& path, const std::string& settings) {
-  std::string all = sha256(contentOf(path)) + settings;
+// What settings may name as a file: each word, the value of each word "key=value", and the settings
+// as a whole, since a path may hold a blank or '='.
+std::vector<std::string> pathsIn(const std::string& settings) {
+  std::vector<std::string> paths;
   std::istringstream words(settings);
   for (std::string word; words >> word;) {
-    const std::string value = word.substr(word.find('=') + 1);
+    paths.push_back(word);
+    const std::size_t equals = word.find('=');
+    if (equals != std::string::npos) paths.push_back(word.substr(equals + 1));
+  }
+  if (paths.empty() || paths.front() != settings) paths.push_back(settings);
+  return paths;
+}
+
+// Everything of this machine between an effort and the motor.
+std::string digestOf(const std::string& path, const std::string& settings) {
+  std::string all = sha256(contentOf(path)) + settings;
+  for (const std::string& named : pathsIn(settings)) {
     std::error_code none;
-    if (std::filesystem::is_regular_file(value, none)) all += sha256(contentOf(value));
+    if (fs::is_regular_file(named, none)) all += sha256(contentOf(named));
   }
   return sha256(all);
 }

@@ -297,6 +297,72 @@ TEST_F(MoteusDrives, DriveThatFallsSilent_LetsTheSamplesStandStill) {
   EXPECT_GT(sample.sequence, sequence);
 }
 
+// The position tells when it was measured: an answer that comes late is never new.
+TEST_F(MoteusDrives, Time_IsNotAfterTheMeasurementHoweverTheBusDelays) {
+  constexpr std::int64_t kHealthy_ns = 800'000;
+  for (const std::int64_t late_ns : {2'500'000, 3'500'000, 5'000'000, 12'000'000, 20'000'000}) {
+    SCOPED_TRACE(late_ns);
+    bus.latency_ns = kHealthy_ns;
+    enable();
+    const std::int64_t begun_ns = time.now_ns;
+    for (int i = 0; i < 300; ++i) {
+      const int delays = i % 100;  // one round alone, then many
+      bus.latency_ns = delays == 10 || (delays > 40 && delays < 80) ? late_ns : kHealthy_ns;
+      (void)device->read(sample);
+      (void)write({});
+      const double measured_s = (sample.position[0] - 1.5) / kTurn_rad;
+      if (i > 2) {
+        ASSERT_LE(static_cast<double>(sample.monotonic_ns - begun_ns), measured_s * 1e9 + 1e3) << i;
+      }
+      for (int k = 0; k < 20; ++k) {
+        bus.drives[0].position_rev = static_cast<double>(time.now_ns - begun_ns) * 1e-9;
+        pass(50'000);
+      }
+    }
+  }
+}
+
+TEST_F(MoteusDrives, BusThatAnswersLate_GivesNoSampleThatLooksNew) {
+  enable();
+  (void)statusAfter(3);
+  bus.latency_ns = 12'000'000;
+  (void)statusAfter(8);
+  for (int i = 0; i < 100; ++i) {
+    (void)device->read(sample);
+    ASSERT_GE(time.now_ns - sample.monotonic_ns, 6'000'000) << i;
+    (void)tick({});
+  }
+  EXPECT_EQ(device->control(WH_ENABLE), WH_FAILED);
+  EXPECT_TRUE(test::says(said, "later than 3 ms"));
+  bus.latency_ns = 800'000;
+  pass(20'000'000);
+  EXPECT_EQ(device->control(WH_ENABLE), WH_OK);
+}
+
+// What is asked after a lost answer is not taken for it.
+TEST_F(MoteusDrives, LostAnswer_MakesNoLaterOneLookOld) {
+  bus.latency_ns = 800'000;
+  enable();
+  (void)statusAfter(3);
+  const auto age_ns = [this] {
+    (void)device->read(sample);
+    return time.now_ns - sample.monotonic_ns;
+  };
+  ASSERT_EQ(age_ns(), 1'000'000);
+  (void)device->read(sample);
+  (void)write({});
+  pass(500'000);
+  ASSERT_EQ(bus.answers.size(), 3U);
+  bus.answers.pop_front();
+  pass(500'000);
+  EXPECT_EQ(age_ns(), 2'000'000) << "one answer is missing";
+  (void)statusAfter(5);
+  for (int i = 0; i < 50; ++i) {
+    (void)tick({});
+    ASSERT_EQ(age_ns(), 1'000'000) << i;
+  }
+}
+
 TEST_F(MoteusDrives, CalledByAHostAtFourKilohertz_AskTheBusOnceARoundTrip) {
   bus.latency_ns = 800'000;
   enable();
