@@ -33,10 +33,11 @@ const ask = async ({ page }, value_n) => {
   await page.locator(FINGERS).press('Enter');
 };
 
-/** Selects the number, lets the ramp write it anew under the selection, and types over it. */
-const typeOverMoving = async ({ page }, value_n) => {
+/** Selects the number, lets the ramp that `moves` begins write it anew under the selection, and types over it. */
+const typeOverMoving = async ({ page }, value_n, moves) => {
   await page.locator(FINGERS).selectText();
   const before = await page.inputValue(FINGERS);
+  await moves();
   await until('the number moving', async () => (await page.inputValue(FINGERS)) !== before);
   await page.keyboard.type(String(value_n));
   await page.keyboard.press('Enter');
@@ -111,8 +112,7 @@ export async function stoppedGameGivesTheControlsBack(t) {
 export async function consolesShowTheLimitThatHolds(t) {
   const one = await t.watcher();
   const two = await openWatcher(t.plain, one.url);
-  await ask(one, 2);  // the focus stays in its field
-  await typeOverMoving(two, 9);
+  await typeOverMoving(two, 9, () => ask(one, 2));  // the focus stays in its field
   await limitIs(one, 9);
   await until('the first console showing 9 N', async () => (await one.page.inputValue(FINGERS)) === '9.0');
   await ask(one, 6);
