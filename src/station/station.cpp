@@ -323,7 +323,7 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
     return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
   }
   if (task.person != person_.person()) {
-    return refused(Refusal::kStopNotSeen,
+    return refused(Refusal::kOther,
                    "another person or hand was loaded after this was asked: look who, then arm "
                    "again");
   }
