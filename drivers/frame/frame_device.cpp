@@ -156,13 +156,13 @@ Expected<Done> FrameDevice::control(std::uint32_t verb, double argument, const W
 // The answer comes between two samples, and the one before it still says that the device is off.
 void FrameDevice::awaitEnabledSample(const Wait& wait) {
   const std::uint64_t before = sample_.sequence;
-  const auto isOn = [&] {
+  const auto is_on = [&] {
     return sample_.sequence != before && (sample_.status & WH_ENABLED) != 0;
   };
   std::int64_t now_ns = wait();
   for (const std::int64_t until_ns = now_ns + kSample_ns; !gone_.load(); now_ns = wait()) {
     pump(now_ns);
-    if (isOn() || now_ns >= until_ns) return;
+    if (is_on() || now_ns >= until_ns) return;
   }
 }
 

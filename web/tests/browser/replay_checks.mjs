@@ -64,6 +64,8 @@ export async function recordingIsReplayed(t) {
   for (const [lang, click] of [['en', null], ['de', '[data-testid=theme]'], ['fr', '[data-testid=tables]']]) {
     await page.selectOption('[data-testid=language]', lang);
     if (click) await page.click(click);
+    // The next picture writes the page in the other language.
+    await until('the button to play named', async () => (await page.innerText('[data-testid=play]')) !== '');
     await expectAccessible(page, lang);
     await t.picture(page, `replay_${lang}`);
     if (lang !== 'fr') await plotsAreComplete(page, lang);
