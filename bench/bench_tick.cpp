@@ -5,13 +5,13 @@
 // The figures of the whole system, with its percentiles, are those of `wholehand experiment
 // timing`; these show which part changed, on the same machine.
 #include "bench/rig_files.hpp"
-#include "dynamics/articulated_body.hpp"
 #include "experiments/grasp_script.hpp"
-#include "files/text_file.hpp"
-#include "realtime/spsc_queue.hpp"
-#include "realtime/stage_clock.hpp"
-#include "realtime/thread_setup.hpp"
-#include "telemetry/recording.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "loop/realtime/spsc_queue.hpp"
+#include "loop/realtime/stage_clock.hpp"
+#include "loop/realtime/thread_setup.hpp"
+#include "record/recording.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -7,19 +7,19 @@
 // print one digest computed the same to the last bit. scripts/tick_cost.py runs it under Callgrind.
 // SCENE-bare is the scene without contacts of the hand with itself, armature and energy tank.
 // SCENE may be "orders": then TICKS orders to the bodies of a game are obeyed in place of ticks.
-#include "assembly/rig.hpp"
 #include "bench/rig_files.hpp"
 #include "experiments/complexity_scenes.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grasp_script.hpp"
 #include "experiments/grip_target.hpp"
-#include "files/text_file.hpp"
-#include "model/mesh/convex_hull.hpp"
-#include "model/mesh/convex_mesh.hpp"
-#include "model/scene/game_shapes.hpp"
-#include "physics/physics_world.hpp"
-#include "realtime/monotonic_clock.hpp"
-#include "realtime/thread_setup.hpp"
+#include "files/mesh/convex_hull.hpp"
+#include "files/mesh/convex_mesh.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/model/game_shapes.hpp"
+#include "loop/physics/physics_world.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "loop/realtime/thread_setup.hpp"
+#include "rig/rig.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "assembly/models.hpp"
+#include "rig/models.hpp"
 
 #include <stdexcept>
 #include <string>

@@ -7,7 +7,7 @@ find_package(PkgConfig REQUIRED)
 # Its CMake config has relative include paths, hence pkg-config.
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
 # Modules that hold a physics engine (docs/engines.md).
-set(engine_modules physics/bullet)
+set(engine_modules loop/physics/bullet)
 if(WHOLEHAND_LAB)
   list(APPEND engine_modules lab)
 endif()
@@ -62,19 +62,17 @@ endif()
 
 # The standard library checks indices and iterators, but in what the tick runs: there a slip must not
 # end the program while a device holds its last effort.
-set(tick_modules core dynamics control safety patient exercise physics ${engine_modules} physics/analytic
-    device device/plugin device/host device/simulated renderer realtime
-    realtime/allocation_counter realtime/system_call_counter runtime)
+set(tick_modules "^(loop|exercises|lab|devices/plugin|devices/host)(/|$)")
 # Products of small matrices and little else: at -O3 they are inlined, to the same bits. Without
 # precompiled headers, which would bring their own -O2 along.
-set(arithmetic_modules dynamics)
+set(arithmetic_modules loop/dynamics)
 option(WHOLEHAND_FUZZ "For libFuzzer, under AddressSanitizer: count which branches of the readers of untrusted bytes an input takes" OFF)
 # Under a sanitizer the compiler takes half as long without optimisation, and what computes little
 # runs as fast. Only what computes at length is optimised (docs/adr/0072): these modules, and the targets
 # of which wholehand_computes() says so.
-set(computing_modules core model dynamics control patient exercise safety physics ${engine_modules}
-    physics/analytic device/simulated commissioning commissioning/identification registry renderer
-    server telemetry)
+set(computing_modules loop/core loop/model loop/dynamics loop/control loop/patient loop/exercise loop/safety
+    loop/physics loop/physics/analytic loop/device/simulated loop/renderer ${engine_modules} files certify
+    exercises rig/registry record devices/commissioning devices/commissioning/identification station/server)
 if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize=(address|thread)")
   set(WHOLEHAND_SANITIZED ON)
   target_compile_options(wholehand_options INTERFACE
@@ -97,7 +95,7 @@ set(often_read <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <atomic> <chron
     <condition_variable> <cstdint> <deque> <filesystem> <fstream> <functional> <limits> <map> <memory>
     <mutex> <numeric> <optional> <random> <set> <sstream> <string> <string_view> <thread>
     <unordered_map> <utility> <variant> <vector>)
-set(often_read_own core/axis_array.hpp core/expected.hpp core/geometry.hpp core/tick_record.hpp)
+set(often_read_own loop/core/axis_array.hpp loop/core/expected.hpp loop/core/geometry.hpp loop/core/tick_record.hpp)
 function(wholehand_precompiled_headers target)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${target}.cpp CONTENT "// Precompiled headers.\n")
   add_library(${target} OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/${target}.cpp)

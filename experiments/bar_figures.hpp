@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/tick_record.hpp"
-#include "exercise/exercise.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/exercise/exercise.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,9 +1,9 @@
 #include "experiments/cocktail_trial.hpp"
 
-#include "assembly/run.hpp"
 #include "experiments/bar_figures.hpp"
-#include "realtime/monotonic_clock.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "record/run/run.hpp"
 
 #include <fmt/format.h>
 

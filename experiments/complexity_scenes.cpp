@@ -1,8 +1,8 @@
 #include "experiments/complexity_scenes.hpp"
 
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
-#include "model/mesh/convex_mesh.hpp"
+#include "files/mesh/convex_mesh.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "loop/dynamics/synergy.hpp"
 
 #include <algorithm>
 #include <array>

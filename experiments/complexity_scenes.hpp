@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/models.hpp"
-#include "patient/motion.hpp"
+#include "loop/patient/motion.hpp"
+#include "rig/models.hpp"
 
 namespace wholehand {
 

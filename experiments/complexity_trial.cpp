@@ -1,8 +1,8 @@
 #include "experiments/complexity_trial.hpp"
 
-#include "assembly/rig.hpp"
-#include "realtime/monotonic_clock.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "rig/rig.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "assembly/engines.hpp"
-#include "assembly/models.hpp"
-#include "core/expected.hpp"
 #include "experiments/complexity_scenes.hpp"
+#include "loop/core/expected.hpp"
+#include "rig/engines.hpp"
+#include "rig/models.hpp"
 
 #include <array>
 #include <functional>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/rig.hpp"
-#include "core/tick_record.hpp"
-#include "dynamics/articulated_body.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "rig/rig.hpp"
 
 namespace wholehand {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/axis_array.hpp"
+#include "loop/core/axis_array.hpp"
 
 #include <array>
 #include <optional>

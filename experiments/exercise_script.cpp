@@ -1,6 +1,6 @@
 #include "experiments/exercise_script.hpp"
 
-#include "core/geometry.hpp"
+#include "loop/core/geometry.hpp"
 
 #include <Eigen/Core>
 

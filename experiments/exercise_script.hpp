@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/models.hpp"
-#include "core/expected.hpp"
-#include "patient/motion.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/patient/motion.hpp"
+#include "rig/models.hpp"
 
 #include <cstdint>
 #include <string>

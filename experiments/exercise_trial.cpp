@@ -1,11 +1,11 @@
 #include "experiments/exercise_trial.hpp"
 
-#include "assembly/run.hpp"
-#include "dynamics/articulated_body.hpp"
 #include "experiments/bar_figures.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grip_target.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "record/run/run.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/rig.hpp"
-#include "core/expected.hpp"
 #include "experiments/exercise_phases.hpp"
+#include "loop/core/expected.hpp"
+#include "rig/rig.hpp"
 
 #include <cstdint>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/tick_record.hpp"
-#include "model/device_model.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/model/device_model.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "assembly/rig.hpp"
 #include "experiments/contact_balance.hpp"
 #include "experiments/felt_noise.hpp"
 #include "experiments/grasp_trial.hpp"
+#include "rig/rig.hpp"
 
 namespace wholehand {
 

@@ -1,8 +1,8 @@
 #include "experiments/grasp_script.hpp"
 
-#include "core/geometry.hpp"
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
+#include "loop/core/geometry.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "loop/dynamics/synergy.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/models.hpp"
 #include "experiments/grasp_trial.hpp"
-#include "patient/motion.hpp"
+#include "loop/patient/motion.hpp"
+#include "rig/models.hpp"
 
 #include <string>
 

@@ -1,11 +1,11 @@
 #include "experiments/grasp_trial.hpp"
 
-#include "assembly/run.hpp"
-#include "core/geometry.hpp"
 #include "experiments/grasp_observer.hpp"
 #include "experiments/grasp_script.hpp"
-#include "files/text_file.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/geometry.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "record/run/run.hpp"
 
 #include <algorithm>
 #include <cmath>

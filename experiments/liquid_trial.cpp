@@ -1,7 +1,7 @@
 #include "experiments/liquid_trial.hpp"
 
-#include "core/geometry.hpp"
-#include "device/haptic_device.hpp"
+#include "loop/core/geometry.hpp"
+#include "loop/device/haptic_device.hpp"
 
 #include <Eigen/Dense>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/rig.hpp"
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
+#include "rig/rig.hpp"
 
 #include <array>
 #include <complex>

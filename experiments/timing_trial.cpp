@@ -1,9 +1,9 @@
 #include "experiments/timing_trial.hpp"
 
-#include "assembly/rig.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grip_target.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "rig/rig.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/engines.hpp"
-#include "assembly/models.hpp"
-#include "assembly/run.hpp"
+#include "record/run/run.hpp"
+#include "rig/engines.hpp"
+#include "rig/models.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -19,7 +19,8 @@ struct TimingPlan {
   bool simulated_clock = false;  ///< as fast as possible: CPU time only
   std::string folder;            ///< for the recording
   std::function<void(const TickSummary&, double rate_hz)> status;
-  /// Counts the calling thread's allocations (realtime/allocation_counter.hpp); null: not counted.
+  /// Counts the calling thread's allocations (loop/realtime/allocation_counter.hpp); null: not
+  /// counted.
   std::uint64_t (*count_allocations)() noexcept = nullptr;
 };
 

@@ -1,7 +1,7 @@
 #include "lab/engine_scenes.hpp"
 
 #include "experiments/grasp_script.hpp"
-#include "files/text_file.hpp"
+#include "files/text/text_file.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/rig.hpp"
 #include "experiments/grasp_trial.hpp"
 #include "lab/engine_trial.hpp"
+#include "rig/rig.hpp"
 
 #include <cstdint>
 #include <memory>

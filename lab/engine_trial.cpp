@@ -3,8 +3,8 @@
 #include "experiments/grasp_observer.hpp"
 #include "experiments/grasp_script.hpp"
 #include "lab/engine_scenes.hpp"
-#include "realtime/monotonic_clock.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/models.hpp"
-#include "core/expected.hpp"
 #include "lab/stiffness_trial.hpp"
+#include "loop/core/expected.hpp"
+#include "rig/models.hpp"
 
 #include <array>
 #include <cstdint>

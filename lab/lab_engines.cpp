@@ -1,7 +1,7 @@
-#include "assembly/engines.hpp"
 #include "lab/bullet_paper/bullet_paper_world.hpp"
 #include "lab/mujoco/mujoco_world.hpp"
-#include "physics/bullet/bullet_world.hpp"
+#include "loop/physics/bullet/bullet_world.hpp"
+#include "rig/engines.hpp"
 
 namespace wholehand {
 namespace {

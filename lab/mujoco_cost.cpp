@@ -6,14 +6,14 @@
 //
 // Prints of each rig the CPU time of a tick, and what MuJoCo's solver had to do in it. The default
 // engine is the first: with it a tick has everything but MuJoCo.
-#include "assembly/rig.hpp"
 #include "bench/rig_files.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grip_target.hpp"
 #include "lab/mujoco/mujoco_engine.hpp"
 #include "lab/mujoco/mujoco_world.hpp"
-#include "realtime/monotonic_clock.hpp"
-#include "realtime/thread_setup.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "loop/realtime/thread_setup.hpp"
+#include "rig/rig.hpp"
 
 #include <algorithm>
 #include <array>

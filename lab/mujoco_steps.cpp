@@ -8,10 +8,10 @@
 // MuJoCo's own solver and none of the device, patient, coupling and safety of a rig. Every thread
 // has the same world of its own. Prints the ticks a second of all threads in the fastest round, and
 // the share of ticks with contacts.
-#include "assembly/models.hpp"
 #include "lab/mujoco/hand_map.hpp"
 #include "lab/mujoco/model_text.hpp"
 #include "lab/mujoco/mujoco_engine.hpp"
+#include "rig/models.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
 #include "lab/stiffness_trial.hpp"
 
-#include "assembly/models.hpp"
-#include "assembly/rig.hpp"
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
 #include "experiments/pushed_axis.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "loop/dynamics/synergy.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "rig/models.hpp"
+#include "rig/rig.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -127,8 +127,8 @@ def bill_of_materials(version, date):
 MANUALS = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "THIRD_PARTY.md", "docs", "clients/csharp", "clients/godot",
            "clients/unity", "clients/python/README.md", "clients/python/examples", "lab/train_a_reach.py",
            "protocol/wholehand.fbs", "scripts/fetch_flatbuffers_csharp.sh", "src/driver_abi/wholehand/device.h",
-           "src/control/passivity.hpp", "src/control/viscoelastic.hpp", "src/replay/replay_question.hpp",
-           "tests/device/faulty_driver.c"]
+           "src/certify/passivity.hpp", "src/loop/control/viscoelastic.hpp", "src/replay/replay_question.hpp",
+           "tests/devices/faulty_driver.c"]
 ELSEWHERE = {"config": "../../wholehand/config", "data": "../../wholehand/data"}  # from share/doc/wholehand
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 CLEAN = ROOT / "scripts/clean_commit"
-THREADS = re.compile(r'#include (<(thread|mutex|atomic|condition_variable|shared_mutex|future)>|"realtime/spsc_queue\.hpp")')
+THREADS = re.compile(r'#include (<(thread|mutex|atomic|condition_variable|shared_mutex|future)>|"loop/realtime/spsc_queue\.hpp")')
 # A change of these changes what every source is compiled to.
 OF_EVERY_SOURCE = ("CMakeLists.txt", "CMakePresets.json", "cmake/", "protocol/")
 

@@ -39,8 +39,12 @@ class Rules:
     def allows(self, module, header):
         """Whether a module may include one of our headers, given relative to src/."""
         target = self.module_of(header)
-        allowed = self.modules[module]
-        return target == module or target in allowed or header in allowed
+        return target == module or any(self.names(name, target) for name in self.modules[module])
+
+    @staticmethod
+    def names(listed, module):
+        """Whether an entry of a list is this module, or with a slash at its end one of this room."""
+        return module == listed or listed.endswith("/") and f"{module}/".startswith(listed)
 
     def fault_of_vendor(self, module, header):
         for prefix, allowed in self.vendors.items():
@@ -96,8 +100,8 @@ def faults_of_table(rules):
     order = list(rules.modules)
     for module, allowed in rules.modules.items():
         for name in allowed:
-            target = name if name in order else rules.module_of(name)
-            if target is None or order.index(target) >= order.index(module):
+            targets = [other for other in order if rules.names(name, other)]
+            if not targets or any(order.index(other) >= order.index(module) for other in targets):
                 yield f"scripts/include_rules.toml: {module} lists {name}, which is no module above it"
 
 

@@ -3,7 +3,7 @@
 
 scripts/new_exercise.py my-task [--into FOLDER]
 
-Copies src/exercise/squeeze_to_level, its exercise file and its scene under the new name, and prints
+Copies src/exercises/squeeze_to_level, its exercise file and its scene under the new name, and prints
 what it made. --into: the root of another tree than this one. Nothing that is there is written over.
 """
 import argparse
@@ -27,7 +27,7 @@ def renamed(text: str, name: str) -> str:
 
 def copies(name: str) -> dict[pathlib.Path, pathlib.Path]:
     """From which file of this repository to which file of the tree."""
-    sources = [*sorted((ROOT / "src/exercise" / TEMPLATE.replace("-", "_")).iterdir()),
+    sources = [*sorted((ROOT / "src/exercises" / TEMPLATE.replace("-", "_")).iterdir()),
                ROOT / f"config/exercises/{TEMPLATE}.toml", ROOT / f"config/scenes/{TEMPLATE}.toml"]
     return {path: pathlib.Path(renamed(str(path.relative_to(ROOT)), name)) for path in sources}
 

@@ -1,5 +1,5 @@
 // A page that stands in one file, without the network: vite build --config vite.one_file.config.ts --mode NAME
-// makes dist/NAME.html, the template that the program writes its data into (src/page).
+// makes dist/NAME.html, the template that the program writes its data into (src/files/page).
 import { resolve } from 'node:path';
 import { defineConfig, type Plugin } from 'vite';
 import { viteSingleFile } from 'vite-plugin-singlefile';

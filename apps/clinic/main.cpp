@@ -4,7 +4,7 @@
 #include "clinic/http_server.hpp"
 #include "clinic/station.hpp"
 #include "clinic/trials.hpp"
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

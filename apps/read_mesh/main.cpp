@@ -1,6 +1,6 @@
 // wholehand-read-mesh FILE: sends the triangles of a mesh file to the program that started it
-// (src/model/mesh/mesh_file.hpp), which also sets its limits.
-#include "model/mesh/mesh_file.hpp"
+// (src/files/mesh/mesh_file.hpp), which also sets its limits.
+#include "files/mesh/mesh_file.hpp"
 
 #include <cstdio>
 #include <exception>

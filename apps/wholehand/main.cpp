@@ -14,8 +14,8 @@
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "apps/wholehand/sweep/sweep_command.hpp"
 #include "apps/wholehand/validate/validate_command.hpp"
-#include "assembly/program_version.hpp"
-#include "core/printable.hpp"
+#include "loop/core/printable.hpp"
+#include "rig/program_version.hpp"
 
 #include <CLI/CLI.hpp>
 

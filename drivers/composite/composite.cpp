@@ -1,6 +1,6 @@
 #include "drivers/composite/composite.hpp"
 
-#include "core/sha256.hpp"
+#include "loop/core/sha256.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "core/real_time.hpp"
-#include "device/plugin/device_driver.hpp"
+#include "devices/plugin/device_driver.hpp"
 #include "drivers/composite/composite_file.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/core/real_time.hpp"
 
 #include <array>
 #include <cstddef>

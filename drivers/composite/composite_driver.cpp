@@ -1,5 +1,5 @@
 // The driver `composite`: two drivers behind the boundary of device.h as one.
-#include "device/plugin/plugin_driver.hpp"
+#include "devices/plugin/plugin_driver.hpp"
 #include "drivers/composite/composite.hpp"
 #include "drivers/identity_text.hpp"
 #include "drivers/sized_sample.hpp"

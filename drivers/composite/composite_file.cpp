@@ -1,6 +1,6 @@
 #include "drivers/composite/composite_file.hpp"
 
-#include "model/toml/toml_file.hpp"
+#include "files/toml/toml_file.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "device/plugin/plugin_driver.hpp"
+#include "devices/plugin/plugin_driver.hpp"
+#include "loop/core/expected.hpp"
 
 #include <array>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/expected.hpp"
 #include "force_settings.hpp"
+#include "loop/core/expected.hpp"
 #include "sdk.hpp"
 #include "wholehand/device.h"
 

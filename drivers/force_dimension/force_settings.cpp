@@ -1,6 +1,6 @@
 #include "force_settings.hpp"
 
-#include "model/toml/toml_file.hpp"
+#include "files/toml/toml_file.hpp"
 
 namespace wholehand::force_dimension {
 namespace {

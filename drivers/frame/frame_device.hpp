@@ -1,10 +1,10 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "core/real_time.hpp"
-#include "device/host/newest_value.hpp"
+#include "devices/host/newest_value.hpp"
 #include "drivers/frame/carrier.hpp"
 #include "drivers/frame/firmware/frame.h"
+#include "loop/core/expected.hpp"
+#include "loop/core/real_time.hpp"
 #include "wholehand/device.h"
 
 #include <array>

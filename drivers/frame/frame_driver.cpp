@@ -2,7 +2,7 @@
 #include "drivers/frame/frame_device.hpp"
 #include "drivers/identity_text.hpp"
 #include "drivers/sized_sample.hpp"
-#include "realtime/monotonic_clock.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
 
 #include <algorithm>
 #include <chrono>

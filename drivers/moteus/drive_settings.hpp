@@ -2,7 +2,7 @@
 
 #include "bus_clock.hpp"
 #include "can_bus.hpp"
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
 #include "motor_map.hpp"
 
 #include <array>

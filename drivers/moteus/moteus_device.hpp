@@ -2,7 +2,7 @@
 
 #include "bus_clock.hpp"
 #include "can_bus.hpp"
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
 #include "moteus_round.hpp"
 #include "motor_map.hpp"
 #include "settings.hpp"

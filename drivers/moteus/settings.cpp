@@ -1,6 +1,6 @@
 #include "settings.hpp"
 
-#include "model/toml/toml_file.hpp"
+#include "files/toml/toml_file.hpp"
 
 #include <algorithm>
 #include <numbers>

@@ -1,9 +1,9 @@
 #include "experiments/sweep/contact_trial.hpp"
 
-#include "assembly/models.hpp"
-#include "control/certificate/certificate.hpp"
+#include "certify/certificate.hpp"
 #include "experiments/felt_noise.hpp"
 #include "experiments/grasp_script.hpp"
+#include "rig/models.hpp"
 
 #include <algorithm>
 #include <cmath>

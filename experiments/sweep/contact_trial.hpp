@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/expected.hpp"
 #include "experiments/grasp_trial.hpp"
+#include "loop/core/expected.hpp"
 
 namespace wholehand {
 

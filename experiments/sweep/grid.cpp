@@ -1,8 +1,8 @@
 #include "experiments/sweep/grid.hpp"
 
-#include "assembly/engines.hpp"
-#include "commissioning/sealed_file.hpp"
-#include "model/toml/toml_file.hpp"
+#include "devices/commissioning/sealed_file.hpp"
+#include "files/toml/toml_file.hpp"
+#include "rig/engines.hpp"
 
 #include <fmt/format.h>
 

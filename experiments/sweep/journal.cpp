@@ -1,8 +1,8 @@
 #include "experiments/sweep/journal.hpp"
 
-#include "commissioning/sealed_file.hpp"
-#include "core/crc32.hpp"
-#include "files/text_file.hpp"
+#include "devices/commissioning/sealed_file.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/crc32.hpp"
 
 #include <cerrno>
 #include <chrono>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
 
 #include <map>
 #include <string>

@@ -1,11 +1,11 @@
 #include "experiments/sweep/sweep.hpp"
 
-#include "commissioning/sealed_file.hpp"
-#include "core/sha256.hpp"
+#include "devices/commissioning/sealed_file.hpp"
 #include "experiments/sweep/journal.hpp"
 #include "experiments/worker_pool.hpp"
-#include "runtime/interrupt_scope.hpp"
-#include "telemetry/sweep_file.hpp"
+#include "loop/core/sha256.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "record/sweep_file.hpp"
 
 #include <algorithm>
 #include <filesystem>

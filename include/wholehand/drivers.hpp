@@ -12,11 +12,11 @@
 /// the tick but read() and write().
 
 // IWYU pragma: begin_exports
-#include "commissioning/passport.hpp"       // clearToArm(): passport and today's check
-#include "device/host/device_host.hpp"      // DeviceHost: holds a device for another process
-#include "device/host/host_segment.hpp"     // listHosts(): which hosts there are
-#include "device/host/hosted_driver.hpp"    // HostedDriver: a device that a host holds
-#include "device/plugin/device_driver.hpp"  // ObservedDriver: what its newest sample says
-#include "device/plugin/plugin_device.hpp"  // PluginDevice: a driver as a HapticDevice
-#include "device/plugin/plugin_driver.hpp"  // PluginDriver: loads a shared object
+#include "devices/commissioning/passport.hpp"  // clearToArm(): passport and today's check
+#include "devices/host/device_host.hpp"        // DeviceHost: holds a device for another process
+#include "devices/host/host_segment.hpp"       // listHosts(): which hosts there are
+#include "devices/host/hosted_driver.hpp"      // HostedDriver: a device that a host holds
+#include "devices/plugin/device_driver.hpp"    // ObservedDriver: what its newest sample says
+#include "devices/plugin/plugin_device.hpp"    // PluginDevice: a driver as a HapticDevice
+#include "devices/plugin/plugin_driver.hpp"    // PluginDriver: loads a shared object
 // IWYU pragma: end_exports

@@ -10,9 +10,9 @@
 /// program with handlers of its own writes to an Interrupts instead. Nothing here is for the tick.
 
 // IWYU pragma: begin_exports
-#include "assembly/run.hpp"  // Run, runAndRecord()
-#include "runtime/interrupt_scope.hpp"
-#include "telemetry/hub.hpp"         // TelemetryHub: from the queue to writer and sinks
-#include "telemetry/recording.hpp"   // RecordingReader, RecordingWriter
-#include "telemetry/statistics.hpp"  // TickStatistics
+#include "loop/runtime/interrupt_scope.hpp"
+#include "loop/runtime/statistics.hpp"  // TickStatistics
+#include "record/hub.hpp"               // TelemetryHub: from the queue to writer and sinks
+#include "record/recording.hpp"         // RecordingReader, RecordingWriter
+#include "record/run/run.hpp"           // Run, runAndRecord()
 // IWYU pragma: end_exports

@@ -13,10 +13,10 @@
 /// built before the installation. Nothing here is for the tick.
 
 // IWYU pragma: begin_exports
-#include "assembly/models.hpp"          // makeMotionPlayer(), for StationConfig::make_player
-#include "runtime/interrupt_scope.hpp"  // InterruptScope: Ctrl-C ends the station gently
-#include "server/control_desk.hpp"
-#include "server/server.hpp"      // Server: docs/protocol.md
-#include "server/udp_bridge.hpp"  // UdpBridge: docs/udp.md
+#include "loop/runtime/interrupt_scope.hpp"  // InterruptScope: Ctrl-C ends the station gently
+#include "rig/models.hpp"                    // makeMotionPlayer(), for StationConfig::make_player
+#include "station/server/control_desk.hpp"
+#include "station/server/server.hpp"      // Server: docs/protocol.md
+#include "station/server/udp_bridge.hpp"  // UdpBridge: docs/udp.md
 #include "station/station.hpp"
 // IWYU pragma: end_exports

@@ -14,18 +14,18 @@
 /// safe.
 
 // IWYU pragma: begin_exports
-#include "assembly/models.hpp"                 // loadModels(): device, hand, scene, gains, patient
-#include "assembly/rehearsal.hpp"              // rehearse(): by it what moves a person is armed
-#include "assembly/rig.hpp"                    // buildRig(), checkGains()
-#include "certification/certificate_file.hpp"  // readCertificate(), for RigOptions::certificate
-#include "core/body_order.hpp"                 // spawnCommand() ..: bodies of a game
-#include "core/expected.hpp"                   // Expected, Diagnostic
-#include "core/tick_record.hpp"          // TickRecord: all that one tick read, computed and sent
-#include "device/haptic_device.hpp"      // HapticDevice: implement it for a device of your own
-#include "model/scene/game_shapes.hpp"   // prepareShapes(), shapeCommands()
-#include "patient/motion.hpp"            // Intention: what the virtual patient wants
-#include "physics/physics_world.hpp"     // PhysicsWorld: the interface of an engine
-#include "registry/body_registry.hpp"    // BodyRegistry: more bodies than the loop has slots for
-#include "renderer/haptic_renderer.hpp"  // HapticRenderer: arm(), tick()
-#include "runtime/session.hpp"           // Session: thread, queue, end at neutral
+#include "certify/certificate_file.hpp"    // readCertificate(), for RigOptions::certificate
+#include "loop/core/body_order.hpp"        // spawnCommand() ..: bodies of a game
+#include "loop/core/expected.hpp"          // Expected, Diagnostic
+#include "loop/core/tick_record.hpp"       // TickRecord: all that one tick read, computed and sent
+#include "loop/device/haptic_device.hpp"   // HapticDevice: implement it for a device of your own
+#include "loop/model/game_shapes.hpp"      // prepareShapes(), shapeCommands()
+#include "loop/patient/motion.hpp"         // Intention: what the virtual patient wants
+#include "loop/physics/physics_world.hpp"  // PhysicsWorld: the interface of an engine
+#include "loop/renderer/haptic_renderer.hpp"  // HapticRenderer: arm(), tick()
+#include "loop/runtime/session.hpp"           // Session: thread, queue, end at neutral
+#include "rig/models.hpp"                     // loadModels(): device, hand, scene, gains, patient
+#include "rig/registry/body_registry.hpp"  // BodyRegistry: more bodies than the loop has slots for
+#include "rig/rehearsal.hpp"               // rehearse(): by it what moves a person is armed
+#include "rig/rig.hpp"                     // buildRig(), checkGains()
 // IWYU pragma: end_exports

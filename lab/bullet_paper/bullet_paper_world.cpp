@@ -1,9 +1,9 @@
 #include "lab/bullet_paper/bullet_paper_world.hpp"
 
 #include "lab/bullet_paper/paper_engine.hpp"
-#include "physics/bullet/bullet_types.hpp"
-#include "physics/bullet/bullet_world.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
+#include "loop/physics/bullet/bullet_world.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "model/hand/hand_model.hpp"
-#include "model/scene/scene_model.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/model/hand_model.hpp"
+#include "loop/model/scene_model.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <memory>
 

@@ -1,9 +1,9 @@
 #include "lab/bullet_paper/paper_body.hpp"
 
 #include "lab/bullet_paper/collision_groups.hpp"
-#include "physics/bullet/bullet_shapes.hpp"
-#include "physics/bullet/bullet_types.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/physics/bullet/bullet_shapes.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <Eigen/Geometry>

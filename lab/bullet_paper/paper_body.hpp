@@ -1,10 +1,10 @@
 #pragma once
 
-#include "core/real_time.hpp"
-#include "core/tick_record.hpp"
-#include "core/world_query.hpp"
-#include "model/scene/scene_model.hpp"
-#include "physics/bullet/bullet_types.hpp"
+#include "loop/core/real_time.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/core/world_query.hpp"
+#include "loop/model/scene_model.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>

@@ -1,10 +1,10 @@
 #include "lab/bullet_paper/paper_engine.hpp"
 
-#include "core/tick_record.hpp"
 #include "lab/bullet_paper/collision_groups.hpp"
-#include "physics/bullet/bullet_shapes.hpp"
-#include "physics/bullet/bullet_types.hpp"
-#include "physics/bullet/manifold_overlaps.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/physics/bullet/bullet_shapes.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
+#include "loop/physics/bullet/manifold_overlaps.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,6 +1,6 @@
 #include "lab/bullet_paper/paper_hand.hpp"
 
-#include "physics/bullet/bullet_types.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "core/real_time.hpp"
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
-#include "physics/bullet/bullet_types.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/core/real_time.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "loop/dynamics/synergy.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>

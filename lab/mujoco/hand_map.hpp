@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/real_time.hpp"
-#include "dynamics/synergy.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/core/real_time.hpp"
+#include "loop/dynamics/synergy.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <array>
 #include <mujoco/mujoco.h>

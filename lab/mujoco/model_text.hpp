@@ -1,8 +1,8 @@
 #pragma once
 
 #include "lab/mujoco/solver_settings.hpp"
-#include "model/hand/hand_model.hpp"
-#include "model/scene/scene_model.hpp"
+#include "loop/model/hand_model.hpp"
+#include "loop/model/scene_model.hpp"
 
 #include <string>
 

@@ -3,9 +3,9 @@
 #include "lab/mujoco/collisions.hpp"
 #include "lab/mujoco/engine_errors.hpp"
 #include "lab/mujoco/model_text.hpp"
-#include "physics/free_rotation.hpp"
-#include "physics/hand_overlaps.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/physics/free_rotation.hpp"
+#include "loop/physics/hand_overlaps.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,8 @@
 
 #include "lab/mujoco/hand_map.hpp"
 #include "lab/mujoco/reduced_constraints.hpp"
-#include "model/scene/scene_model.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/model/scene_model.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <memory>
 #include <mujoco/mujoco.h>

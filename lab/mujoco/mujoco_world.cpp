@@ -1,7 +1,7 @@
 #include "lab/mujoco/mujoco_world.hpp"
 
 #include "lab/mujoco/mujoco_engine.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <algorithm>
 #include <utility>

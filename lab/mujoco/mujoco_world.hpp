@@ -1,10 +1,10 @@
 #pragma once
 
-#include "dynamics/synergy.hpp"
 #include "lab/mujoco/solver_settings.hpp"
-#include "model/hand/hand_model.hpp"
-#include "model/scene/scene_model.hpp"
-#include "physics/physics_world.hpp"
+#include "loop/dynamics/synergy.hpp"
+#include "loop/model/hand_model.hpp"
+#include "loop/model/scene_model.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 #include "lab/mujoco/reduced_constraints.hpp"
 
-#include "dynamics/articulated_body.hpp"
+#include "loop/dynamics/articulated_body.hpp"
 
 #include <algorithm>
 #include <array>

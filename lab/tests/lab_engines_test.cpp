@@ -1,5 +1,5 @@
 // What only the lab's engines say of themselves.
-#include "physics/engine_bench.hpp"
+#include "loop/physics/engine_bench.hpp"
 
 namespace wholehand::test {
 namespace {

@@ -3,8 +3,8 @@
 #include "lab/mujoco/engine_errors.hpp"
 #include "lab/mujoco/mujoco_engine.hpp"
 #include "lab/mujoco/mujoco_world.hpp"
-#include "physics/body_yard.hpp"
-#include "physics/engine_bench.hpp"
+#include "loop/physics/body_yard.hpp"
+#include "loop/physics/engine_bench.hpp"
 #include "support/says.hpp"
 #include "support/seed.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "clinic/backup.hpp"
 #include "clinic/text.hpp"
-#include "core/sha256.hpp"
+#include "loop/core/sha256.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "clinic/backup.hpp"
 
 #include "clinic/keys.hpp"
-#include "files/text_file.hpp"
+#include "files/text/text_file.hpp"
 
 #include <fmt/format.h>
 

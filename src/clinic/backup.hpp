@@ -2,7 +2,7 @@
 
 #include "clinic/database.hpp"
 #include "clinic/text.hpp"
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
 
 #include <cstdint>
 #include <set>

@@ -1,6 +1,6 @@
 #include "clinic/clinic.hpp"
 
-#include "core/sha256.hpp"
+#include "loop/core/sha256.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "clinic/database.hpp"
 
 #include "clinic_schema.hpp"
-#include "core/sha256.hpp"
+#include "loop/core/sha256.hpp"
 
 #include <fmt/format.h>
 

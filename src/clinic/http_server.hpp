@@ -1,7 +1,7 @@
 #pragma once
 
 #include "clinic/clinic.hpp"
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
 
 #include <cstdint>
 #include <memory>

@@ -1,7 +1,7 @@
 #include "clinic/keys.hpp"
 
-#include "core/sha256.hpp"
-#include "files/text_file.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/sha256.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,6 @@
 #include "clinic/plans.hpp"
 
-#include "core/tick_record.hpp"
+#include "loop/core/tick_record.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "clinic/station.hpp"
 
-#include "server/wire.hpp"
+#include "station/server/wire.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "clinic/text.hpp"
 
-#include "core/printable.hpp"
+#include "loop/core/printable.hpp"
 
 #include <fmt/format.h>
 

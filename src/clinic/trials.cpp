@@ -1,8 +1,8 @@
 #include "clinic/trials.hpp"
 
 #include "clinic/text.hpp"
-#include "core/printable.hpp"
-#include "process/child_process.hpp"
+#include "files/process/child_process.hpp"
+#include "loop/core/printable.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include "clinic/records.hpp"
 #include "clinic/station.hpp"
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
 
 #include <cstdint>
 #include <functional>

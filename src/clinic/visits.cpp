@@ -1,7 +1,7 @@
 #include "clinic/visits.hpp"
 
 #include "clinic/backup.hpp"
-#include "core/tick_record.hpp"
+#include "loop/core/tick_record.hpp"
 
 #include <fmt/format.h>
 

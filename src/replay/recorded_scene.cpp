@@ -1,6 +1,6 @@
 #include "replay/recorded_scene.hpp"
 
-#include "resimulation/resimulation.hpp"
+#include "replay/resimulation/resimulation.hpp"
 #include "station/scene_facts.hpp"
 
 #include <nlohmann/json.hpp>

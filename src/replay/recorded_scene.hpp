@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "server/backend.hpp"
-#include "telemetry/recording.hpp"
+#include "loop/core/expected.hpp"
+#include "record/recording.hpp"
+#include "vocabulary/backend.hpp"
 
 #include <string>
 

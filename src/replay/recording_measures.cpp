@@ -1,9 +1,9 @@
 #include "replay/recording_measures.hpp"
 
-#include "core/sha256.hpp"
+#include "loop/core/sha256.hpp"
+#include "record/recording.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/therapy_facts.hpp"
-#include "telemetry/recording.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,13 +1,13 @@
 #include "replay/recording_report.hpp"
 
-#include "page/chart_page.hpp"
+#include "files/page/chart_page.hpp"
+#include "record/black_box_reader.hpp"
+#include "record/recording.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
 #include "replay/replayed_recording.hpp"
 #include "replay/therapy_facts.hpp"
-#include "server/wire.hpp"
-#include "telemetry/black_box_reader.hpp"
-#include "telemetry/recording.hpp"
+#include "station/server/wire.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "core/tick_record.hpp"
-#include "telemetry/recording.hpp"
-#include "telemetry/statistics.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/runtime/statistics.hpp"
+#include "record/recording.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/tick_record.hpp"
+#include "loop/core/tick_record.hpp"
+#include "record/recording.hpp"
 #include "replay/replay_question.hpp"
-#include "telemetry/recording.hpp"
 
 #include <nlohmann/json.hpp>
 

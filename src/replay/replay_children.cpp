@@ -1,8 +1,8 @@
 #include "replay/replay_children.hpp"
 
-#include "core/printable.hpp"
+#include "loop/core/printable.hpp"
+#include "record/crash_guard.hpp"
 #include "replay/replayed_recording.hpp"
-#include "telemetry/crash_guard.hpp"
 
 #include <algorithm>
 #include <cerrno>

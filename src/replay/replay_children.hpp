@@ -1,8 +1,8 @@
 #pragma once
 
-#include "process/child_process.hpp"
+#include "files/process/child_process.hpp"
 #include "replay/replay_question.hpp"
-#include "server/backend.hpp"
+#include "vocabulary/backend.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -1,7 +1,7 @@
 #include "replay/replay_question.hpp"
 
-#include "core/printable.hpp"
-#include "server/http_line.hpp"
+#include "loop/core/printable.hpp"
+#include "station/server/http_line.hpp"
 
 #include <fmt/format.h>
 

@@ -1,13 +1,13 @@
 #include "replay/replayed_recording.hpp"
 
-#include "model/mesh/convex_hull.hpp"
-#include "model/scene/game_shapes.hpp"
+#include "files/mesh/convex_hull.hpp"
+#include "loop/model/game_shapes.hpp"
+#include "record/black_box_reader.hpp"
+#include "record/disk_reserve.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
-#include "server/wire.hpp"
 #include "station/game_body_tracker.hpp"
-#include "telemetry/black_box_reader.hpp"
-#include "telemetry/disk_reserve.hpp"
+#include "station/server/wire.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
+#include "record/recording.hpp"
 #include "replay/replay_question.hpp"
-#include "server/backend.hpp"
-#include "server/wire.hpp"
-#include "telemetry/recording.hpp"
+#include "station/server/wire.hpp"
+#include "vocabulary/backend.hpp"
 
 #include <cstddef>
 #include <cstdint>

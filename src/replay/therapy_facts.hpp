@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/tick_record.hpp"
-#include "telemetry/recording.hpp"
+#include "loop/core/tick_record.hpp"
+#include "record/recording.hpp"
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>

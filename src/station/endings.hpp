@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/backend.hpp"
+#include "vocabulary/backend.hpp"
 
 #include <chrono>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #include "station/game_body_tracker.hpp"
 
-#include "core/body_order.hpp"
-#include "model/mesh/convex_mesh.hpp"
-#include "model/scene/game_shapes.hpp"
+#include "files/mesh/convex_mesh.hpp"
+#include "loop/core/body_order.hpp"
+#include "loop/model/game_shapes.hpp"
 
 #include <fmt/format.h>
 

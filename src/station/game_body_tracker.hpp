@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/tick_record.hpp"
-#include "server/backend.hpp"
+#include "loop/core/tick_record.hpp"
+#include "vocabulary/backend.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #include "station/profiles.hpp"
 
-#include "files/text_file.hpp"
-#include "model/toml/toml_file.hpp"
-#include "renderer/live_settings.hpp"
+#include "files/text/text_file.hpp"
+#include "files/toml/toml_file.hpp"
+#include "loop/renderer/live_settings.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "server/backend.hpp"
+#include "loop/core/expected.hpp"
+#include "vocabulary/backend.hpp"
 
 #include <cstdint>
 #include <map>

@@ -1,8 +1,8 @@
 #include "station/reports.hpp"
 
-#include "files/text_file.hpp"
-#include "process/child_process.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "files/process/child_process.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "station/scene_facts.hpp"
 
-#include "control/adaptive_damping.hpp"
-#include "renderer/live_settings.hpp"
+#include "loop/control/adaptive_damping.hpp"
+#include "loop/renderer/live_settings.hpp"
 
 #include <string>
 #include <vector>

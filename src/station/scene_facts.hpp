@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/models.hpp"
-#include "server/backend.hpp"
+#include "rig/models.hpp"
+#include "vocabulary/backend.hpp"
 
 namespace wholehand {
 

@@ -1,8 +1,8 @@
 #include "station/session_files.hpp"
 
-#include "core/printable.hpp"
-#include "files/text_file.hpp"
-#include "telemetry/recording.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/printable.hpp"
+#include "record/recording.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

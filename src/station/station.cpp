@@ -1,19 +1,19 @@
 #include "station/station.hpp"
 
-#include "assembly/run.hpp"
-#include "core/printable.hpp"
-#include "exercise/load_exercise.hpp"
-#include "patient/steered_player.hpp"
-#include "runtime/interrupt_scope.hpp"
-#include "safety/supervisor.hpp"
-#include "server/logs.hpp"
+#include "exercises/load_exercise.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/patient/steered_player.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "loop/safety/supervisor.hpp"
+#include "record/disk_reserve.hpp"
+#include "record/run/run.hpp"
 #include "station/endings.hpp"
 #include "station/profiles.hpp"
 #include "station/reports.hpp"
 #include "station/scene_facts.hpp"
+#include "station/server/logs.hpp"
 #include "station/session_files.hpp"
 #include "station/station_bodies.hpp"
-#include "telemetry/disk_reserve.hpp"
 
 #include <fmt/format.h>
 

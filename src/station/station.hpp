@@ -1,12 +1,12 @@
 #pragma once
 
-#include "assembly/models.hpp"
-#include "assembly/rehearsal.hpp"
-#include "assembly/rig.hpp"
-#include "assembly/run.hpp"
-#include "assembly/safety_log.hpp"
-#include "server/backend.hpp"
-#include "telemetry/statistics.hpp"
+#include "loop/runtime/statistics.hpp"
+#include "record/run/run.hpp"
+#include "rig/models.hpp"
+#include "rig/rehearsal.hpp"
+#include "rig/rig.hpp"
+#include "rig/safety_log.hpp"
+#include "vocabulary/backend.hpp"
 
 #include <chrono>
 #include <cstdint>

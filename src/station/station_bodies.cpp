@@ -1,6 +1,6 @@
 #include "station/station_bodies.hpp"
 
-#include "core/body_order.hpp"
+#include "loop/core/body_order.hpp"
 
 #include <fmt/format.h>
 

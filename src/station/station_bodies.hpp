@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/models.hpp"
-#include "assembly/run.hpp"
-#include "registry/body_registry.hpp"
+#include "record/run/run.hpp"
+#include "rig/models.hpp"
+#include "rig/registry/body_registry.hpp"
 #include "station/game_body_tracker.hpp"
 
 #include <chrono>

@@ -6,11 +6,11 @@
 // axis; each row is the aim of the next TICKS ticks. OUT: q_m, q_s and sent after each row.
 // `session`: by the program's own Session, the reference for bits. `loop`: by tick() alone, the
 // reference for time; prints the CPU seconds of the loop.
-#include "assembly/models.hpp"
-#include "assembly/rig.hpp"
-#include "patient/steered_player.hpp"
-#include "realtime/thread_setup.hpp"
-#include "runtime/session.hpp"
+#include "loop/patient/steered_player.hpp"
+#include "loop/realtime/thread_setup.hpp"
+#include "loop/runtime/session.hpp"
+#include "rig/models.hpp"
+#include "rig/rig.hpp"
 #include "support/player_commands.hpp"
 
 #include <cstdio>

@@ -15,7 +15,7 @@ import time
 from app import ALWAYS, BINARY, HANG_S, main
 from device_app import DRIVERS, DeviceTest
 
-HAND, STOP, ENABLE_TAKES, FROZEN, ENABLED, EFFORT, POSITION, LARGEST = range(8)  # tests/device/handled_driver.c
+HAND, STOP, ENABLE_TAKES, FROZEN, ENABLED, EFFORT, POSITION, LARGEST = range(8)  # tests/devices/handled_driver.c
 SPACE, CTRL_C, CTRL_Z = b" ", b"\x03", b"\x1a"
 REPEATS_S = 0.03  # of a held key
 ONE_FIFTH_N = 0.2 * 8.0

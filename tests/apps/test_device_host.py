@@ -1,6 +1,6 @@
 """`wholehand device-host` and `wholehand run --host`: the loop may die, the device is not left pushing.
 
-The driver keeps every effort that the host gave it, with its time (tests/device/pushed_driver.c). The host may be as
+The driver keeps every effort that the host gave it, with its time (tests/devices/pushed_driver.c). The host may be as
 late as this machine keeps it waiting: its gaps between two writes are added to what is allowed.
 """
 import os

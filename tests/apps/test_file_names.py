@@ -16,7 +16,7 @@ DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", BINARY.parent / "driv
 
 # Clears a screen by C0 and by C1, turns the reading direction, rings, deletes, begins a line, and is no UTF-8.
 EVIL = b"e\x1b[2J\xc2\x9b2J\xe2\x80\xae\x07\x7f\nFORGED\xe2\x80\xa8\xff"
-SHOWN = r"e\x1b[2J\u{009b}2J\u{202e}\x07\x7f\x0aFORGED\u{2028}\xff"  # core/printable.hpp
+SHOWN = r"e\x1b[2J\u{009b}2J\u{202e}\x07\x7f\x0aFORGED\u{2028}\xff"  # loop/core/printable.hpp
 LONG = b"L" * 230
 
 STEERS = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")

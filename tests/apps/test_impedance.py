@@ -1,5 +1,5 @@
 """`wholehand certify --impedance`: what the person feels, predicted and measured on the running
-renderer, against each other; the prediction against closed forms: tests/control/impedance_test.cpp."""
+renderer, against each other; the prediction against closed forms: tests/certify/impedance_test.cpp."""
 import cmath
 import json
 import math

@@ -11,7 +11,7 @@ HAND, PATIENT = CONFIG / "hands/adult-median-right.toml", CONFIG / "patients/rel
 SCENE = CONFIG / "scenes/four-shapes.toml"
 
 # What is changed, how, and what the one message must contain besides the file. Where the new text is
-# not empty, its line must be named too. Every kind of mistake: tests/model/bad_input_test.cpp.
+# not empty, its line must be named too. Every kind of mistake: tests/files/bad_input_test.cpp.
 #   (what is wrong, file, old text, new text, texts of the message)
 MISTAKES = [
     ("missing key", DEVICE, "effort_limit_n = 20.0\n", "", ["effort_limit_n", "missing"]),

@@ -19,7 +19,7 @@ class VendorDrivers(DeviceTest):
     terminal = True
 
     def start_hand(self):
-        """Three moteus drives behind a pseudo terminal (tests/device/moteus/fake_hand.cpp)."""
+        """Three moteus drives behind a pseudo terminal (tests/drivers/moteus/fake_hand.cpp)."""
         self.log = self.folder / "hand.log"
         with open(self.log, "w") as log:
             hand = subprocess.Popen([BUILT / "fake_hand"], stdin=subprocess.PIPE, stdout=log)

@@ -3,10 +3,10 @@
 // then runs until its standard input ends, and prints how late it was itself: a client on a busy
 // machine is judged by that. Port "closed:N": pages at N, and no datagrams.
 
-#include "realtime/monotonic_clock.hpp"
-#include "server/server.hpp"
-#include "server/udp_bridge.hpp"
-#include "server/udp_fake_backend.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "station/server/server.hpp"
+#include "station/server/udp_bridge.hpp"
+#include "station/server/udp_fake_backend.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -1,6 +1,6 @@
 #include "clinic/backup.hpp"
 #include "clinic_bench.hpp"
-#include "core/sha256.hpp"
+#include "loop/core/sha256.hpp"
 
 #include <csignal>
 #include <random>

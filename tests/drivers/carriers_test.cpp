@@ -1,10 +1,11 @@
 // The driver `frame` and the reference firmware as processes, over each carrier.
-#include "device/plugin/plugin_device.hpp"
-#include "device/plugin/plugin_driver.hpp"
+#include "devices/plugin/plugin_device.hpp"
+#include "devices/plugin/plugin_driver.hpp"
+#include "files/device/device_file.hpp"
 #include "firmware_process.hpp"
 #include "frame_bench.hpp"
-#include "model/device_model.hpp"
-#include "realtime/monotonic_clock.hpp"
+#include "loop/model/device_model.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
 #include "support/open_enabled.hpp"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
-// The driver `composite` from its file: two faulty drivers (tests/device/faulty_driver.c), and
+// The driver `composite` from its file: two faulty drivers (tests/devices/faulty_driver.c), and
 // two frames.
-#include "device/plugin/plugin_device.hpp"
-#include "device/plugin/plugin_driver.hpp"
-#include "fault_injection/pushing_exercise.hpp"
+#include "devices/plugin/plugin_device.hpp"
+#include "devices/plugin/plugin_driver.hpp"
 #include "firmware_process.hpp"
+#include "loop/fault_injection/pushing_exercise.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"

@@ -1,7 +1,7 @@
 // Two devices as one, whose samples and answers the test sets.
 #include "drivers/composite/composite.hpp"
 
-#include "realtime/allocation_counter.hpp"
+#include "loop/realtime/allocation_counter.hpp"
 #include "support/figure.hpp"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // One virtual patient, once behind the built-in simulated device and once behind the frame: driver,
 // line and reference firmware in lock-step on a simulated clock, without threads.
-#include "assembly/models.hpp"
-#include "device/plugin/plugin_device.hpp"
-#include "device/simulated/simulated_device.hpp"
+#include "devices/plugin/plugin_device.hpp"
 #include "frame_bench.hpp"
+#include "loop/device/simulated/simulated_device.hpp"
+#include "rig/models.hpp"
 #include "support/rig_tools.hpp"
 
 #include <gtest/gtest.h>

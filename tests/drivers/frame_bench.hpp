@@ -1,6 +1,6 @@
 #pragma once
 
-#include "device/plugin/device_driver.hpp"
+#include "devices/plugin/device_driver.hpp"
 #include "drivers/frame/firmware/firmware.h"
 #include "drivers/frame/frame_device.hpp"
 #include "support/figure.hpp"

@@ -1,6 +1,6 @@
 // The program's side of the frame against the reference firmware, on a simulated clock.
 #include "frame_bench.hpp"
-#include "realtime/allocation_counter.hpp"
+#include "loop/realtime/allocation_counter.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>

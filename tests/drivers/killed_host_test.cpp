@@ -1,7 +1,7 @@
 // The program that drives a device is killed. What the device then does is judged by the firmware's
 // own clock; a machine that does not run it for a while delays it by that, which is allowed for
 // and printed. WHOLEHAND_FULL=1 kills 1,000.
-#include "device/plugin/plugin_driver.hpp"
+#include "devices/plugin/plugin_driver.hpp"
 #include "firmware_process.hpp"
 #include "frame_bench.hpp"
 #include "support/figure.hpp"

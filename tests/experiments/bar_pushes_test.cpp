@@ -1,7 +1,7 @@
 // The bar, pushed about by hands that do not grip: with the back, flat, as a fist. Whole rigs.
-#include "core/compiler.hpp"
 #include "experiments/bar_figures.hpp"
-#include "patient/motion.hpp"
+#include "loop/core/compiler.hpp"
+#include "loop/patient/motion.hpp"
 #include "support/constants.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"

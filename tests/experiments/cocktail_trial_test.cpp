@@ -3,8 +3,8 @@
 
 #include "experiments/bar_figures.hpp"
 #include "experiments/worker_pool.hpp"
-#include "patient/steered_player.hpp"
-#include "realtime/allocation_counter.hpp"
+#include "loop/patient/steered_player.hpp"
+#include "loop/realtime/allocation_counter.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"

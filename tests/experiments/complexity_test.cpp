@@ -1,7 +1,7 @@
 // Larger and larger scenes: that they are what they are called, and what is made of the times.
 #include "experiments/complexity_trial.hpp"
 #include "experiments/grasp_trial.hpp"
-#include "model/scene/separation.hpp"
+#include "files/scene/separation.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/says.hpp"

@@ -1,11 +1,11 @@
 // The paper's Fig. 5 through device, patient and renderer: the figures that README.md promises.
 #include "experiments/grasp_trial.hpp"
 
-#include "assembly/run.hpp"
-#include "core/geometry.hpp"
 #include "experiments/grasp_script.hpp"
-#include "realtime/allocation_counter.hpp"
-#include "realtime/monotonic_clock.hpp"
+#include "loop/core/geometry.hpp"
+#include "loop/realtime/allocation_counter.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "record/run/run.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"

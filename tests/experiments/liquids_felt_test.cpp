@@ -1,6 +1,6 @@
 // What the person feels of every liquid, device included, through the whole renderer.
 #include "experiments/liquid_trial.hpp"
-#include "model/shipped_models.hpp"
+#include "files/shipped_models.hpp"
 #include "support/constants.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"

@@ -2,8 +2,8 @@
 // reads a line for every look (aims of all axes, and "restart"), plays `kTicks` ticks, and says in
 // a line of JSON what a page would see. The first line says what the scene is.
 //   steered_hand EXERCISE LEVEL [HAND]
-#include "dynamics/articulated_body.hpp"
-#include "patient/steered_player.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "loop/patient/steered_player.hpp"
 #include "support/player_commands.hpp"
 #include "support/rig_tools.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "telemetry/recording.hpp"
+#include "record/recording.hpp"
 
 #include <functional>
 #include <random>

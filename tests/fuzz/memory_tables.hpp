@@ -1,6 +1,6 @@
 #pragma once
 
-#include "telemetry/hdf5_tables.hpp"
+#include "record/hdf5_tables.hpp"
 
 #include <algorithm>
 #include <cstddef>

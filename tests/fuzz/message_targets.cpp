@@ -1,10 +1,10 @@
+#include "files/mesh/mesh_file.hpp"
 #include "fuzz_targets.hpp"
-#include "model/mesh/mesh_file.hpp"
-#include "server/client_words.hpp"
-#include "server/http_line.hpp"
-#include "server/site.hpp"
-#include "server/udp_host.hpp"
-#include "server/wire.hpp"
+#include "station/server/client_words.hpp"
+#include "station/server/http_line.hpp"
+#include "station/server/site.hpp"
+#include "station/server/udp_host.hpp"
+#include "station/server/wire.hpp"
 
 #include <algorithm>
 #include <cmath>

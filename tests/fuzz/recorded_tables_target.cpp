@@ -2,15 +2,15 @@
 // packed blocks of somebody else, without a file (3 ms each), up to what is shown of them.
 #include "fuzz/memory_tables.hpp"
 #include "fuzz_targets.hpp"
+#include "record/hdf5_tables.hpp"
+#include "record/recorded_tables.hpp"
+#include "record/recording_meta.hpp"
+#include "record/synthetic_recording.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/recording_series.hpp"
 #include "replay/therapy_facts.hpp"
 #include "support/folder.hpp"
-#include "telemetry/hdf5_tables.hpp"
-#include "telemetry/recorded_tables.hpp"
-#include "telemetry/recording_meta.hpp"
-#include "telemetry/synthetic_recording.hpp"
 
 #include <algorithm>
 #include <cstring>

@@ -1,10 +1,10 @@
 #include "fuzz_targets.hpp"
+#include "record/black_box.hpp"
+#include "record/black_box_layout.hpp"
+#include "record/black_box_reader.hpp"
+#include "record/synthetic_recording.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
-#include "telemetry/black_box.hpp"
-#include "telemetry/black_box_layout.hpp"
-#include "telemetry/black_box_reader.hpp"
-#include "telemetry/synthetic_recording.hpp"
 
 #include <hdf5.h>
 

@@ -6,7 +6,7 @@
 #include <string>
 
 // The canonical form of messages, by reflection over the compiled schema (docs/protocol.md,
-// "Golden messages"). Independent of flatc's classes and of src/server.
+// "Golden messages"). Independent of flatc's classes and of src/station/server.
 namespace wholehand::golden {
 
 /// Text as a JSON string. @pre UTF-8

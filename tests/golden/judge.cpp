@@ -7,8 +7,8 @@
 //   golden_judge say FOLDER             messages from the program's encoders
 #include "golden/form.hpp"
 #include "golden/program_messages.hpp"
-#include "server/udp_host.hpp"
-#include "server/wire.hpp"
+#include "station/server/udp_host.hpp"
+#include "station/server/wire.hpp"
 #include "wholehand_generated.h"
 
 #include <fmt/format.h>

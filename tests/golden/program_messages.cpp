@@ -1,6 +1,6 @@
 #include "golden/program_messages.hpp"
 
-#include "server/sample_facts.hpp"
+#include "station/server/sample_facts.hpp"
 
 #include <memory>
 #include <span>

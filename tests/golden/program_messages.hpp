@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/wire.hpp"
+#include "station/server/wire.hpp"
 
 #include <string>
 #include <utility>

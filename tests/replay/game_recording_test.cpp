@@ -1,6 +1,6 @@
 // Bodies of a game in a recording, as its replay and its report show them.
-#include "assembly/run.hpp"
-#include "game/game_tools.hpp"
+#include "game_bodies/game_tools.hpp"
+#include "record/run/run.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/replayed_recording.hpp"
 #include "support/folder.hpp"

@@ -1,13 +1,13 @@
 // How soon an hour can be looked at, and what its report costs. Run with WHOLEHAND_FULL=1 for the
 // hour; else it is a minute.
-#include "assembly/run.hpp"
-#include "realtime/monotonic_clock.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "record/recording.hpp"
+#include "record/run/run.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/replayed_recording.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
-#include "telemetry/recording.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
+#include "record/synthetic_recording.hpp"
 #include "replay/recording_series.hpp"
-#include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // Stretches of a recording against a plain loop over its rows.
 #include "replay/recording_series.hpp"
 
+#include "record/recording.hpp"
+#include "record/synthetic_recording.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/series_reader.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
-#include "telemetry/recording.hpp"
-#include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -2,7 +2,8 @@
 // of the same ticks.
 #include "replay/replayed_recording.hpp"
 
-#include "assembly/run.hpp"
+#include "record/run/run.hpp"
+#include "record/synthetic_recording.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/series_reader.hpp"
 #include "station/scene_facts.hpp"
@@ -12,7 +13,6 @@
 #include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
-#include "telemetry/synthetic_recording.hpp"
 #include "unpacked.hpp"
 #include "wholehand_generated.h"
 

@@ -1,8 +1,8 @@
-#include "core/sha256.hpp"
+#include "loop/core/sha256.hpp"
+#include "record/synthetic_recording.hpp"
 #include "replay/recording_measures.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/therapy_facts.hpp"
-#include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>
 

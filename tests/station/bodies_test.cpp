@@ -1,5 +1,5 @@
 // Orders of a game to its bodies, in a station that renders. In real time.
-#include "core/body_order.hpp"
+#include "loop/core/body_order.hpp"
 #include "station/station_bench.hpp"
 #include "support/ball_shape.hpp"
 #include "support/resting_device.hpp"

@@ -1,4 +1,4 @@
-#include "core/printable.hpp"
+#include "loop/core/printable.hpp"
 #include "station/session_files.hpp"
 #include "support/folder.hpp"
 

@@ -1,6 +1,6 @@
 // Orders in a state that does not expect them, in numbers that nobody can carry out, from clients
 // that are gone: what is safe stays safe, and the next client is served. In real time.
-#include "server/client_words.hpp"
+#include "station/server/client_words.hpp"
 #include "station/station_bench.hpp"
 #include "support/seed.hpp"
 

@@ -1,8 +1,8 @@
 // Pages as scripts, over WebSocket to a station: what a person has pressed goes on to its last
 // order, as nobody cancels it here, and somewhere in between comes a stop. Nothing renders after it
 // until somebody presses who was shown the stop. WHOLEHAND_FULL tries 1,000 moments.
-#include "server/client_words.hpp"
-#include "server/fake_program.hpp"
+#include "station/server/client_words.hpp"
+#include "station/server/fake_program.hpp"
 #include "station/station_bench.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"

@@ -1,8 +1,8 @@
 // Every session that a person was in has a recording from its first tick; the others leave none.
+#include "record/recording.hpp"
 #include "station/session_files.hpp"
 #include "station/station_bench.hpp"
 #include "support/seed.hpp"
-#include "telemetry/recording.hpp"
 
 #include <set>
 #include <vector>

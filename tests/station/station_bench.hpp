@@ -1,7 +1,7 @@
 #pragma once
 
 // A station on a thread of its own, asked as clients ask it. In real time.
-#include "server/server.hpp"
+#include "station/server/server.hpp"
 #include "support/bar_station.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"

@@ -1,6 +1,6 @@
 // The loop as clients see it: armed, commanded, stopped, loaded anew, recorded. In real time.
+#include "record/recording.hpp"
 #include "station/station_bench.hpp"
-#include "telemetry/recording.hpp"
 
 #include <set>
 

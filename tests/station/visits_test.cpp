@@ -1,9 +1,9 @@
 // Visits of the clinic's records: whose limits hold, and what no order may change while one is
 // open.
+#include "record/recording.hpp"
 #include "station_bench.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
-#include "telemetry/recording.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 // Orders that wait: to arm, to load, to save. What their client was allowed when it asked must hold
 // in the moment of starting, and they wait for 3 s at most, on a clock that the test moves.
-#include "server/client_words.hpp"
-#include "server/fake_program.hpp"
-#include "server/udp_bridge.hpp"
-#include "server/udp_test_game.hpp"
 #include "station/profiles.hpp"
+#include "station/server/client_words.hpp"
+#include "station/server/fake_program.hpp"
+#include "station/server/udp_bridge.hpp"
+#include "station/server/udp_test_game.hpp"
 #include "station/station_bench.hpp"
 #include "support/figure.hpp"
 #include "support/resting_device.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "model/scene/scene_model.hpp"
+#include "loop/model/scene_model.hpp"
 
 namespace wholehand::test {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "patient/motion.hpp"
+#include "loop/patient/motion.hpp"
 #include "station/station.hpp"
 
 #include <memory>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "realtime/monotonic_clock.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
 
 namespace wholehand::test {
 

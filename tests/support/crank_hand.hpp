@@ -1,6 +1,6 @@
 #pragma once
 
-#include "model/hand/hand_model.hpp"
+#include "loop/model/hand_model.hpp"
 
 namespace wholehand::test {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "device/haptic_device.hpp"
-#include "model/device_model.hpp"
+#include "loop/device/haptic_device.hpp"
+#include "loop/model/device_model.hpp"
 
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "physics/physics_world.hpp"
+#include "loop/physics/physics_world.hpp"
 
 #include <limits>
 

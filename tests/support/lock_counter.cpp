@@ -2,7 +2,7 @@
 // programs that measure and for tests; the library itself does not link it.
 #include "support/lock_counter.hpp"
 
-#include "core/compiler.hpp"
+#include "loop/core/compiler.hpp"
 
 #include <atomic>
 #include <cstdlib>

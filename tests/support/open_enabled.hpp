@@ -1,6 +1,6 @@
 #pragma once
 
-#include "device/haptic_device.hpp"
+#include "loop/device/haptic_device.hpp"
 
 namespace wholehand::test {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/command.hpp"
+#include "loop/core/command.hpp"
 
 #include <cstdint>
 

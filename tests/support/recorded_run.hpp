@@ -1,6 +1,6 @@
 #pragma once
 
-#include "assembly/run.hpp"
+#include "record/run/run.hpp"
 #include "support/rig_tools.hpp"
 
 #include <cstdint>

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "assembly/engines.hpp"
-#include "assembly/models.hpp"
-#include "assembly/rig.hpp"
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
-#include "model/hand/hand_file.hpp"
+#include "files/hand/hand_file.hpp"
+#include "loop/dynamics/articulated_body.hpp"
+#include "loop/dynamics/synergy.hpp"
+#include "rig/engines.hpp"
+#include "rig/models.hpp"
+#include "rig/rig.hpp"
 #include "support/ball_shape.hpp"
 #include "support/figure.hpp"
 #include "support/resting_device.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/compiler.hpp"
+#include "loop/core/compiler.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -355,7 +355,7 @@ describe('what the state means', () => {
   it('every fault that stops has advice in every language', () => {
     const stopping = ['device read failed', 'device write failed', 'non-finite device position', 'non-finite effort', 'non-finite state',
       'physics step failed', 'singular reduced inertia', 'speed limit exceeded', 'workspace left', 'encoder jumped', 'encoder stuck',
-      'late ticks in a row', 'gap too long', 'bodies exploded'];  // kStopping of src/core/fault.hpp
+      'late ticks in a row', 'gap too long', 'bodies exploded'];  // kStopping of src/loop/core/fault.hpp
     for (const texts of [en, de, fr]) {
       for (const name of stopping) {
         expect(texts.advice[name], name).toBeDefined();

@@ -57,7 +57,7 @@ test('Texts_HaveASentenceForEveryRefusalOfTheSchemaAndNoOther', () => {
 });
 
 test('Texts_HaveAWordForEveryFaultOfTheProgram', () => {
-  const source = readFileSync(new URL('../../src/core/fault.hpp', import.meta.url), 'utf8');
+  const source = readFileSync(new URL('../../src/loop/core/fault.hpp', import.meta.url), 'utf8');
   const names = [...source.matchAll(/\{Fault::k\w+, "([^"]+)",/g)].map(([, name]) => `fault.${name}`);
   expect(names).toContain('fault.late tick');
   expect(names.filter((name) => !(name in en))).toEqual([]);

@@ -2,9 +2,9 @@
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
-#include "files/text_file.hpp"
-#include "impedance/impedance_measurement.hpp"
-#include "page/chart_page.hpp"
+#include "files/page/chart_page.hpp"
+#include "files/text/text_file.hpp"
+#include "rig/impedance/impedance_measurement.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

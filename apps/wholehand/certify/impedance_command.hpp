@@ -1,6 +1,6 @@
 #pragma once
 
-#include "impedance/impedance_measurement.hpp"
+#include "rig/impedance/impedance_measurement.hpp"
 
 #include <string>
 

@@ -3,14 +3,15 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/options.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
-#include "core/expected.hpp"
-#include "core/printable.hpp"
-#include "files/text_file.hpp"
-#include "model/mesh/convex_mesh.hpp"
-#include "model/mesh/convex_pieces.hpp"
-#include "model/mesh/mesh_file.hpp"
-#include "model/mesh/solid.hpp"
-#include "model/scene/scene_model.hpp"
+#include "files/mesh/convex_mesh.hpp"
+#include "files/mesh/convex_pieces.hpp"
+#include "files/mesh/mesh_file.hpp"
+#include "files/mesh/solid.hpp"
+#include "files/scene/scene_file.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/model/scene_model.hpp"
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Geometry>

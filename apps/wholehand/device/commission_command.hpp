@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/wholehand/shared/pages.hpp"
-#include "device/plugin/plugin_driver.hpp"
+#include "devices/plugin/plugin_driver.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -2,13 +2,14 @@
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
-#include "core/printable.hpp"
-#include "device/host/device_host.hpp"
-#include "device/host/host_segment.hpp"
-#include "device/plugin/plugin_device.hpp"
-#include "device/plugin/plugin_driver.hpp"
-#include "files/text_file.hpp"
-#include "model/device_model.hpp"
+#include "devices/host/device_host.hpp"
+#include "devices/host/host_segment.hpp"
+#include "devices/plugin/plugin_device.hpp"
+#include "devices/plugin/plugin_driver.hpp"
+#include "files/device/device_file.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/model/device_model.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "apps/wholehand/device/commission_command.hpp"
-#include "device/conformance/conformance.hpp"
-#include "device/plugin/plugin_driver.hpp"
+#include "devices/conformance/conformance.hpp"
+#include "devices/plugin/plugin_driver.hpp"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>

@@ -2,14 +2,15 @@
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/options.hpp"
-#include "core/printable.hpp"
-#include "device/host/device_host.hpp"
-#include "device/host/host_segment.hpp"
-#include "device/plugin/plugin_device.hpp"
-#include "model/device_model.hpp"
-#include "realtime/monotonic_clock.hpp"
-#include "realtime/periodic_thread.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "devices/host/device_host.hpp"
+#include "devices/host/host_segment.hpp"
+#include "devices/plugin/plugin_device.hpp"
+#include "files/device/device_file.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/model/device_model.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
+#include "loop/realtime/periodic_thread.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "device/plugin/plugin_driver.hpp"
+#include "devices/plugin/plugin_driver.hpp"
 
 #include <CLI/CLI.hpp>
 

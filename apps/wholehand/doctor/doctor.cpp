@@ -2,7 +2,7 @@
 
 #include "apps/wholehand/doctor/doctor_findings.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
-#include "core/printable.hpp"
+#include "loop/core/printable.hpp"
 
 #include <algorithm>
 #include <cstdio>

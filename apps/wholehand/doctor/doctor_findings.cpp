@@ -1,7 +1,7 @@
 #include "apps/wholehand/doctor/doctor_findings.hpp"
 
-#include "assembly/engines.hpp"
-#include "core/printable.hpp"
+#include "loop/core/printable.hpp"
+#include "rig/engines.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "realtime/machine_facts.hpp"
+#include "loop/realtime/machine_facts.hpp"
 
 #include <filesystem>
 #include <string>

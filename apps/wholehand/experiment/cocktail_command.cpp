@@ -1,12 +1,12 @@
 #include "apps/wholehand/experiment/experiment_command.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
-#include "assembly/run.hpp"
-#include "core/printable.hpp"
 #include "experiments/cocktail_trial.hpp"
 #include "experiments/worker_pool.hpp"
-#include "files/text_file.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "record/run/run.hpp"
 
 #include <nlohmann/json.hpp>
 

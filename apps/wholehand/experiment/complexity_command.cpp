@@ -2,9 +2,9 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
-#include "core/printable.hpp"
 #include "experiments/complexity_trial.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

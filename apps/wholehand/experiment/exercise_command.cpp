@@ -1,11 +1,11 @@
 #include "apps/wholehand/experiment/experiment_command.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
-#include "core/printable.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/exercise_trial.hpp"
-#include "page/chart_page.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "files/page/chart_page.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

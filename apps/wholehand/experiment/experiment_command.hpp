@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/engines.hpp"
-#include "assembly/models.hpp"
+#include "rig/engines.hpp"
+#include "rig/models.hpp"
 
 #include <cstdint>
 #include <string>

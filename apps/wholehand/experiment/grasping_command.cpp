@@ -2,10 +2,10 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
-#include "assembly/run.hpp"
-#include "core/printable.hpp"
 #include "experiments/grasp_trial.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "record/run/run.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,9 +1,9 @@
 #include "apps/wholehand/experiment/experiment_command.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
-#include "core/printable.hpp"
 #include "experiments/liquid_trial.hpp"
-#include "page/chart_page.hpp"
+#include "files/page/chart_page.hpp"
+#include "loop/core/printable.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

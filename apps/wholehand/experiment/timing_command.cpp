@@ -4,10 +4,11 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
-#include "core/printable.hpp"
 #include "experiments/timing_trial.hpp"
-#include "realtime/allocation_counter.hpp"
-#include "runtime/interrupt_scope.hpp"
+#include "files/device/device_file.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/realtime/allocation_counter.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -2,11 +2,11 @@
 
 #include "apps/wholehand/report/report_command.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
-#include "assembly/program_version.hpp"
-#include "core/printable.hpp"
+#include "loop/core/printable.hpp"
+#include "record/recording.hpp"
 #include "replay/replay_children.hpp"
-#include "resimulation/resimulation.hpp"
-#include "telemetry/recording.hpp"
+#include "replay/resimulation/resimulation.hpp"
+#include "rig/program_version.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

@@ -1,13 +1,13 @@
 #include "apps/wholehand/replay/replay_command.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/pages.hpp"
-#include "core/printable.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "record/black_box_reader.hpp"
 #include "replay/replay_children.hpp"
-#include "runtime/interrupt_scope.hpp"
-#include "server/backend.hpp"
-#include "server/http_line.hpp"
-#include "server/server.hpp"
-#include "telemetry/black_box_reader.hpp"
+#include "station/server/http_line.hpp"
+#include "station/server/server.hpp"
+#include "vocabulary/backend.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -2,8 +2,8 @@
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
-#include "core/printable.hpp"
-#include "page/chart_page.hpp"
+#include "files/page/chart_page.hpp"
+#include "loop/core/printable.hpp"
 #include "replay/recording_report.hpp"
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #include "apps/wholehand/run/clinic_process.hpp"
 
-#include "core/printable.hpp"
-#include "process/child_process.hpp"
+#include "files/process/child_process.hpp"
+#include "loop/core/printable.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "assembly/models.hpp"
-#include "assembly/rig.hpp"
-#include "device/plugin/plugin_driver.hpp"
+#include "devices/plugin/plugin_driver.hpp"
+#include "rig/models.hpp"
+#include "rig/rig.hpp"
 
 #include <optional>
 #include <string>

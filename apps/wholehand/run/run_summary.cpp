@@ -2,9 +2,9 @@
 
 #include "apps/wholehand/run/status_line.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
-#include "core/printable.hpp"
-#include "telemetry/recording.hpp"
-#include "telemetry/statistics.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/runtime/statistics.hpp"
+#include "record/recording.hpp"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "apps/wholehand/run/run_command.hpp"
-#include "assembly/models.hpp"
-#include "assembly/rehearsal.hpp"
-#include "assembly/run.hpp"
-#include "assembly/safety_log.hpp"
-#include "model/device_model.hpp"
+#include "loop/model/device_model.hpp"
+#include "record/run/run.hpp"
+#include "rig/models.hpp"
+#include "rig/rehearsal.hpp"
+#include "rig/safety_log.hpp"
 
 #include <nlohmann/json.hpp>
 

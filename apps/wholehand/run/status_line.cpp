@@ -1,7 +1,7 @@
 #include "apps/wholehand/run/status_line.hpp"
 
-#include "core/printable.hpp"
-#include "realtime/monotonic_clock.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/tick_record.hpp"
-#include "model/device_model.hpp"
-#include "telemetry/statistics.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/model/device_model.hpp"
+#include "loop/runtime/statistics.hpp"
 
 #include <memory>
 #include <mutex>

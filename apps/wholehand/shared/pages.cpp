@@ -1,7 +1,7 @@
 #include "apps/wholehand/shared/pages.hpp"
 
 #include "apps/wholehand/shared/shipped_files.hpp"
-#include "server/access.hpp"
+#include "station/server/access.hpp"
 
 #include <cstdint>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "server/server.hpp"
+#include "loop/core/expected.hpp"
+#include "station/server/server.hpp"
 
 #include <functional>
 #include <string>

@@ -1,9 +1,9 @@
 #include "apps/wholehand/shared/result_files.hpp"
 
 #include "apps/wholehand/shared/shipped_files.hpp"
-#include "core/printable.hpp"
-#include "files/text_file.hpp"
-#include "page/chart_page.hpp"
+#include "files/page/chart_page.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/printable.hpp"
 
 #include <cstdio>
 #include <utility>

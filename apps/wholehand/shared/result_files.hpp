@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "page/chart_page.hpp"
+#include "files/page/chart_page.hpp"
+#include "loop/core/expected.hpp"
 
 #include <string>
 #include <vector>

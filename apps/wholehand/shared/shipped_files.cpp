@@ -1,8 +1,9 @@
 #include "apps/wholehand/shared/shipped_files.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
-#include "core/printable.hpp"
-#include "model/device_model.hpp"
+#include "files/device/device_file.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/model/device_model.hpp"
 
 #include <filesystem>
 

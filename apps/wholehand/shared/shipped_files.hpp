@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/models.hpp"
-#include "core/expected.hpp"
+#include "loop/core/expected.hpp"
+#include "rig/models.hpp"
 
 #include <string>
 

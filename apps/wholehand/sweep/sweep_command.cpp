@@ -3,12 +3,12 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
-#include "assembly/program_version.hpp"
-#include "core/printable.hpp"
 #include "experiments/sweep/sweep.hpp"
-#include "files/text_file.hpp"
-#include "runtime/interrupt_scope.hpp"
-#include "telemetry/sweep_file.hpp"
+#include "files/text/text_file.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+#include "record/sweep_file.hpp"
+#include "rig/program_version.hpp"
 
 #include <fmt/format.h>
 

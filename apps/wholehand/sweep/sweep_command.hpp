@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/expected.hpp"
 #include "experiments/sweep/sweep.hpp"
+#include "loop/core/expected.hpp"
 
 #include <optional>
 #include <string>

@@ -1,10 +1,10 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "apps/wholehand/validate/validate_command.hpp"
-#include "assembly/admission.hpp"
-#include "assembly/rehearsal.hpp"
-#include "core/printable.hpp"
-#include "model/toml/toml_file.hpp"
+#include "files/toml/toml_file.hpp"
+#include "loop/core/printable.hpp"
+#include "rig/admission.hpp"
+#include "rig/rehearsal.hpp"
 
 #include <fmt/format.h>
 

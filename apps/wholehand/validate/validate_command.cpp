@@ -4,12 +4,17 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "apps/wholehand/sweep/sweep_command.hpp"
-#include "assembly/rig.hpp"
 #include "clinic/presets/presets.hpp"
-#include "commissioning/passport.hpp"
-#include "core/printable.hpp"
-#include "model/hand/hand_file.hpp"
-#include "model/toml/toml_file.hpp"
+#include "devices/commissioning/passport.hpp"
+#include "files/device/device_file.hpp"
+#include "files/device/rendering_file.hpp"
+#include "files/hand/hand_file.hpp"
+#include "files/patient/motion_file.hpp"
+#include "files/patient/patient_file.hpp"
+#include "files/scene/scene_file.hpp"
+#include "files/toml/toml_file.hpp"
+#include "loop/core/printable.hpp"
+#include "rig/rig.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "assembly/engines.hpp"
+#include "rig/engines.hpp"
 
 #include <string>
 #include <vector>

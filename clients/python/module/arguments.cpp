@@ -1,6 +1,6 @@
 #include "arguments.hpp"
 
-#include "patient/steered_player.hpp"
+#include "loop/patient/steered_player.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "core/tick_record.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/core/tick_record.hpp"
 #include "simulated_rig.hpp"
 
 #include <pybind11/pybind11.h>

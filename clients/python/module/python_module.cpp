@@ -2,8 +2,8 @@
 // are in wholehand/_rig.pyi.
 #include "arguments.hpp"
 #include "bound_rigs.hpp"
-#include "core/expected.hpp"
 #include "exceptions.hpp"
+#include "loop/core/expected.hpp"
 #include "record_views.hpp"
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/tick_record.hpp"
+#include "loop/core/tick_record.hpp"
 
 #include <pybind11/numpy.h>
 

@@ -1,9 +1,9 @@
 #include "simulated_rig.hpp"
 
-#include "assembly/models.hpp"
-#include "patient/motion.hpp"
-#include "patient/steered_player.hpp"
-#include "realtime/thread_setup.hpp"
+#include "loop/patient/motion.hpp"
+#include "loop/patient/steered_player.hpp"
+#include "loop/realtime/thread_setup.hpp"
+#include "rig/models.hpp"
 
 #include <algorithm>
 #include <atomic>

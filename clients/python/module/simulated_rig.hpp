@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/rig.hpp"
-#include "core/tick_record.hpp"
+#include "loop/core/tick_record.hpp"
+#include "rig/rig.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #include "clinic/presets/presets.hpp"
 
-#include "files/text_file.hpp"
-#include "model/hand/hand_file.hpp"
-#include "model/toml/toml_file.hpp"
+#include "files/hand/hand_file.hpp"
+#include "files/text/text_file.hpp"
+#include "files/toml/toml_file.hpp"
 
 #include <fmt/format.h>
 

@@ -8,7 +8,7 @@ using wholehand.protocol;
 using static Answers;
 
 /// <summary>The client against a running process: udp_stand_in, which is the program's own server and
-/// UDP bridge with records at 1 kHz. What its values mean: tests/server/udp_fake_backend.hpp.</summary>
+/// UDP bridge with records at 1 kHz. What its values mean: tests/station/server/udp_fake_backend.hpp.</summary>
 [Tests]
 public static class LiveTests
 {

@@ -3,7 +3,7 @@ using System.Diagnostics;
 using System.Globalization;
 
 /// <summary>udp_stand_in: the program's own server and UDP bridge with records at 1 kHz. What its values mean:
-/// tests/server/udp_fake_backend.hpp.</summary>
+/// tests/station/server/udp_fake_backend.hpp.</summary>
 public sealed class StandIn : IDisposable
 {
     private readonly Process process;

@@ -1,4 +1,4 @@
-// What the program wrote into the page: src/page/chart_page.hpp. Everything here is read once and never trusted.
+// What the program wrote into the page: src/files/page/chart_page.hpp. Everything here is read once and never trusted.
 import type { Json } from '../embedded/page_data';
 import { Problem } from '../replay/problem';
 

@@ -1,4 +1,4 @@
-// The data that the program wrote into a page of one file (src/page): JSON, with bytes packed into texts.
+// The data that the program wrote into a page of one file (src/files/page): JSON, with bytes packed into texts.
 
 export type Json = Readonly<Record<string, unknown>>;
 

@@ -11,7 +11,7 @@ const VERSION = 1;
 
 export interface HeldBody { readonly name: string; readonly touches: number; readonly first_s: number; readonly longest_s: number; readonly held_s: number; readonly largest_force_n: number; readonly travelled_m: number }
 export interface Touch { readonly body: string; readonly from_s: number; readonly to_s: number; readonly held_s: number; readonly largest_force_n: number }
-/** Who moves the hand, and how much of it a page does for the person: the numbers of src/core/tick_record.hpp. */
+/** Who moves the hand, and how much of it a page does for the person: the numbers of src/loop/core/tick_record.hpp. */
 export enum Mover { Nobody, Person, VirtualPatient, Motion }
 export enum GivenHelp { Unsaid, Full, Some, None }
 /** Whose something is (the rule: src/replay/therapy_facts.hpp). `by` moved longest; `share` is the person's. */

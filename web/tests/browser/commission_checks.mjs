@@ -1,4 +1,4 @@
-// A device is commissioned through its page: one rail behind tests/device/handled_driver.c; the check is the person.
+// A device is commissioned through its page: one rail behind tests/devices/handled_driver.c; the check is the person.
 import { closeSync, openSync, readFileSync, readSync, writeFileSync, writeSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';

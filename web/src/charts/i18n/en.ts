@@ -1,7 +1,7 @@
 /** Everything a page of charts says. The other languages have the same shape. */
 export const en = {
   charts: 'Charts', print: 'Print',
-  /** What the program names in a page (src/page/chart_page.hpp). */
+  /** What the program names in a page (src/files/page/chart_page.hpp). */
   sentences: {
     axis: '{axes}', stage: '{stage}',
     'certificate.certified': '{device} with {rendering}, {hand}: certified',

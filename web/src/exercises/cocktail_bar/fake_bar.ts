@@ -49,7 +49,7 @@ const AREA_M2 = 8e-4;
 const DEEPEST_M = 0.012;
 /**
  * A stroke that took this much is spent when less than this share of its fastest flow comes for so long, until air has
- * brought the shell back to this share: src/exercise/cocktail_bar/pouring.cpp.
+ * brought the shell back to this share: src/exercises/cocktail_bar/pouring.cpp.
  */
 const LEAST_STROKE_L = 0.002;
 const SLOW = 0.15;
@@ -66,7 +66,7 @@ export interface BarContact { capsule: number; dispenser: number; point: Triple;
 export interface BarEvent { name: string; index: number; value: number }
 
 /**
- * How far a cushion is pressed in `dt` later [m], backward Euler in closed form as in src/control/viscoelastic.cpp.
+ * How far a cushion is pressed in `dt` later [m], backward Euler in closed form as in src/loop/control/viscoelastic.cpp.
  * @param travel_m before @param depth_m of the digit behind its first touch
  */
 function pressCushion(travel_m: number, depth_m: number, resistance_n_s_m: number, open: boolean, dt: number): number {

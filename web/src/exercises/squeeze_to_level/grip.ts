@@ -9,7 +9,7 @@ export interface Grip {
   readonly counter: number;
 }
 
-/** The value `instruction` (src/exercise/squeeze_to_level/squeeze_task.hpp). */
+/** The value `instruction` (src/exercises/squeeze_to_level/squeeze_task.hpp). */
 export const Instruction = { Reach: 0, More: 1, Hold: 2, Less: 3, LetGo: 4, Done: 5 } as const;
 
 /** The grip of a scene: its fixed cylinder. Undefined where the exercise is another one. */

@@ -1,0 +1,118 @@
+#pragma once
+
+#include "devices/commissioning/identification/identify_axis.hpp"
+#include "devices/commissioning/sealed_file.hpp"
+#include "devices/plugin/device_driver.hpp"
+#include "devices/plugin/plugin_device.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/model/device_model.hpp"
+
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// Measurements of one device, stored beside its device file. Not real-time safe.
+namespace wholehand {
+
+struct ChartPage;
+
+inline constexpr std::chrono::days kPassportLasts{30};
+
+/// Measured intervals of one axis. SI; per radian for a rotation.
+struct PassportAxis {
+  std::string name;
+  AxisKind kind = AxisKind::kTranslation;
+  Interval mass;            ///< [kg or kg·m²]
+  Interval damping;         ///< viscous [N·s/m or N·m·s/rad]
+  Interval coulomb;         ///< dry friction [N or N·m]
+  Interval gravity;         ///< effort that holds the axis in mid-range [N or N·m]
+  Interval delay_s;         ///< from a command to its effect
+  double resolution = 0.0;  ///< smallest change of position read [m or rad]
+  double mark = 0.0;        ///< its position at the device's mark [m or rad]
+};
+
+struct Passport {
+  std::string path;  ///< file it was read from; empty if none
+  DriverIdentity identity;
+  std::string driver;         ///< name that the driver gives itself
+  std::string device;         ///< name in the device file
+  std::string device_sha256;  ///< of the device file's bytes
+  std::string operator_name;
+  PlaceTime measured_at;
+  double rate_hz = 1000.0;  ///< tick rate of the measurement
+  std::vector<PassportAxis> axes;
+  std::string sha256;  ///< digest of the passport itself; empty if not read from a file
+};
+
+/// Path of the passport of a device: mine.toml and serial S-1 give mine.S-1.passport.toml.
+/// Characters unfit for a file name become dashes.
+[[nodiscard]] std::string passportPath(const std::string& device_file, const std::string& serial);
+
+/// Text of the file, with its seal.
+[[nodiscard]] std::string passportText(const Passport& passport);
+
+/// Reads a passport. Refused: a file that cannot be read, is truncated, was changed, is of another
+/// kind, or contains impossible values.
+[[nodiscard]] Expected<Passport> readPassport(const std::string& path);
+
+/// True if the passport has the axes of this device, in order and kind.
+[[nodiscard]] bool sameAxes(const Passport& passport, const DeviceModel& model);
+
+/// Verifies that the passport is valid for this device and file now. Refused, each by name:
+/// another serial, firmware, SDK, driver or setting of it, a device file changed since, differing
+/// axes, a passport older than kPassportLasts or from the future.
+[[nodiscard]] Expected<Done> checkPassport(const Passport& passport, const DriverIdentity& identity,
+                                           const DeviceModel& model, const PlaceTime& now);
+
+/// The device at the worst corners of the measurement, for the certificate: least damping and dry
+/// friction, longest delay and coarsest position, with every mass at its lower and at its upper
+/// end. A value of the file is kept where it is worse. Delays are whole periods, rounded up where
+/// they exceed one by more than a tenth.
+/// @pre sameAxes()
+[[nodiscard]] std::vector<DeviceModel> worstCorners(const DeviceModel& model,
+                                                    const Passport& passport, double period_s);
+
+/// Chart of the measurement against the device file: for each axis and figure its interval relative
+/// to the file's value, which lies at 1. Where the file states 0, the interval is given in words
+/// only. Not real-time safe.
+/// @pre sameAxes()
+[[nodiscard]] ChartPage passportChart(const Passport& passport, const DeviceModel& device);
+
+/// A check opens the device on the place's day on which it was done, and no longer than this.
+inline constexpr std::chrono::hours kCheckLasts{12};
+
+/// Daily check of a device with a passport: zero, signs, watchdog and emergency stop. Written only
+/// if all four passed.
+struct DailyCheck {
+  std::string passport_sha256;  ///< of the passport used
+  std::string operator_name;
+  PlaceTime done_at;
+};
+
+/// mine.toml and serial S-1 make mine.S-1.check.toml.
+[[nodiscard]] std::string dailyCheckPath(const std::string& device_file, const std::string& serial);
+
+/// Text of the file, with its seal.
+[[nodiscard]] std::string dailyCheckText(const DailyCheck& check);
+
+/// Reads a check. Refused: a file that cannot be read, is truncated, was changed or is of another
+/// kind.
+[[nodiscard]] Expected<DailyCheck> readDailyCheck(const std::string& path);
+
+/// A passport that is valid for a device now, and the proof of it.
+struct Cleared {
+  explicit Cleared(Passport valid) : passport(std::move(valid)), clearance(passport.sha256) {}
+  Passport passport;
+  Clearance clearance;
+};
+
+/// Verifies that a real device may be armed. It needs a passport valid for this device, this file
+/// and this rate now, and a check done with that passport on this day of the place, within
+/// kCheckLasts. Refused, each with its remedy: no serial number, no passport, a passport that
+/// readPassport() or checkPassport() refuses, no check, a check of another day or passport, an
+/// expired one, and one of the future: the clock was set back.
+[[nodiscard]] Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
+                                           double rate_hz, const PlaceTime& now);
+
+}  // namespace wholehand

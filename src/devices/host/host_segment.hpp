@@ -1,0 +1,170 @@
+#pragma once
+
+#include "devices/host/newest_value.hpp"
+#include "loop/core/expected.hpp"
+#include "schema_enums.hpp"
+#include "wholehand/device.h"
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace wholehand {
+
+/// Phase of the host.
+enum class HostPhase : std::uint32_t {
+  kIdle = 0,       ///< not enabled: nothing is written
+  kWaiting = 1,    ///< enabled at the neutral effort, until the loop's first command
+  kRendering = 2,  ///< writes what the loop commands
+  kRamping = 3,    ///< ramps the effort to neutral by itself
+  kLatched = 4     ///< holds neutral until a loop enables again
+};
+
+/// Host → loop, once a cycle of the host.
+struct HostSample {
+  std::uint64_t cycle;        ///< increments every cycle
+  std::int64_t monotonic_ns;  ///< time of the cycle, CLOCK_MONOTONIC
+  std::uint64_t session;      ///< session that the host serves; 0: none yet
+  HostPhase phase;
+  ReleaseReason reason;
+  std::int32_t read_result;   ///< result of wh_plugin.read
+  std::int32_t write_result;  ///< result of the last wh_plugin.write; 0 before
+  wh_sample sample;
+};
+
+/// Loop → host, once a tick.
+struct HostCommand {
+  std::uint64_t session;   ///< its session; commands of another session are ignored
+  std::uint64_t sequence;  ///< increases with every command of a session
+  std::int64_t monotonic_ns;
+  std::uint64_t axes;
+  double effort[WH_MAX_AXES];  ///< [N or N·m], in the driver's order
+};
+
+/// Loop → host: a verb of device.h, outside the tick.
+struct HostRequest {
+  std::uint64_t number;  ///< increases with every request
+  std::int64_t pid;      ///< of the loop
+  std::uint64_t verb;
+  double argument;
+};
+
+/// Host → loop.
+struct HostAnswer {
+  std::uint64_t number;   ///< of the request
+  std::uint64_t session;  ///< session begun by WH_ENABLE
+  std::int64_t ok;        ///< 1: done
+  char text[232];         ///< reason otherwise
+};
+
+inline constexpr std::uint64_t kFrameMagic = 0x57484f4c'45484e44ULL;
+/// Layout version of the shared memory.
+inline constexpr std::uint32_t kFrameLayout = 3;
+
+/// Memory shared by a host and a loop. The host creates and fills it, then sets `magic`.
+struct SharedFrame {
+  std::atomic<std::uint64_t> magic;
+  std::uint32_t layout;
+  std::uint32_t size;  ///< of this structure
+  std::int64_t host_pid;
+  std::uint32_t axis_count;     ///< 1 .. WH_MAX_AXES
+  char driver[64];              ///< name that the driver gives itself
+  wh_identity identity;         ///< of the device; empty where unknown
+  char driver_sha256[65];       ///< DriverIdentity::driver_sha256
+  wh_axis axes[WH_MAX_AXES];    ///< as described by the driver, plus the host's delay
+  double neutral[WH_MAX_AXES];  ///< neutral effort that the host ramps to [N or N·m]
+  double limit[WH_MAX_AXES];    ///< of the efforts that the host lets through [N or N·m]
+
+  alignas(64) NewestValue<HostSample> sample;
+  alignas(64) NewestValue<HostCommand> command;
+  alignas(64) NewestValue<HostRequest> request;
+  alignas(64) NewestValue<HostAnswer> answer;
+};
+
+static_assert(std::is_standard_layout_v<SharedFrame>);
+static_assert(std::is_trivially_destructible_v<SharedFrame>);
+
+/// Why shared memory does not belong to a host of this version; empty: it does.
+[[nodiscard]] std::string whyForeign(const SharedFrame& frame);
+
+/// Whether a process lives. False for a zombie.
+[[nodiscard]] bool processLives(std::int64_t pid);
+
+/// Lock that allows one host per name, held until destruction or until the process ends. Child
+/// processes forked by a driver do not inherit it.
+class HostLock {
+ public:
+  /// Refused: a name that is not 1 to 32 of a-z, 0-9 and -, and a name whose host runs, with its
+  /// process id.
+  [[nodiscard]] static Expected<std::unique_ptr<HostLock>> take(const std::string& name);
+  ~HostLock();
+  HostLock(const HostLock&) = delete;
+  HostLock& operator=(const HostLock&) = delete;
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+
+ private:
+  HostLock(std::string name, int fd) : name_(std::move(name)), fd_(fd) {}
+  std::string name_;
+  int fd_;
+};
+
+/// Shared memory of a host and a loop, accessible to this user only (mode 0600). Not real-time
+/// safe.
+class HostSegment {
+ public:
+  /// Creates the host's segment, empty. Removes the segment of a dead host of the same name; a loop
+  /// that still maps it reaches nobody. Child processes forked by a driver do not inherit the
+  /// mapping.
+  /// @pre lock outlives the segment
+  [[nodiscard]] static Expected<std::unique_ptr<HostSegment>> create(const HostLock& lock);
+  /// Attaches a loop to a host's segment. Refused, each with its own message: no such host, a host
+  /// of another user, another version or size of the memory, impossible axes, a host that is gone
+  /// or stalled, one that another loop uses.
+  [[nodiscard]] static Expected<std::unique_ptr<HostSegment>> attach(const std::string& name);
+  /// Removes the segment if the host owns it.
+  ~HostSegment();
+  HostSegment(const HostSegment&) = delete;
+  HostSegment& operator=(const HostSegment&) = delete;
+
+  [[nodiscard]] SharedFrame& frame() noexcept { return *frame_; }
+  /// Whether the process of the host exists. It may be stopped.
+  [[nodiscard]] bool hostLives() const;
+  /// Whether another host of the name has replaced this memory.
+  [[nodiscard]] bool replaced() const;
+  /// Whether the host publishes samples. Waits up to a second, usually a millisecond.
+  [[nodiscard]] bool publishesSamples() const;
+
+ private:
+  HostSegment(std::string path, int fd, SharedFrame* frame, bool owned)
+      : path_(std::move(path)), fd_(fd), frame_(frame), owned_(owned) {}
+  std::string path_;
+  int fd_;
+  SharedFrame* frame_;
+  bool owned_;  ///< true in the host
+};
+
+/// State that a host publishes in its shared memory. Reading it does not disturb a loop.
+struct HostFacts {
+  std::string name;         ///< the host's --name
+  std::string problem;      ///< why the rest is unknown; empty: it is known
+  std::string driver;       ///< name that the driver gives itself
+  std::int64_t pid = 0;     ///< of the host
+  bool lives = false;       ///< its process exists
+  bool in_use = false;      ///< a loop is connected
+  double sample_age_s = 0;  ///< time since its last cycle; < 0: no cycle yet
+  HostPhase phase = HostPhase::kIdle;
+  ReleaseReason reason = ReleaseReason::kNone;
+  std::vector<wh_axis> axes;
+};
+
+/// Hosts whose shared memory is in /dev/shm, sorted by name; also of ended processes. Not real-time
+/// safe.
+[[nodiscard]] std::vector<HostFacts> listHosts(const std::string& folder = "/dev/shm");
+
+/// Name of a phase for people: "rendering".
+[[nodiscard]] const char* describe(HostPhase phase) noexcept;
+
+}  // namespace wholehand

@@ -1,0 +1,108 @@
+#pragma once
+
+#include "loop/core/expected.hpp"
+#include "loop/core/real_time.hpp"
+#include "wholehand/device.h"
+
+#include <atomic>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+
+/// Identity of the device in the driver's words; empty where unknown.
+struct DriverIdentity {
+  std::string serial, firmware, sdk;
+  std::string driver_sha256;  ///< of the driver's file, its settings, and the files that these name
+  bool simulated = false;     ///< of a plant that is simulated, on which commissioning is learned
+};
+
+/// Prefix of control()'s error for a verb that the device does not support.
+inline constexpr const char* kUnsupportedPrefix = "the device has no way to ";
+
+/// A driver behind the interface of device.h, in this process or in a host. One thread at a time:
+/// control() is not called while a loop reads and writes.
+class DeviceDriver {
+ public:
+  virtual ~DeviceDriver() = default;
+
+  /// Where the driver runs, for messages: "the driver ./rails.so", "the host desk".
+  [[nodiscard]] virtual std::string where() const = 0;
+  /// Name that the driver gives itself.
+  [[nodiscard]] virtual std::string name() const = 0;
+  /// Axes in the order of positions and efforts; constant.
+  [[nodiscard]] virtual const std::vector<wh_axis>& axes() const noexcept = 0;
+  /// Finds the device again where it was lost. Not real-time safe.
+  [[nodiscard]] virtual Expected<Done> reconnect() { return Done{}; }
+  /// Carries out a verb of device.h; returns when it is done. Not real-time safe.
+  [[nodiscard]] virtual Expected<Done> control(std::uint32_t verb, double argument) = 0;
+  /// As WH_ENABLE, with these efforts from the first moment. Not real-time safe.
+  [[nodiscard]] virtual Expected<Done> enable(const wh_command& /*neutral*/) {
+    return control(WH_ENABLE, 0.0);
+  }
+  /// Whether enable() begins with the efforts that it is given.
+  [[nodiscard]] virtual bool enablesAtNeutral() const noexcept { return false; }
+  /// Whether the device is held at its neutral efforts between two sessions.
+  [[nodiscard]] virtual bool holds() const noexcept { return false; }
+  /// As wh_plugin.read and wh_plugin.write: >= 0 is success.
+  [[nodiscard]] WHOLEHAND_RT virtual int read(wh_sample& sample) noexcept = 0;
+  [[nodiscard]] WHOLEHAND_RT virtual int write(const wh_command& command) noexcept = 0;
+
+  /// Identity of the device, known once it is open; constant.
+  [[nodiscard]] const DriverIdentity& identity() const noexcept { return identity_; }
+
+ protected:
+  DriverIdentity identity_;
+};
+
+/// State of a device for display, beside its positions.
+struct DeviceFacts {
+  bool enabled = false, homed = false, silenced = false;
+  /// Highest of all axes; NaN: unknown.
+  double temperature_c = std::numeric_limits<double>::quiet_NaN();
+  std::int64_t sampled_ns = 0;  ///< time of the newest sample, CLOCK_MONOTONIC; 0: none yet
+};
+
+/// A driver that publishes its newest sample's state to other threads, at the cost of a few stores
+/// per tick.
+class ObservedDriver final : public DeviceDriver {
+ public:
+  explicit ObservedDriver(std::shared_ptr<DeviceDriver> driver) : driver_(std::move(driver)) {}
+
+  /// Any thread. Each field is of the newest sample; the fields are not read atomically together.
+  [[nodiscard]] DeviceFacts facts() const noexcept;
+
+  [[nodiscard]] std::string where() const override { return driver_->where(); }
+  [[nodiscard]] std::string name() const override { return driver_->name(); }
+  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override {
+    return driver_->axes();
+  }
+  [[nodiscard]] Expected<Done> reconnect() override { return driver_->reconnect(); }
+  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
+  [[nodiscard]] Expected<Done> enable(const wh_command& neutral) override {
+    return driver_->enable(neutral);
+  }
+  [[nodiscard]] bool enablesAtNeutral() const noexcept override {
+    return driver_->enablesAtNeutral();
+  }
+  [[nodiscard]] bool holds() const noexcept override { return driver_->holds(); }
+  [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
+  [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override {
+    return driver_->write(command);
+  }
+
+ private:
+  std::shared_ptr<DeviceDriver> driver_;
+  std::atomic<std::uint32_t> status_{0};
+  std::atomic<double> temperature_c_{std::numeric_limits<double>::quiet_NaN()};
+  std::atomic<std::int64_t> sampled_ns_{0};
+};
+
+static_assert(std::atomic<double>::is_always_lock_free);
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
+
+}  // namespace wholehand

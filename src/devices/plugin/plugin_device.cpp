@@ -1,0 +1,272 @@
+#include "devices/plugin/plugin_device.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr double kTolerance = 1e-6;  // relative to the file's value
+constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
+constexpr double kMeanOver_s = 0.1;
+constexpr double kAstrayOfLimit = 0.1, kAstrayOfSent = 0.25;
+
+class Comparison {
+ public:
+  Comparison(const DeviceModel& model, const DeviceDriver& driver)
+      : model_(model), driver_(driver) {}
+
+  void refuse(const DeviceAxis& axis, const std::string& why, const std::string& remedy) {
+    out_.push_back({model_.path, 0, "axes", axis.name, driver_.where() + " " + why, remedy});
+  }
+  // The file must not state more than the device has.
+  void atLeast(const DeviceAxis& axis, const char* what, double has, double stated) {
+    if (has >= stated - kTolerance * std::max(1.0, std::abs(stated))) return;
+    refuse(axis,
+           std::string("has ") + what + " " + number(has) + ", the file states " + number(stated),
+           "state what the device has");
+  }
+  void atMost(const DeviceAxis& axis, const char* what, double has, double stated) {
+    if (has <= stated * (1.0 + 1e-3) + 1e-12) return;
+    refuse(axis,
+           std::string("has ") + what + " " + number(has) + ", the file states " + number(stated),
+           "state what the device has, and certify again");
+  }
+  [[nodiscard]] Diagnostics take() { return std::move(out_); }
+
+ private:
+  static std::string number(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.6g", value);
+    return text.data();
+  }
+
+  const DeviceModel& model_;
+  const DeviceDriver& driver_;
+  Diagnostics out_;
+};
+
+}  // namespace
+
+double longestStill_s(const DeviceModel& model) {
+  constexpr double kWhereNothingIsStated_s = 0.02;
+  return model.watch.longest_gap_s > 0.0 ? model.watch.longest_gap_s : kWhereNothingIsStated_s;
+}
+
+PluginDevice::PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceModel& model,
+                           double period_s, std::int64_t (*now_ns)() noexcept)
+    : driver_(std::move(driver)),
+      axes_(model.axisCount()),
+      period_s_(period_s),
+      most_age_s_(longestStill_s(model)),
+      most_mean_age_s_((model.output_delay_ticks + 1) * period_s),
+      most_still_periods_(static_cast<int>(std::ceil(most_age_s_ / period_s))),
+      now_ns_(now_ns),
+      effort_limit_(axes_) {
+  for (int a = 0; a < axes_; ++a) effort_limit_[a] = model.axes[a].effort_limit;
+  neutral_.size = sizeof(neutral_);
+  neutral_.axes = static_cast<std::uint32_t>(driver_->axes().size());
+}
+
+Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
+    const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s,
+    std::optional<Clearance> clearance, std::int64_t (*now_ns)() noexcept) {
+  Comparison compare(model, *driver);
+  std::unique_ptr<PluginDevice> device(new PluginDevice(driver, model, period_s, now_ns));
+  device->clearance_ = std::move(clearance);
+  const std::vector<wh_axis>& offered = driver->axes();
+  for (int a = 0; a < model.axisCount(); ++a) {
+    const DeviceAxis& axis = model.axes[a];
+    const auto found = std::find_if(offered.begin(), offered.end(),
+                                    [&](const wh_axis& has) { return axis.name == has.name; });
+    if (found == offered.end()) {
+      compare.refuse(axis, "has no such axis", "name the axes as the driver does");
+      continue;
+    }
+    device->place_[a] = static_cast<int>(found - offered.begin());
+    const bool turns = axis.kind == AxisKind::kRotation;
+    if ((found->kind == WH_ROTATION) != turns) {
+      compare.refuse(axis, turns ? "has a translation" : "has a rotation",
+                     "give the axis its kind");
+    }
+    if (found->effort_meaning != WH_EFFORT) {
+      compare.refuse(axis, "takes no effort there, but a limit of position, a brake or a vibration",
+                     "leave the axis out");
+    }
+    if (!(found->silence_s > 0.0)) {
+      compare.refuse(axis, "has no watchdog: its last effort would stay when the program dies",
+                     "switch the drive's watchdog on");
+    }
+    if (axis.neutral_effort != 0.0 && !driver->enablesAtNeutral()) {
+      compare.refuse(axis, "enables it without its neutral effort, which would come in one step",
+                     "give the driver wh_plugin.enable");
+    }
+    device->neutral_.effort[device->place_[a]] = axis.neutral_effort;
+    compare.atLeast(axis, "travel down to", -found->lower, -axis.lower);
+    compare.atLeast(axis, "travel up to", found->upper, axis.upper);
+    compare.atLeast(axis, "an effort limit of", found->effort_limit, axis.effort_limit);
+    compare.atMost(axis, "steps of position of", found->resolution, axis.encoder_step);
+    compare.atMost(axis, "a delay of", found->delay_s, model.output_delay_ticks * period_s);
+  }
+  if (Diagnostics refused = compare.take(); !refused.empty()) return refused;
+  return Expected<std::unique_ptr<HapticDevice>>(std::move(device));
+}
+
+Diagnostic PluginDevice::no(const std::string& why, const std::string& remedy) const {
+  return fileFault(driver_->where(), why, remedy);
+}
+
+// Disabling an axis that weighs something lets it fall, unless it locks or a host goes on holding.
+Expected<Done> PluginDevice::mayFall() const {
+  if (driver_->holds()) return Done{};
+  for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
+    const wh_axis& axis = driver_->axes()[i];
+    if (neutral_.effort[i] == 0.0 || axis.disabled == WH_LOCKS || axis.disabled == WH_BALANCED) {
+      continue;
+    }
+    return keyFault(driver_->where(), "axes", axis.name,
+                    "weighs something and falls when the device is disabled",
+                    "let a host hold it: wholehand device-host");
+  }
+  return Done{};
+}
+
+Expected<Done> PluginDevice::open() {
+  if (open_) return Done{};
+  if (Expected<Done> carried = mayFall(); !carried) return carried;
+  begun_ = false;
+  still_periods_ = 0;
+  mean_age_s_ = 0.0;
+  command_ = {};
+  command_.size = sizeof(command_);
+  command_.axes = static_cast<std::uint32_t>(driver_->axes().size());
+  open_ = true;
+  return Done{};
+}
+
+Expected<Done> PluginDevice::ready() {
+  wh_sample sample{};
+  if (driver_->read(sample) < 0) return no("the device gives no sample", "look at its cable");
+  if ((sample.status & WH_DRIVE_FAULT) != 0) {
+    return no("a drive is in fault, code " + std::to_string(sample.vendor_code),
+              "clear it as its maker says");
+  }
+  if ((sample.status & WH_HOMED) == 0) return no("the device is not homed", "home it first");
+  return Done{};
+}
+
+Expected<Done> PluginDevice::cleared() const {
+  if (clearance_) return Done{};
+  return no("nobody has shown the passport and today's check of the device",
+            "make the device with what clearToArm() gives");
+}
+
+Expected<Done> PluginDevice::enable() {
+  if (enabled_) return Done{};
+  const auto undone = [this](Diagnostics why) {
+    (void)driver_->control(WH_DISABLE, 0.0);
+    return Expected<Done>(std::move(why));
+  };
+  if (Expected<Done> enabled = driver_->enable(neutral_); !enabled) {
+    return undone(enabled.errors());
+  }
+  wh_sample sample{};
+  if (driver_->read(sample) < 0) {
+    return undone({no("the device gives no sample", "look at its cable")});
+  }
+  if ((sample.status & WH_ENABLED) == 0) {
+    return undone({no("the device is not enabled",
+                      "release its emergency stop, or press its enable button")});
+  }
+  enabled_ = true;
+  current_ = false;
+  begun_ = true;
+  last_ = sample;
+  command_ = neutral_;
+  mean_sent_ = mean_measured_ = AxisEffort(axes_);
+  for (int a = 0; a < axes_; ++a) {
+    mean_sent_[a] = mean_measured_[a] = neutral_.effort[place_[a]];
+  }
+  return Done{};
+}
+
+Fault PluginDevice::judge(const wh_sample& sample, int elapsed_periods) noexcept {
+  Fault faults = Fault::kNone;
+  if ((sample.status & WH_DRIVE_FAULT) != 0) faults |= Fault::kDriveFault;
+  const bool reaches = (sample.status & kNeeded) == kNeeded && (sample.status & WH_SILENCED) == 0;
+  if (enabled_ && !reaches) faults |= Fault::kEnableLost;
+  if ((sample.status & (WH_HOT | WH_DERATING)) != 0) faults |= Fault::kDriveHot;
+  if (!begun_) return faults;
+  const bool newer = sample.sequence > last_.sequence;
+  still_periods_ = newer ? 0 : still_periods_ + elapsed_periods;
+  const bool backwards =
+      sample.sequence < last_.sequence || sample.monotonic_ns < last_.monotonic_ns;
+  if (backwards || still_periods_ > most_still_periods_) faults |= Fault::kStaleSample;
+  current_ = current_ || newer;
+  return current_ ? faults | judgeAge(sample) | judgeEfforts(sample) : faults;
+}
+
+// Sequence numbers that rise prove nothing: a driver may count what it repeats.
+Fault PluginDevice::judgeAge(const wh_sample& sample) noexcept {
+  const double age_s = static_cast<double>(now_ns_() - sample.monotonic_ns) * 1e-9;
+  mean_age_s_ += std::min(period_s_ / kMeanOver_s, 1.0) * (age_s - mean_age_s_);
+  if (age_s > most_age_s_ || age_s < -period_s_) return Fault::kStaleSample;
+  return mean_age_s_ > most_mean_age_s_ ? Fault::kSampleDelay : Fault::kNone;
+}
+
+// Both means lag alike, so that the drive's delay matters little beside them.
+Fault PluginDevice::judgeEfforts(const wh_sample& sample) noexcept {
+  const double share = std::min(period_s_ / kMeanOver_s, 1.0);
+  const bool derates = (sample.status & WH_DERATING) != 0;
+  Fault faults = Fault::kNone;
+  for (int a = 0; a < axes_; ++a) {
+    const double measured = sample.effort[place_[a]];
+    const double sent = command_.effort[place_[a]];
+    if (!enabled_ || !std::isfinite(measured)) continue;
+    mean_sent_[a] += share * (sent - mean_sent_[a]);
+    mean_measured_[a] += share * (measured - mean_measured_[a]);
+    const double mean = mean_sent_[a];
+    const double due =
+        derates ? std::clamp(mean_measured_[a], std::min(mean, 0.0), std::max(mean, 0.0)) : mean;
+    const double apart = std::abs(mean_measured_[a] - due);
+    if (apart > kAstrayOfLimit * effort_limit_[a] + kAstrayOfSent * std::abs(mean)) {
+      faults |= Fault::kEffortAstray;
+    }
+  }
+  return faults;
+}
+
+Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
+  wh_sample sample{};
+  if (!open_ || driver_->read(sample) < 0) return Fault::kDeviceRead;
+  if (reading.q_m.size() != axes_) reading.q_m = AxisPosition(axes_);
+  for (int a = 0; a < axes_; ++a) {
+    const auto from = static_cast<std::size_t>(place_[a]);
+    if ((sample.valid >> from & 1U) == 0) return Fault::kDeviceRead;
+    reading.q_m[a] = sample.position[from];
+  }
+  const Fault faults = judge(sample, elapsed_periods);
+  begun_ = true;
+  last_ = sample;
+  return faults;
+}
+
+Fault PluginDevice::write(const AxisEffort& effort) noexcept {
+  if (!enabled_) return Fault::kDeviceWrite;
+  ++command_.sequence;
+  for (int a = 0; a < axes_; ++a) {
+    command_.effort[place_[a]] = effort[a];
+  }
+  return driver_->write(command_) < 0 ? Fault::kDeviceWrite : Fault::kNone;
+}
+
+void PluginDevice::close() noexcept {
+  open_ = false;
+  if (!std::exchange(enabled_, false)) return;
+  (void)driver_->control(WH_DISABLE, 0.0);
+}
+
+}  // namespace wholehand

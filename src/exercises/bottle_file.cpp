@@ -1,0 +1,32 @@
+#include "exercises/bottle_file.hpp"
+
+#include <fmt/format.h>
+
+namespace wholehand {
+
+Bottle readBottle(TomlTable& table) {
+  Bottle out;
+  out.area_m2 = table.number("area_m2", above(0.0, 0.01, "m²"));
+  out.return_n_m = table.number("return_n_m", above(0.0, 1e4, "N/m"));
+  out.opening_n = table.number("opening_n", between(0.0, 10.0, "N"));
+  out.air_s = table.number("air_s", between(0.05, 5.0, "s"));
+  out.nozzle.length_m = table.number("nozzle_length_m", above(0.0, 1.0, "m"));
+  out.nozzle.radius_m = table.number("nozzle_radius_m", above(0.0, 0.1, "m"));
+  return out;
+}
+
+Bottle readLiquid(TomlTable& table, Bottle bottle) {
+  bottle.nozzle.viscosity_pa_s = table.number("viscosity_pa_s", above(0.0, 1e3, "Pa·s"));
+  // NaN or 0 where the nozzle's own keys have faults: they are reported.
+  if (table.isGood("viscosity_pa_s") && bottle.resistance() > 0.0 &&
+      bottle.resistance() < kLeastFelt_n_s_m) {
+    table.fail(
+        "viscosity_pa_s",
+        fmt::format("gives {:.3g} N·s/m at the fingertip, which is not felt", bottle.resistance()),
+        fmt::format("raise it, or make the nozzle longer or narrower: at least {:g} N·s/m",
+                    kLeastFelt_n_s_m));
+  }
+  return bottle;
+}
+
+}  // namespace wholehand

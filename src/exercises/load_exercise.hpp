@@ -1,0 +1,64 @@
+#pragma once
+
+#include "files/toml/toml_file.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/exercise/exercise.hpp"
+#include "loop/model/device_model.hpp"
+#include "loop/model/exercise_panel.hpp"
+#include "loop/model/hand_model.hpp"
+#include "loop/model/scene_model.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// An exercise and its scene.
+struct LoadedExercise {
+  std::unique_ptr<Exercise> exercise;
+  std::vector<ExerciseWall> walls;  ///< empty for an exercise without effort
+  // loadExercise() fills in the rest, for any kind.
+  SceneModel scene;                ///< scene of the level; the exercise's body indices refer to it
+  std::vector<std::string> files;  ///< paths of the exercise file and the scene file
+  ExercisePanel panel;
+};
+
+/// Input of an exercise kind's loader.
+struct ExerciseSource {
+  std::string path;  ///< of the exercise file
+  std::string name;  ///< name of the exercise
+  int level = 1;     ///< requested level; the kind checks it against the file
+  const DeviceModel* device = nullptr;
+  const HandModel* hand = nullptr;
+  /// That the file names; the kind makes it the level's. Null: it cannot be loaded, which
+  /// loadExercise() reports.
+  SceneModel* scene = nullptr;
+};
+
+/// A kind of exercise: a folder of src/exercises, whose <kind>.cpp defines `load`.
+struct ExerciseKind {
+  const char* name;
+  /// Reads the rest of the file ("kind", "version", "exercise", "name" and "scene" are already
+  /// read) and ends with its finish(). Reports every fault of the file at once; makes no exercise
+  /// without a scene.
+  Expected<LoadedExercise> (*load)(TomlFile& file, const ExerciseSource& source);
+};
+
+/// Reads an exercise file (kind = "exercise") and its scene (path relative to the file), for a
+/// device and a hand. Reports every fault of both files at once. Not real-time safe.
+/// @param level 1 .. number of levels
+[[nodiscard]] Expected<LoadedExercise> loadExercise(const std::string& path, int level,
+                                                    const DeviceModel& device,
+                                                    const HandModel& hand);
+
+/// An exercise file in a folder.
+struct ExerciseFile {
+  std::string name;  ///< file name without .toml, as LoadExercise and --exercise accept
+  std::string path;
+};
+/// Exercise files (*.toml) of a folder by name, without files of another kind. Empty where there is
+/// no such folder.
+[[nodiscard]] std::vector<ExerciseFile> listExercises(const std::string& folder);
+
+}  // namespace wholehand

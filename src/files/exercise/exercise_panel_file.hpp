@@ -1,0 +1,21 @@
+#pragma once
+
+#include "loop/model/exercise_panel.hpp"
+
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+class TomlTable;
+
+/// Reads the table [panel]. Not for the tick.
+[[nodiscard]] ExercisePanel readExercisePanel(TomlTable& panel);
+
+/// Reports every name that the exercise does not have.
+/// @param panel the table that `parsed` was read from
+void checkExercisePanel(TomlTable& panel, const ExercisePanel& parsed,
+                        const std::vector<std::string>& value_names,
+                        const std::vector<std::string>& event_names);
+
+}  // namespace wholehand

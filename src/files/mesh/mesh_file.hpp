@@ -1,0 +1,96 @@
+#pragma once
+
+#include "loop/core/expected.hpp"
+
+#include <Eigen/Core>
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+
+/// Triangles.
+struct MeshSurface {
+  std::vector<Eigen::Vector3d> points;     ///< in the file's own unit
+  std::vector<Eigen::Vector3i> triangles;  ///< indices into points
+};
+
+/// What a mesh file holds: its triangles, unchanged but placed by the file's own nodes.
+struct MeshFile {
+  MeshSurface surface;
+  /// Of each triangle: the number of its object, group, solid or placed geometry.
+  std::vector<int> part;
+  std::vector<std::string> notices;  ///< what of the file is not applied, as "has ..." or "is ..."
+};
+
+/// Limit of the time to read one mesh file.
+inline constexpr std::chrono::milliseconds kLongestMeshRead = std::chrono::seconds(10);
+
+/// Reads a mesh file (STL, OBJ, PLY, DAE, GLB) in a child process (meshReaderProgram()); without
+/// that program, in this process, without a limit of time.
+/// @return as readMeshHere()
+[[nodiscard]] Expected<MeshFile> readMesh(const std::string& path,
+                                          std::chrono::milliseconds longest = kLongestMeshRead);
+
+/// Reads a mesh file in this process.
+/// @return the surface, or one Diagnostic with problem and remedy (file and key are the caller's)
+[[nodiscard]] Expected<MeshFile> readMeshHere(const std::string& path);
+
+/// Path of wholehand-read-mesh, the program that reads a mesh in a child process: beside this
+/// program, or in lib/wholehand of the parent folder. Empty: not found.
+[[nodiscard]] std::string meshReaderProgram();
+
+/// Runs `program FILE` with limits of `longest` and 1 GB, and reads its result. Survives a crash of
+/// that process.
+/// @return as readMeshHere()
+[[nodiscard]] Expected<MeshFile> readMeshInChild(
+    const std::string& program, const std::string& path,
+    std::chrono::milliseconds longest = kLongestMeshRead);
+
+/// Encodes the result for that program's standard output: a surface or an error. For processes of
+/// the same build on the same machine.
+[[nodiscard]] std::string encodeMesh(const Expected<MeshFile>& file);
+/// @param text any bytes
+/// @return the input of encodeMesh(). Every index is valid.
+[[nodiscard]] Expected<MeshFile> decodeMesh(std::string_view text);
+
+/// Time that all meshes of one scene or URDF may take together. One file alone is limited to
+/// kLongestMeshRead, too.
+class MeshLoadTime {
+ public:
+  using Duration = std::chrono::milliseconds;
+  using Clock = std::function<std::chrono::steady_clock::time_point()>;
+
+  static constexpr Duration kTotal = std::chrono::seconds(30);
+
+  explicit MeshLoadTime(Duration total = kTotal, Clock clock = std::chrono::steady_clock::now)
+      : total_(total), clock_(std::move(clock)) {}
+
+  /// Runs `load` and adds its time to that of the file.
+  template <class Load>
+  auto measure(const std::string& path, Load load) {
+    const auto begin = clock_();
+    auto result = load();
+    add(path, std::chrono::duration_cast<Duration>(clock_() - begin));
+    return result;
+  }
+  /// Time that is left, >= 0.
+  [[nodiscard]] Duration left() const;
+  [[nodiscard]] bool isOver() const { return !files_.empty() && taken_ >= total_; }
+  /// Problem and remedy once the time is over: which files took how long, the slowest first.
+  [[nodiscard]] Diagnostic fault() const;
+
+ private:
+  void add(const std::string& path, Duration taken);
+
+  Duration total_;
+  Clock clock_;
+  Duration taken_{0};
+  std::vector<std::pair<std::string, Duration>> files_;
+};
+
+}  // namespace wholehand

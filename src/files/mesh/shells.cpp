@@ -1,0 +1,166 @@
+#include "files/mesh/shells.hpp"
+
+#include "files/mesh/mesh_checks.hpp"
+#include "files/mesh/solid.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+
+constexpr std::size_t kSamples = 50;   ///< triangles of a shell that are looked at, about
+constexpr double kInwardShare = 1e-6;  ///< of the size: how far from its triangle a sample lies
+
+/// Sets of triangles that hang together.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int find(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(int i, int j) { parent_[std::max(find(i), find(j))] = std::min(find(i), find(j)); }
+
+ private:
+  std::vector<int> parent_;
+};
+
+/// Triangles at an edge, by the direction in which they pass it.
+struct AtEdge {
+  std::vector<int> up, down;  ///< from the smaller index to the larger one, and back
+};
+
+/// Joins each triangle that passes the edge up with one that passes it down: first those that hang
+/// together already. Every shell is closed then, also where shells touch.
+void joinAtEdge(AtEdge edge, Sets& sets) {
+  for (const int up : std::exchange(edge.up, {})) {
+    const auto same = std::find_if(edge.down.begin(), edge.down.end(),
+                                   [&](int down) { return sets.find(down) == sets.find(up); });
+    if (same == edge.down.end()) {
+      edge.up.push_back(up);
+    } else {
+      edge.down.erase(same);
+    }
+  }
+  for (std::size_t i = 0; i < edge.up.size(); ++i) sets.join(edge.up[i], edge.down[i]);
+}
+
+/// A closed part of the surface.
+struct Shell {
+  std::vector<int> triangles;  ///< of the surface
+  MeshSurface surface;
+  Eigen::AlignedBox3d box;
+  double volume_m3 = 0.0;  ///< negative: wound inward
+};
+
+std::vector<std::vector<int>> trianglesOfShells(const MeshSurface& surface) {
+  std::map<std::pair<int, int>, AtEdge> edges;
+  for (std::size_t n = 0; n < surface.triangles.size(); ++n) {
+    const Vector3i& t = surface.triangles[n];
+    for (int k = 0; k < 3; ++k) {
+      const int i = t[k], j = t[(k + 1) % 3];
+      AtEdge& edge = edges[std::minmax(i, j)];
+      (i < j ? edge.up : edge.down).push_back(static_cast<int>(n));
+    }
+  }
+  Sets sets(surface.triangles.size());
+  for (const auto& [ends, edge] : edges) {
+    if (edge.up.size() == 1) sets.join(edge.up[0], edge.down[0]);
+  }
+  for (const auto& [ends, edge] : edges) {
+    if (edge.up.size() > 1) joinAtEdge(edge, sets);
+  }
+  std::map<int, std::vector<int>> shells;
+  for (std::size_t n = 0; n < surface.triangles.size(); ++n) {
+    shells[sets.find(static_cast<int>(n))].push_back(static_cast<int>(n));
+  }
+  std::vector<std::vector<int>> lists;
+  for (auto& [first, triangles] : shells) lists.push_back(std::move(triangles));
+  return lists;
+}
+
+std::vector<Shell> shellsOf(const MeshSurface& surface) {
+  std::vector<Shell> shells;
+  for (std::vector<int>& triangles : trianglesOfShells(surface)) {
+    Shell shell;
+    std::map<int, int> index;  // of a corner in the shell
+    for (const int n : triangles) {
+      Vector3i corners;
+      for (int k = 0; k < 3; ++k) {
+        const int corner = surface.triangles[n][k];
+        const auto [at, added] = index.emplace(corner, shell.surface.points.size());
+        if (added) shell.surface.points.push_back(surface.points[corner]);
+        corners[k] = at->second;
+      }
+      shell.surface.triangles.push_back(corners);
+    }
+    for (const Vector3d& p : shell.surface.points) shell.box.extend(p);
+    const double volume_m3 = signedVolume(shell.surface);
+    const double least_m3 = kWeldShare * std::pow(shell.box.diagonal().norm(), 3);
+    shell.volume_m3 = std::abs(volume_m3) < least_m3 ? 0.0 : volume_m3;
+    shell.triangles = std::move(triangles);
+    shells.push_back(std::move(shell));
+  }
+  return shells;
+}
+
+/// Whether a shell lies within another: points inside of it, near its triangles, do.
+bool liesWithin(const Shell& inner, const Shell& outer, double size_m) {
+  const Vector3d slack = Vector3d::Constant(kWeldShare * size_m);
+  const Eigen::AlignedBox3d room(outer.box.min() - slack, outer.box.max() + slack);
+  if (!room.contains(inner.box)) return false;
+  const SurfaceDistance around(outer.surface);
+  const auto& [points, triangles] = inner.surface;
+  const double inward_m = (inner.volume_m3 < 0.0 ? 1.0 : -1.0) * kInwardShare * size_m;
+  for (std::size_t i = 0; i < triangles.size(); i += triangles.size() / kSamples + 1) {
+    const Vector3d &a = points[triangles[i][0]], &b = points[triangles[i][1]],
+                   &c = points[triangles[i][2]];
+    const Vector3d normal = (b - a).cross(c - a).normalized();
+    if (std::abs(around.windings((a + b + c) / 3.0 + inward_m * normal)) < 0.5) return false;
+  }
+  return true;
+}
+
+/// The largest shell that a shell lies within; the shell itself when it lies in no other.
+const Shell& outermostOf(const Shell& shell, const std::vector<Shell>& shells, double size_m) {
+  const Shell* outermost = &shell;
+  for (const Shell& other : shells) {
+    if (std::abs(other.volume_m3) <= std::abs(outermost->volume_m3)) continue;
+    if (liesWithin(shell, other, size_m)) outermost = &other;
+  }
+  return *outermost;
+}
+
+}  // namespace
+
+TurnedShells turnInwardShells(MeshSurface& surface, double size_m) {
+  const std::vector<Shell> shells = shellsOf(surface);
+  const bool inward = std::any_of(shells.begin(), shells.end(),
+                                  [](const Shell& shell) { return shell.volume_m3 < 0.0; });
+  if (!inward) return TurnedShells::kNone;
+  std::size_t turned = 0;
+  for (const Shell& shell : shells) {
+    if (outermostOf(shell, shells, size_m).volume_m3 >= 0.0) continue;
+    for (const int n : shell.triangles) {
+      std::swap(surface.triangles[n][1], surface.triangles[n][2]);
+    }
+    ++turned;
+  }
+  if (turned == 0) return TurnedShells::kNone;
+  return turned == shells.size() ? TurnedShells::kAll : TurnedShells::kSome;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,526 @@
+#include "files/patient/motion_file.hpp"
+
+#include "files/device/axis_keys.hpp"
+#include "files/foreign/foreign_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+
+namespace {
+
+/// Bytes of the first UTF-8 character; 0 if it is invalid.
+std::size_t characterBytes(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text.front());
+  const std::size_t bytes = lead < 0x80   ? 1
+                            : lead < 0xC2 ? 0
+                            : lead < 0xE0 ? 2
+                            : lead < 0xF0 ? 3
+                            : lead < 0xF5 ? 4
+                                          : 0;
+  if (bytes > text.size()) return 0;
+  const bool whole =
+      std::all_of(text.begin() + 1, text.begin() + static_cast<long>(bytes ? bytes : 1),
+                  [](unsigned char c) { return (c & 0xC0U) == 0x80U; });
+  return whole ? bytes : 0;
+}
+
+/// The text without blanks at both ends.
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+/// A value between commas.
+struct Cell {
+  std::string text;  ///< without its quotes
+  bool quoted = false;
+};
+
+/// Comma-separated values of a line, each trimmed; in double quotes, a comma is text and two quotes
+/// are one (RFC 4180).
+std::vector<Cell> cells(std::string_view line) {
+  std::vector<Cell> found(1);
+  bool inside = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    Cell& cell = found.back();
+    if (line[i] == ',' && !inside) {
+      found.emplace_back();
+    } else if (line[i] != '"' || !(inside || trimmed(cell.text).empty())) {
+      cell.text += line[i];
+    } else if (inside && line.substr(i + 1).starts_with('"')) {
+      cell.text += line[i++];
+    } else {
+      inside = !inside;
+      cell.quoted = true;
+    }
+  }
+  for (Cell& cell : found) cell.text = std::string(trimmed(cell.text));
+  return found;
+}
+
+/// True if the text has control bytes: the file is not text, or UTF-16.
+bool holdsControl(std::string_view text) {
+  return std::any_of(text.begin(), text.end(), [](unsigned char c) {
+    return (c < 0x20 && c != '\t' && c != '\r') || c == 0x7F;
+  });
+}
+
+/// A value for a message: shortened, and safe for terminals.
+std::string shown(std::string_view value) {
+  constexpr std::size_t kLongest = 40;
+  std::string out;
+  while (!value.empty() && out.size() < kLongest) {
+    const std::size_t bytes = characterBytes(value);
+    out += bytes > 0 ? value.substr(0, bytes) : "?";
+    value.remove_prefix(std::max<std::size_t>(bytes, 1));
+  }
+  return out;
+}
+
+/// "1 value", "2 values"
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+constexpr std::size_t kMostFaults = 20;
+constexpr double kLargestValue = 1000.0;  // m or rad: beyond any hand motion
+constexpr double kLongest_s = 3600.0;
+constexpr const char* kGiveMotion =
+    "give a CSV file whose first line names the columns: time_s, x_m, ...";
+
+/// Names that other programs give to the time.
+bool isTime(std::string_view name) {
+  constexpr std::array<std::string_view, 9> kNames = {
+      "time", "t", "Time", "timestamp", "%time", "__time", "time_msec", "time_ms", "stamp"};
+  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+}
+
+bool isOfMotion(std::string_view name) {
+  return name == "time_s" || isTime(name) || name.ends_with("_m") || name.ends_with("_rad");
+}
+
+/// True for a single cell that other marks than commas divide.
+bool isDividedOtherwise(const std::vector<Cell>& names) {
+  if (names.size() != 1) return false;
+  const std::string& text = names.front().text;
+  const std::size_t blank = text.find(' ');
+  return text.find_first_of(";\t") != text.npos ||
+         (blank != text.npos && isOfMotion(text.substr(0, blank)));
+}
+
+/// Why a first line is no header of a motion; empty if it is one.
+std::string noHeader(const std::vector<Cell>& names) {
+  const bool any = std::any_of(names.begin(), names.end(),
+                               [](const Cell& cell) { return isOfMotion(cell.text); });
+  return any ? "" : "is not a motion: its first line names neither a time nor an axis";
+}
+
+/// Kind of the device's axis of that name, else of the usual one.
+std::optional<AxisKind> kindOf(std::string_view name, const DeviceModel* device) {
+  if (device != nullptr) {
+    for (const DeviceAxis& axis : device->axes) {
+      if (axis.name == name) return axis.kind;
+    }
+  }
+  return knownAxisKind(name);
+}
+
+std::string axisNames(const DeviceModel* device) {
+  std::string names;
+  for (const KnownAxis& axis : kKnownAxes) {
+    names += (names.empty() ? "" : ", ") + std::string(axis.name);
+  }
+  if (device == nullptr) return names;
+  for (const DeviceAxis& axis : device->axes) {
+    if (kindOf(axis.name, nullptr)) continue;
+    names += ", " + axis.name;
+  }
+  return names;
+}
+
+/// Reads one file line by line and collects every fault.
+class Reader {
+ public:
+  Reader(const std::string& path, const DeviceModel* device) : device_(device) {
+    motion_.path = path;
+  }
+
+  Expected<MotionFile> read();
+
+ private:
+  /// False when the file is not a motion and further faults would be noise.
+  bool line(std::string_view text);
+  bool header(std::string_view line);
+  void column(const std::string& name, std::size_t place);
+  void row(std::string_view line);
+  std::optional<double> number(const std::string& cell, std::size_t place);
+  void checkTime(double time_s, std::string_view cell);
+  /// Refuses what is no motion, as what it is where that is known.
+  void refuse(const std::string& problem, const char* remedy = kGiveMotion);
+  void checkWhole();
+  void checkValues();
+  void checkPace();
+  void fault(std::string key, std::string_view value, std::string problem, std::string remedy);
+  /// Adds a fault, up to kMostFaults of them.
+  void keep(Diagnostic fault);
+
+  const DeviceModel* device_;
+  MotionFile motion_;
+  Diagnostics faults_;
+  Diagnostics ignored_;  // columns
+  std::size_t unreported_ = 0;
+  int line_ = 0;
+  std::vector<std::string> header_;  // the columns as written
+  std::vector<bool> is_read_;        // of each column
+  std::size_t time_place_ = 0;
+  std::size_t unnamed_ = 0;  // values of a row before those that the header names
+  std::vector<int> lines_;   // of the samples
+  int rows_ = 0;
+};
+
+void Reader::fault(std::string key, std::string_view value, std::string problem,
+                   std::string remedy) {
+  keep({motion_.path, line_, std::move(key), shown(value), std::move(problem), std::move(remedy)});
+}
+
+void Reader::keep(Diagnostic fault) {
+  if (faults_.size() == kMostFaults) {
+    ++unreported_;
+  } else {
+    faults_.push_back(std::move(fault));
+  }
+}
+
+void Reader::refuse(const std::string& problem, const char* remedy) {
+  const auto foreign = foreignFileAt(motion_.path);
+  fault("", "", foreign ? foreign->problem : problem, foreign ? foreign->remedy : remedy);
+}
+
+void Reader::column(const std::string& name, std::size_t place) {
+  const std::string key = "column " + std::to_string(place + 1);
+  if (name.empty() && place == 0) return;  // numbers of the rows, as pandas and R write them
+  if (name.empty()) {
+    fault(key, name, "has no name", "name it time_s, <axis>_m or <axis>_rad");
+    return;
+  }
+  if (std::find(header_.begin(), header_.end() - 1, name) != header_.end() - 1) {
+    fault(key, name, "stands there twice", "keep one of the two columns");
+    return;
+  }
+  if (name == "time_s") {
+    is_read_[place] = true;
+    return;
+  }
+  const bool metres = name.ends_with("_m");
+  const bool known_unit = metres || name.ends_with("_rad");
+  const std::string axis =
+      name.substr(0, known_unit ? name.size() - (metres ? 2 : 4) : name.rfind('_'));
+  const std::optional<AxisKind> kind = kindOf(axis, device_);
+  if (!kind) {
+    if (isTime(name)) return;
+    ignored_.push_back({motion_.path, line_, key, shown(name),
+                        known_unit ? "is no known axis" : "has no known unit",
+                        known_unit ? "use one of " + axisNames(device_)
+                                   : "end it in _m for a translation, _rad for a rotation"});
+  } else if (!known_unit) {
+    fault(key, name, "has no known unit", "end it in _m for a translation, _rad for a rotation");
+  } else if ((*kind == AxisKind::kTranslation) != metres) {
+    fault(key, name, "has the wrong unit",
+          axis + (metres ? " is a rotation: use _rad" : " is a translation: use _m"));
+  } else {
+    motion_.columns.push_back(axis);
+    is_read_[place] = true;
+  }
+}
+
+bool Reader::header(std::string_view line) {
+  const std::vector<Cell> names = cells(line);
+  if (isDividedOtherwise(names)) {
+    refuse("is not a CSV file of commas: its columns are divided by something else",
+           "divide the columns by commas, and write numbers with a point: 0.125");
+    return false;
+  }
+  if (std::string why = noHeader(names); !why.empty()) {
+    refuse(why);
+    return false;
+  }
+  is_read_.resize(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    header_.push_back(names[i].text);
+    column(names[i].text, i);
+  }
+  const auto time = std::find(header_.begin(), header_.end(), "time_s");
+  const auto other = std::find_if(header_.begin(), header_.end(), isTime);
+  if (time == header_.end()) {
+    fault("time_s", "",
+          other == header_.end()
+              ? "is missing"
+              : "is missing: the column " + shown(*other) + " does not say its unit",
+          "add a column time_s with the time of each row in seconds");
+  }
+  time_place_ = time - header_.begin();
+  const bool none = motion_.columns.empty();
+  for (Diagnostic& column : ignored_) {
+    if (none) {
+      keep(std::move(column));
+    } else if (motion_.notices.size() < kMostFaults) {
+      column.problem += " and is ignored";
+      motion_.notices.push_back(std::move(column));
+    }
+  }
+  if (!none && ignored_.size() > kMostFaults) {
+    const std::size_t more = ignored_.size() - kMostFaults;
+    motion_.notices.push_back({motion_.path, line_, "", "",
+                               "has " + counted(more, "more column") + " that no axis has, ignored",
+                               "name those that shall move in _m or _rad"});
+  }
+  if (faults_.empty() && none) {
+    fault("", "", "has no axis column", "add a column such as x_m or finger_flexion_rad");
+  }
+  return true;
+}
+
+bool Reader::line(std::string_view text) {
+  const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");  // UTF-16
+  if (marked || holdsControl(text)) {
+    refuse("is not a CSV text: it holds bytes that no text has");
+    return false;
+  }
+  if (!header_.empty()) {
+    row(text);
+    return true;
+  }
+  return header(text);
+}
+
+std::optional<double> Reader::number(const std::string& cell, std::size_t place) {
+  const std::string& key = header_[place];
+  double value = 0.0;
+  // from_chars accepts no leading plus; unlike strtod it ignores the locale.
+  std::string_view digits = cell;
+  if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (cell.empty()) {
+    fault(key, cell, "is empty", "write a number");
+  } else if (end != digits.data() + digits.size() || error == std::errc::invalid_argument) {
+    fault(key, cell, "is not a number", "write a decimal number such as 0.125");
+  } else if (error == std::errc::result_out_of_range || !std::isfinite(value)) {
+    fault(key, cell, "is not finite", "write a finite number");
+  } else if (place != time_place_ && std::abs(value) > kLargestValue) {
+    fault(key, cell, "is out of range", "must be in [-1000, 1000] m or rad");
+  } else {
+    return value;
+  }
+  return std::nullopt;
+}
+
+void Reader::checkTime(double time_s, std::string_view cell) {
+  if (!motion_.time_s.empty() && !(time_s > motion_.time_s.back())) {
+    fault("time_s", cell, "does not increase", "each row's time must exceed the row's before");
+  } else if (!motion_.time_s.empty() && time_s - motion_.time_s.front() > kLongest_s) {
+    fault("time_s", cell, "is more than an hour after the first row", "must be within 3600 s");
+  }
+  motion_.time_s.push_back(time_s);
+}
+
+void Reader::row(std::string_view line) {
+  ++rows_;
+  const std::vector<Cell> values = cells(line);
+  // R writes a quoted number before each row, and no name for it.
+  if (rows_ == 1 && values.size() == header_.size() + 1 && values[0].quoted) unnamed_ = 1;
+  if (values.size() != header_.size() + unnamed_) {
+    fault("", "",
+          "has " + counted(values.size(), "value") + ", the header names " +
+              counted(header_.size(), "column"),
+          "give every row one value a column");
+    return;
+  }
+  std::vector<double> sample;
+  for (std::size_t i = 0; i < header_.size(); ++i) {
+    if (!is_read_[i]) continue;
+    const std::string& cell = values[i + unnamed_].text;
+    const std::optional<double> value = number(cell, i);
+    if (!value) continue;
+    if (i == time_place_) {
+      checkTime(*value, cell);
+    } else {
+      sample.push_back(*value);
+    }
+  }
+  motion_.samples.push_back(std::move(sample));
+  lines_.push_back(line_);
+}
+
+/// Values that no hand and no device has are of another unit. The first of each column is named.
+void Reader::checkValues() {
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi, kMostTurn_rad = 2.0 * kTurn_rad;
+  constexpr double kBeyond = 10.0;
+  for (std::size_t c = 0; c < motion_.columns.size(); ++c) {
+    const std::string& name = motion_.columns[c];
+    const bool turns = kindOf(name, device_) == AxisKind::kRotation;
+    const std::string key = name + (turns ? "_rad" : "_m");
+    const int at = device_ != nullptr ? device_->axisIndex(name) : -1;
+    const DeviceAxis axis = at >= 0 ? device_->axes[at] : DeviceAxis{};
+    const double width = axis.upper - axis.lower;
+    const double first = motion_.samples.front()[c];
+    for (std::size_t i = 0; i < motion_.samples.size(); ++i) {
+      line_ = lines_[i];
+      const double value = motion_.samples[i][c];
+      const double step = i > 0 ? std::abs(value - motion_.samples[i - 1][c]) : 0.0;
+      const double step_s = i > 0 ? motion_.time_s[i] - motion_.time_s[i - 1] : 1.0;
+      const std::string shown_value = fmt::format("{:g}", value);
+      if (turns && std::abs(value) > kMostTurn_rad) {
+        fault(key, shown_value, "is beyond two turns (4π rad)",
+              "must be in rad: multiply degrees by π / 180");
+      } else if (at >= 0 && turns && axis.group == AxisGroup::kHand &&
+                 std::abs(value) > kTurn_rad) {
+        fault(key, shown_value, "is beyond a turn (2π rad), which no finger's joints make together",
+              "must be in rad: multiply degrees by π / 180");
+      } else if (width > 0.0 && std::abs(value - first) > kBeyond * width) {
+        fault(
+            key, shown_value,
+            fmt::format("is {:.3g} {} from the first row; the axis of {} has a range of {:.3g} {}",
+                        std::abs(value - first), axis.positionUnit(), device_->name, width,
+                        axis.positionUnit()),
+            turns ? "must be in rad" : "must be in m: divide millimetres by 1000");
+      } else if (axis.speed_limit > 0.0 && step > kBeyond * axis.speed_limit * step_s) {
+        fault(key, shown_value,
+              fmt::format("is reached at {:.3g} {}/s; the axis of {} moves at {:.3g} {}/s at most",
+                          step / step_s, axis.positionUnit(), device_->name, axis.speed_limit,
+                          axis.positionUnit()),
+              "check its unit and that of time_s (s)");
+      } else {
+        continue;
+      }
+      break;
+    }
+  }
+  line_ = 0;
+}
+
+/// Milliseconds in the column of seconds: a recording has more than one row a second. Rows that are
+/// missing: the motion between is a straight line, which nobody moved.
+void Reader::checkPace() {
+  constexpr std::size_t kEnough = 10;
+  constexpr double kGapSteps = 10.0, kLeastGap_s = 0.2;
+  if (motion_.time_s.size() < kEnough) return;
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < motion_.time_s.size(); ++i) {
+    steps_s.push_back(motion_.time_s[i] - motion_.time_s[i - 1]);
+  }
+  std::vector<double> sorted_s = steps_s;
+  const auto middle = sorted_s.begin() + static_cast<std::ptrdiff_t>(sorted_s.size() / 2);
+  std::nth_element(sorted_s.begin(), middle, sorted_s.end());
+  const double usual_s = *middle;
+  if (usual_s >= 1.0) {
+    motion_.notices.push_back(keyFault(motion_.path, "time_s", "",
+                                       fmt::format("has a row every {:.3g} s", usual_s),
+                                       "if these are milliseconds, divide them by 1000"));
+    return;
+  }
+  const double most_s = std::max(kGapSteps * usual_s, kLeastGap_s);
+  const auto gaps =
+      std::count_if(steps_s.begin(), steps_s.end(), [&](double step_s) { return step_s > most_s; });
+  if (gaps == 0) return;
+  const auto largest = std::max_element(steps_s.begin(), steps_s.end());
+  const std::size_t row = static_cast<std::size_t>(largest - steps_s.begin()) + 1;
+  std::string problem = fmt::format(
+      "is {:.4g} s after the row before, where {:.3g} s are usual: the motion goes on in a "
+      "straight "
+      "line between them",
+      *largest, usual_s);
+  if (gaps > 1) problem += fmt::format(" (the longest of {} gaps)", gaps);
+  Diagnostic notice =
+      keyFault(motion_.path, "time_s", fmt::format("{:.10g}", motion_.time_s[row]),
+               std::move(problem), "if rows were lost, fill them in or cut the file there");
+  notice.line = lines_[row];
+  motion_.notices.push_back(std::move(notice));
+}
+
+void Reader::checkWhole() {
+  line_ = 0;
+  if (header_.empty()) {
+    fault("", "", "is empty", "the first line names the columns: time_s, x_m, ...");
+  } else if (rows_ < 2) {
+    fault("", "", rows_ == 0 ? "has no row of samples" : "has only 1 row of samples",
+          "at least 2 are needed");
+  }
+  if (!faults_.empty()) return;
+  checkValues();
+  checkPace();
+  if (device_ == nullptr || !faults_.empty()) return;
+  const auto on_device = [this](const std::string& name) {
+    return std::any_of(device_->axes.begin(), device_->axes.end(),
+                       [&](const DeviceAxis& axis) { return axis.name == name; });
+  };
+  if (std::none_of(motion_.columns.begin(), motion_.columns.end(), on_device)) {
+    fault("", "", "moves no axis of the device " + device_->name,
+          "name at least one of its axes in a column");
+  }
+}
+
+Expected<MotionFile> Reader::read() {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(motion_.path, error);
+  if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) {
+    fault("", "", "is not a file", kGiveMotion);  // /dev/zero never ends
+    return faults_;
+  }
+  std::ifstream file(motion_.path);
+  if (!file.is_open()) {
+    fault("", "", "cannot be opened", "check the path and the permissions");
+    return faults_;
+  }
+  file.peek();
+  if (file.bad()) {
+    fault("", "", "cannot be read", "give a CSV file, not a folder");
+    return faults_;
+  }
+  for (std::string whole; std::getline(file, whole);) {
+    if (whole.ends_with('\r')) whole.pop_back();
+    for (std::size_t begin = 0, end = 0; end != whole.npos; begin = end + 1) {
+      end = whole.find('\r', begin);  // alone, it ends a line, too
+      ++line_;
+      std::string_view text = std::string_view(whole).substr(begin, end - begin);
+      if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+      text = trimmed(text);
+      if (text.empty() || text.starts_with('#')) continue;
+      if (!line(text)) return faults_;
+    }
+  }
+  checkWhole();
+  if (unreported_ > 0) {
+    faults_.push_back(fileFault(motion_.path, "has " + counted(unreported_, "more fault"),
+                                "correct the ones above first"));
+  }
+  if (!faults_.empty()) return faults_;
+  return std::move(motion_);
+}
+
+}  // namespace
+
+Expected<MotionFile> loadMotionFile(const std::string& path, const DeviceModel* device) {
+  return Reader(path, device).read();
+}
+
+}  // namespace wholehand

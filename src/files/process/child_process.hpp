@@ -1,0 +1,82 @@
+#pragma once
+
+#include "loop/core/expected.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <sys/types.h>
+#include <vector>
+
+namespace wholehand {
+
+/// Resource limits of a process that reads an untrusted file.
+struct ChildLimits {
+  std::chrono::milliseconds time{10'000};   ///< from its start
+  std::uint64_t memory_bytes = 1ULL << 30;  ///< address space; not enforced under a sanitizer
+  std::uint64_t output_bytes = 0;           ///< captured standard output; 0: it inherits this
+                                            ///< process's output
+  bool idle_disk = false;                   ///< lowest disk priority
+};
+
+enum class ChildEnding { kExited, kSignal, kLate, kStopped, kTooMuchOutput, kNotStarted };
+
+struct ChildResult {
+  ChildEnding ending = ChildEnding::kNotStarted;
+  int code = 0;        ///< exit code, signal, or errno if it did not start
+  std::string output;  ///< captured standard output if limits.output_bytes > 0
+};
+
+/// Runs a program and waits for its end. The child gets no file descriptors except the standard
+/// ones, no blocked signals, and writes no core dump. It is killed when it exceeds its time or
+/// output, or when `stop` returns true. Uses posix_spawn instead of fork, so that the pages of a
+/// running loop are not marked copy-on-write. Not for the tick.
+/// @param stop polled every 20 ms; empty: never
+[[nodiscard]] ChildResult runChild(const std::string& program,
+                                   const std::vector<std::string>& arguments,
+                                   const ChildLimits& limits,
+                                   const std::function<bool()>& stop = {});
+
+/// A child process that answers repeated requests. One socket to this process is its standard input
+/// and output, and it ends when that closes. Otherwise as runChild(). One thread at a time.
+class TalkingChild {
+ public:
+  struct Limits {
+    std::uint64_t memory_bytes = 1ULL << 30;  ///< address space; not enforced under a sanitizer
+    bool idle_disk = false;                   ///< lowest disk priority
+  };
+
+  /// Starts the child; null with errno when that fails.
+  [[nodiscard]] static std::unique_ptr<TalkingChild> start(
+      const std::string& program, const std::vector<std::string>& arguments, const Limits& limits);
+  /// Kills the child.
+  ~TalkingChild();
+  TalkingChild(const TalkingChild&) = delete;
+  TalkingChild& operator=(const TalkingChild&) = delete;
+
+  /// Sends a whole text; false when the child has ended.
+  [[nodiscard]] bool send(std::string_view text);
+  /// Receives a number of bytes; fewer when the child ended, the timeout expired, or `stop`
+  /// returned true.
+  /// @param stop polled every 20 ms; empty: never
+  [[nodiscard]] std::string receive(std::size_t bytes, std::chrono::steady_clock::time_point until,
+                                    const std::function<bool()>& stop = {});
+  /// Signal that ended the child, after send() or receive() failed; 0: none.
+  [[nodiscard]] int signal();
+
+ private:
+  TalkingChild(pid_t child, int socket) : child_(child), socket_(socket) {}
+
+  pid_t child_;
+  int socket_;
+  bool hung_up_ = false;  ///< the child closed its end of the socket
+  bool over_ = false;     ///< the child was reaped
+  int status_ = 0;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,708 @@
+#include "files/scene/scene_file.hpp"
+
+#include "files/mesh/convex_mesh.hpp"
+#include "files/mesh/mesh_file.hpp"
+#include "files/scene/separation.hpp"
+#include "files/toml/toml_file.hpp"
+#include "files/urdf/urdf.hpp"
+#include "loop/core/geometry.hpp"
+#include "loop/core/printable.hpp"
+#include "loop/core/tick_record.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+constexpr double kTouch_m = 1e-4;  ///< allowed initial overlap of bodies: rounding in files
+
+constexpr double kWood_kg_m3 = 600.0;  ///< of what moves on a joint and has no inertial
+
+// No matter is denser than osmium. Light colliders that stand for a heavy thing may be.
+constexpr double kOsmium_kg_m3 = 22.6e3, kMostConcentration = 10.0;
+constexpr double kAir_kg_m3 = 1.2;
+/// Ballast has no collider, but its place is in metres: within this many extents of the colliders.
+constexpr double kMostBallastReach = 10.0;
+
+constexpr std::size_t kMostName = 200;    ///< characters of a name that is recorded
+constexpr std::size_t kShownName = 60;    ///< of them in a fault
+constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
+
+NumberRule dimension() {
+  return between(0.001, 10.0, "m");
+}
+
+NumberRule bodyMass() {
+  return between(1e-4, 1e3, "kg");
+}
+
+Vector3d vectorFrom(const std::vector<double>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+bool isColor(const std::string& text) {
+  return text.size() == 7 && text[0] == '#' &&
+         std::all_of(text.begin() + 1, text.end(),
+                     [](unsigned char c) { return std::isxdigit(c) != 0; });
+}
+
+/// Half the extent of a shape's box in its own frame.
+Vector3d halfBox(const Shape& shape) {
+  const double end_m = shape.type == ShapeType::kSphere    ? shape.radius_m
+                       : shape.type == ShapeType::kCapsule ? shape.radius_m + shape.length_m / 2.0
+                                                           : shape.length_m / 2.0;
+  return shape.type == ShapeType::kBox ? shape.half_extents_m
+                                       : Vector3d(shape.radius_m, shape.radius_m, end_m);
+}
+
+/// Calls `take` with points of the body frame between which the shapes lie.
+template <class Take>
+void eachBound(const std::vector<Shape>& shapes, const Take& take) {
+  for (const Shape& shape : shapes) {
+    const auto in_body = [&](const Vector3d& p) {
+      return Vector3d(shape.in_body.rotation * p + shape.in_body.translation_m);
+    };
+    for (const Vector3d& p : shape.points_m) take(in_body(p));
+    if (shape.type == ShapeType::kConvexMesh) continue;
+    const Vector3d half_m = halfBox(shape);
+    for (int i = 0; i < 8; ++i) {
+      const Vector3d sign((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0,
+                          (i & 4) != 0 ? 1.0 : -1.0);
+      take(in_body(sign.cwiseProduct(half_m)));
+    }
+  }
+}
+
+/// Bound of the distance of the shapes' points from a point [m].
+double farthestFrom(const std::vector<Shape>& shapes, const Vector3d& from_m) {
+  double most_m = 0.0;
+  eachBound(shapes, [&](const Vector3d& p) { most_m = std::max(most_m, (p - from_m).norm()); });
+  return most_m;
+}
+
+Eigen::AlignedBox3d boxOf(const std::vector<Shape>& shapes) {
+  Eigen::AlignedBox3d box;
+  eachBound(shapes, [&](const Vector3d& p) { box.extend(p); });
+  return box;
+}
+
+/// The densest that a body of these colliders may be anywhere [kg/m3].
+double mostDensity(const std::vector<Shape>& shapes, double mass_kg) {
+  double volume_m3 = 0.0;
+  for (const Shape& shape : shapes) volume_m3 += moments(shape).volume_m3;
+  return std::max(kOsmium_kg_m3, kMostConcentration * mass_kg / volume_m3);
+}
+
+/// Moment of inertia of a ball [kg·m²]. Of all bodies of a mass and at most a density, the ball's
+/// moments have the least sum.
+double ballInertia(double mass_kg, double density_kg_m3) {
+  const double radius_m = std::cbrt(mass_kg / density_kg_m3 / (4.0 / 3.0 * pi));
+  return 0.4 * mass_kg * radius_m * radius_m;
+}
+
+/// A body that moves on a joint of a URDF.
+struct Mover {
+  SceneBody body;
+  Diagnostic link;  ///< file, line and key of its link
+};
+
+/// Reads one `[[bodies]]` table.
+class BodyReader {
+ public:
+  BodyReader(TomlTable table, fs::path folder, MeshLoadTime& time)
+      : t_(std::move(table)), folder_(std::move(folder)), time_(&time) {}
+
+  /// The body; without shapes after a fault in them.
+  SceneBody read() {
+    SceneBody body;
+    body.name = t_.text("name");
+    body.fixed = t_.flag("fixed", false);
+    body.friction = t_.number("friction", between(0.0, 2.0), body.friction);
+    body.linear_damping_per_s =
+        t_.number("linear_damping_per_s", between(0.0, 1.0, "1/s"), body.linear_damping_per_s);
+    body.color = t_.text("color", body.color);
+    if (t_.isGood("color") && !isColor(body.color)) {
+      t_.fail("color", "is not a colour", "must be \"#RRGGBB\", e.g. \"#3B6FD1\"");
+    }
+    readPose(body);
+    readShapes(body);
+    readSoft(body);
+    readMass(body);
+    readJoint(body);
+    return body;
+  }
+
+  /// True when position and orientation of the body are valid.
+  [[nodiscard]] bool placed() const {
+    return t_.isGood("position_m") &&
+           (!t_.has("orientation_rpy_rad") || t_.isGood("orientation_rpy_rad"));
+  }
+  [[nodiscard]] TomlTable& table() { return t_; }
+  /// Paths of the mesh or URDF, and of the URDF's meshes.
+  [[nodiscard]] const std::vector<std::string>& assets() const { return assets_; }
+  /// What is no fault, but differs from the file; `file` is empty for the scene file.
+  [[nodiscard]] const Diagnostics& notices() const { return notices_; }
+  /// Faults inside the URDF, with lines of that file.
+  [[nodiscard]] const Diagnostics& urdfFaults() const { return urdf_faults_; }
+  /// Bodies that move on joints of the URDF.
+  [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+  /// Refuses a link of the URDF.
+  void failLink(const Mover& mover, std::string problem, std::string remedy) {
+    Diagnostic fault = mover.link;
+    fault.problem = std::move(problem);
+    fault.remedy = std::move(remedy);
+    urdf_faults_.push_back(std::move(fault));
+  }
+
+ private:
+  void readPose(SceneBody& body) {
+    body.pose.translation_m = vectorFrom(t_.numbers("position_m", 3, between(-10.0, 10.0, "m")));
+    const std::vector<double> rpy =
+        t_.numbers("orientation_rpy_rad", 3, between(-2.0 * pi, 2.0 * pi, "rad"), {0.0, 0.0, 0.0});
+    body.pose.rotation = rotationFromRpy(rpy[0], rpy[1], rpy[2]);
+  }
+
+  void readShapes(SceneBody& body) {
+    const std::string kind =
+        t_.choice("shape", {"box", "sphere", "cylinder", "disk", "capsule", "mesh", "urdf"});
+    if (!t_.isGood("shape")) {
+      ignoreDimensions();
+    } else if (kind == "urdf") {
+      readUrdf(body);
+    } else if (kind == "mesh") {
+      readMesh(body);
+    } else {
+      Shape shape = readPrimitive(kind);
+      if (!shape_wrong_) body.shapes.push_back(std::move(shape));
+    }
+  }
+
+  /// After an unknown shape, its dimensions are not reported as unknown keys.
+  void ignoreDimensions() {
+    (void)t_.numbers("size_m", 3, dimension(), {1.0, 1.0, 1.0});
+    for (const char* key : {"radius_m", "height_m", "length_m"})
+      (void)t_.number(key, dimension(), 1.0);
+    (void)t_.number("scale", above(0.0, 1e4), 1.0);
+    (void)t_.text("file", "none");
+  }
+
+  double length(const char* key) {
+    const double value = t_.number(key, dimension());
+    shape_wrong_ = shape_wrong_ || !t_.isGood(key);
+    return value;
+  }
+
+  Shape readPrimitive(const std::string& kind) {
+    Shape shape;
+    if (kind == "box") {
+      shape.half_extents_m = vectorFrom(t_.numbers("size_m", 3, dimension())) / 2.0;
+      shape_wrong_ = !t_.isGood("size_m");
+      return shape;
+    }
+    shape.type = kind == "sphere"    ? ShapeType::kSphere
+                 : kind == "capsule" ? ShapeType::kCapsule
+                                     : ShapeType::kCylinder;
+    shape.radius_m = length("radius_m");
+    if (shape.type == ShapeType::kCylinder) shape.length_m = length("height_m");
+    if (shape.type == ShapeType::kCapsule) shape.length_m = length("length_m");
+    return shape;
+  }
+
+  void readMesh(SceneBody& body) {
+    const double scale = t_.number("scale", above(0.0, 1e4), 1.0);
+    const std::string file = t_.text("file");
+    if (!t_.isGood("file")) return;
+    assets_.push_back((folder_ / file).string());
+    if (time_->isOver()) return;  // with a fault at the mesh before
+    Expected<MeshCollider> mesh =
+        loadMeshCollider(assets_.back(), Vector3d::Constant(scale), *time_);
+    if (mesh) {
+      body.shapes = std::move(mesh->shapes);
+      for (const Diagnostic& notice : mesh->notices) note(notice);
+    } else {
+      t_.fail("file", mesh.errors().front().problem, mesh.errors().front().remedy);
+    }
+  }
+
+  /// Notes what the user should know about the key `file`.
+  void note(Diagnostic notice) {
+    notice.line = t_.lineOf("file");
+    notice.key = t_.path() + ".file";
+    notices_.push_back(std::move(notice));
+  }
+
+  void readUrdf(SceneBody& body) {
+    urdf_wrong_ = true;
+    uniform_density_ = t_.flag("uniform_density", false);
+    const std::string file = t_.text("file");
+    if (!t_.isGood("file")) return;
+    const fs::path path = folder_ / file;
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) {
+      t_.fail("file", "there is no such URDF file: " + printable(path.string()),
+              "check the name; it is relative to the scene file");
+      return;
+    }
+    Expected<UrdfBody> urdf =
+        loadUrdf(path.string(), *time_, UrdfUse{body.fixed, uniform_density_, t_.has("friction")});
+    if (!urdf) {
+      urdf_faults_ = urdf.errors();
+      return;
+    }
+    urdf_wrong_ = false;
+    assets_.push_back(path.string());
+    assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
+    notices_ = std::move(urdf->notices);
+    if (urdf->friction && !t_.has("friction")) body.friction = *urdf->friction;
+    body.shapes = std::move(urdf->shapes);
+    inertial_ = urdf->inertial;
+    ballast_m_ = urdf->ballast_m;
+    if (!urdf->movers.empty()) {
+      if (!body.fixed && t_.has("fixed")) {
+        t_.fail("fixed",
+                fmt::format("is false, and the URDF's link '{}' moves on a joint: its root "
+                            "stands in the world",
+                            printable(urdf->movers.front().name)),
+                "set fixed = true");
+      }
+      body.fixed = true;
+    } else if (body.fixed && t_.has("uniform_density")) {
+      t_.fail("uniform_density", "has no effect on a fixed body",
+              "take it out, or set fixed = false");
+    }
+    for (UrdfMover& mover : urdf->movers) addMover(body, std::move(mover), path.string());
+  }
+
+  /// A body that moves on a joint of a fixed URDF, under the name "<body>/<link>".
+  void addMover(const SceneBody& root, UrdfMover mover, const std::string& path) {
+    SceneBody body;
+    body.name = root.name + "/" + mover.name;
+    const std::string key = fmt::format("link[{}]", printable(mover.name, kShownName));
+    const auto note = [&](std::string problem, std::string remedy) {
+      notices_.push_back(keyFault(path, key, "", std::move(problem), std::move(remedy)));
+    };
+    if (mover.shapes.empty()) {
+      note("moves on a joint and has no collider: it is left out", "give it a <collision>");
+      return;
+    }
+    body.friction = root.friction;
+    body.color = root.color;
+    body.pose = root.pose * mover.in_root;
+    body.shapes = std::move(mover.shapes);
+    body.joint = mover.joint;
+    // 0 is where the body stands: of a range elsewhere, its nearest end.
+    const double start = std::clamp(0.0, body.joint->least, body.joint->most);
+    body.pose = poseOn(*body.joint, body.pose, start);
+    body.joint->least -= start, body.joint->most -= start;
+    MassProperties m;
+    if (mover.inertial) {
+      m = uniform_density_ ? uniformDensity(body.shapes, mover.inertial->mass_kg) : *mover.inertial;
+    } else {
+      double volume_m3 = 0.0;
+      for (const Shape& shape : body.shapes) volume_m3 += moments(shape).volume_m3;
+      m = uniformDensity(body.shapes, kWood_kg_m3 * volume_m3);
+      note(fmt::format("has no <inertial>: {:.3g} kg, at {} kg/m³", m.mass_kg, kWood_kg_m3),
+           "give it one");
+    }
+    if (!bodyMass().allows(m.mass_kg)) {
+      t_.fail(
+          "file",
+          fmt::format("the URDF's '{}' has {} kg", printable(mover.name), formatNumber(m.mass_kg)),
+          bodyMass().remedy());
+    }
+    if (mover.inertial && !uniform_density_) judgeInertial(body, m);
+    body.mass_kg = m.mass_kg;
+    body.com_m = m.com_m;
+    body.inertia_kg_m2 = m.inertia_kg_m2;
+    noteDensity(body);
+    if (body.joint->dry_friction == 0.0) {
+      note("moves without dry friction: it opens at a touch", "give its joint <dynamics friction>");
+    }
+    Mover moving{std::move(body), keyFault(path, key, "", "", "")};
+    moving.link.line = mover.line;
+    checkName(moving);
+    movers_.push_back(std::move(moving));
+  }
+
+  /// Bodies that move are recorded by name, and shown in lists.
+  void checkName(const Mover& mover) {
+    const std::string& name = mover.body.name;
+    if (isPrintable(name, kMostName)) return;
+    if (isPrintable(name, name.size())) {
+      failLink(mover, "moves on a joint, and its name with that of its body is too long",
+               fmt::format("\"<body>/<link>\" may have {} characters", kMostName));
+    } else {
+      failLink(
+          mover,
+          "moves on a joint, and its name holds control characters or bytes that are not UTF-8",
+          "write a name that can be shown in a list, and save the file as UTF-8");
+    }
+  }
+
+  void readSoft(SceneBody& body) {
+    if (!t_.has("soft_m")) return;
+    const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
+    const double most_m = cylinder ? body.shapes[0].radius_m - kThinnestCore_m : 10.0;
+    body.soft_m = t_.number("soft_m", between(0.0, std::max(most_m, 0.0), "m"));
+    if (!cylinder && t_.isGood("shape") && !shape_wrong_) {
+      t_.fail("soft_m", "is for cylinders and disks only", "take it out");
+    }
+  }
+
+  void readJoint(SceneBody& body) {
+    if (!t_.has("joint")) return;
+    TomlTable t = t_.table("joint");
+    SceneJoint joint;
+    const bool hinge = t.choice("type", {"hinge", "slide"}) == "hinge";
+    joint.type = hinge ? SceneJoint::Type::kHinge : SceneJoint::Type::kSlide;
+    const Vector3d axis = vectorFrom(t.numbers("axis", 3, between(-1.0, 1.0)));
+    if (axis.norm() >= 1e-3) {
+      joint.axis = axis.normalized();
+    } else if (t.isGood("axis")) {
+      t.fail("axis", "has no direction", "give a direction of the body's frame, e.g. [0, 0, 1]");
+    }
+    if (hinge) {
+      joint.point_m =
+          vectorFrom(t.numbers("point_m", 3, between(-10.0, 10.0, "m"), {0.0, 0.0, 0.0}));
+    }
+    const char* range = hinge ? "range_rad" : "range_m";
+    if (!hinge || t.has(range)) {
+      const auto [least, most] =
+          t.interval(range, hinge ? between(-2.0 * pi, 2.0 * pi, "rad") : between(-2.0, 2.0, "m"));
+      joint.least = least, joint.most = most;
+      if (t.isGood(range) && (least > 0.0 || most < 0.0)) {
+        t.fail(range, "does not contain 0",
+               "0 is where the body stands in the file: move the body into its range");
+      }
+    }
+    const auto number = [&](const char* of_hinge, const char* of_slide, double most,
+                            const char* unit) {
+      return t.number(hinge ? of_hinge : of_slide, between(0.0, most, unit), 0.0);
+    };
+    joint.dry_friction = number("friction_nm", "friction_n", 100.0, hinge ? "N·m" : "N");
+    joint.viscous_friction =
+        number("viscous_nms_rad", "viscous_ns_m", 1000.0, hinge ? "N·m·s/rad" : "N·s/m");
+    joint.spring_stiffness =
+        number("spring_nm_rad", "spring_n_m", hinge ? 1000.0 : 1e4, hinge ? "N·m/rad" : "N/m");
+    if (joint.spring_stiffness > 0.0) {
+      joint.spring_rest =
+          hinge ? t.number("spring_rest_rad", between(-2.0 * pi, 2.0 * pi, "rad"), 0.0)
+                : t.number("spring_rest_m", between(-2.0, 2.0, "m"), 0.0);
+    }
+    readLatch(t, joint);
+    if (body.fixed) {
+      t_.fail("joint", "is of a fixed body", "set fixed = false, or take the joint out");
+    } else {
+      body.joint = joint;
+    }
+  }
+
+  void readLatch(TomlTable& t, SceneJoint& joint) {
+    if (!t.has("latch_energy_j")) return;
+    joint.latch_energy_j = t.number("latch_energy_j", above(0.0, 10.0, "J"));
+    if (joint.isHinge()) {
+      joint.latch_wave = static_cast<double>(t.integer("latch_detents_per_turn", 1, 360));
+      joint.latch_at = t.number("latch_at_rad", between(-2.0 * pi, 2.0 * pi, "rad"), 0.0);
+    } else {
+      joint.latch_wave = 2.0 * pi / t.number("latch_pitch_m", between(1e-3, 1.0, "m"));
+      joint.latch_at = t.number("latch_at_m", between(-2.0, 2.0, "m"), 0.0);
+    }
+  }
+
+  /// Mass and inertia: from the URDF's inertials, scaled to `mass_kg` if given, or from the shapes
+  /// at uniform density.
+  void readMass(SceneBody& body) {
+    if (body.fixed) {
+      if (t_.has("mass_kg")) {
+        t_.fail("mass_kg", "has no effect on a fixed body", "take it out, or set fixed = false");
+      }
+      return;
+    }
+    const bool from_urdf = inertial_.has_value() || urdf_wrong_;
+    body.mass_kg = from_urdf
+                       ? t_.number("mass_kg", bodyMass(), inertial_ ? inertial_->mass_kg : 1.0)
+                       : t_.number("mass_kg", bodyMass());
+    if (body.shapes.empty()) return;
+    const bool given = inertial_.has_value() && !uniform_density_;
+    MassProperties m = given ? *inertial_ : uniformDensity(body.shapes, body.mass_kg);
+    if (!bodyMass().allows(m.mass_kg)) {
+      t_.fail("file", fmt::format("the URDF's masses add up to {} kg", formatNumber(m.mass_kg)),
+              bodyMass().remedy());
+    }
+    if (given) judgeInertial(body, m);
+    if (!assets_.empty()) noteDensity(body);
+    body.com_m = m.com_m;
+    body.inertia_kg_m2 = body.mass_kg / m.mass_kg * m.inertia_kg_m2;
+  }
+
+  /// Of a mesh or a mass in another unit, nothing else may show.
+  void noteDensity(const SceneBody& body) {
+    double volume_m3 = 0.0;
+    for (const Shape& shape : body.shapes) volume_m3 += moments(shape).volume_m3;
+    const double density_kg_m3 = body.mass_kg / volume_m3;
+    if (density_kg_m3 >= kAir_kg_m3 && density_kg_m3 <= kOsmium_kg_m3) return;
+    note(fileFault(
+        "",
+        fmt::format("makes '{}' {} ({:.3g} kg/m³: {:.3g} kg in {:.3g} cm³)", printable(body.name),
+                    density_kg_m3 < kAir_kg_m3 ? "lighter than air" : "heavier than any matter",
+                    density_kg_m3, body.mass_kg, 1e6 * volume_m3),
+        "check its size (m) and its mass (kg)", DiagnosticCode::kRange));
+  }
+
+  /// Many URDFs carry placeholders, or moments in other units than kg·m².
+  void judgeInertial(const SceneBody& body, const MassProperties& m) {
+    std::string problem = ballastProblem(body);
+    if (problem.empty()) problem = inertialProblem(body, m);
+    if (problem.empty()) return;
+    t_.fail(
+        "file", "the URDF's " + problem,
+        "correct the URDF's <inertial> (kg, m, kg·m²), or set uniform_density = true to use its "
+        "colliders' own");
+  }
+
+  /// What is wrong with the places of ballast; empty: nothing.
+  [[nodiscard]] std::string ballastProblem(const SceneBody& body) const {
+    const Eigen::AlignedBox3d colliders = boxOf(body.shapes);
+    const double most_m = kMostBallastReach * colliders.diagonal().norm();
+    for (const Vector3d& p : ballast_m_) {
+      const double aside_m = colliders.exteriorDistance(p);
+      if (aside_m <= most_m) continue;
+      return fmt::format(
+          "ballast, the mass of a link without a collider, is {:.3g} m outside of its colliders; "
+          "{:.3g} m at most",
+          aside_m, most_m);
+    }
+    return {};
+  }
+
+  /// Why no body of that mass between its colliders and ballast has this inertial; empty: one may.
+  [[nodiscard]] std::string inertialProblem(const SceneBody& body, const MassProperties& m) const {
+    Eigen::AlignedBox3d box = boxOf(body.shapes);
+    double reach_m = farthestFrom(body.shapes, m.com_m);
+    for (const Vector3d& p : ballast_m_) {
+      box.extend(p);
+      reach_m = std::max(reach_m, (p - m.com_m).norm());
+    }
+    if (const double aside_m = box.exteriorDistance(m.com_m); aside_m > 0.0) {
+      return fmt::format("centre of mass is {:.3g} m outside of its colliders", aside_m);
+    }
+    const Vector3d principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m.inertia_kg_m2).eigenvalues();
+    if (const double most = m.mass_kg * reach_m * reach_m; principal.maxCoeff() > most) {
+      return fmt::format(
+          "largest moment of inertia is {:.3g} kg·m²; {:.3g} kg within {:.3g} m of their centre "
+          "have {:.3g} at most",
+          principal.maxCoeff(), m.mass_kg, reach_m, most);
+    }
+    const double density_kg_m3 = mostDensity(body.shapes, m.mass_kg);
+    if (const double least = ballInertia(m.mass_kg, density_kg_m3); principal.mean() < least) {
+      return fmt::format(
+          "moments of inertia are {:.3g} kg·m² in the mean; {:.3g} kg have {:.3g} at least, as a "
+          "ball of {:.3g} kg/m³",
+          principal.mean(), m.mass_kg, least, density_kg_m3);
+    }
+    return {};
+  }
+
+  TomlTable t_;
+  fs::path folder_;
+  MeshLoadTime* time_;
+  bool shape_wrong_ = false;
+  bool uniform_density_ = false;  ///< of the colliders: only masses are the URDF's
+  std::optional<MassProperties> inertial_;
+  std::vector<Vector3d> ballast_m_;
+  Diagnostics urdf_faults_;
+  bool urdf_wrong_ = false;  ///< its mass is then unknown
+  std::vector<std::string> assets_;
+  Diagnostics notices_;
+  std::vector<Mover> movers_;
+};
+
+void reportSameNames(const SceneModel& scene, std::vector<BodyReader>& readers) {
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const std::string& name = scene.bodies[i].name;
+    if (readers[i].table().isGood("name") && scene.bodyIndex(name) < static_cast<int>(i)) {
+      readers[i].table().fail("name", "is the name of two bodies", "give every body its own name");
+    }
+  }
+}
+
+void reportOverlaps(const SceneModel& scene, std::vector<BodyReader>& readers) {
+  for (std::size_t j = 0; j < readers.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      if (!readers[i].placed() || !readers[j].placed()) continue;
+      if (scene.bodies[i].passes(scene.bodies[j])) continue;
+      const SceneBody &a = scene.bodies[i], &b = scene.bodies[j];
+      const double depth_m = -separation(a, b);  // -inf when a body has no valid shape
+      if (!(depth_m > kTouch_m)) continue;
+      readers[j].table().fail(
+          "position_m",
+          fmt::format("'{}' starts {:.3g} mm inside '{}'", b.name, 1e3 * depth_m, a.name),
+          "move one of them; touching within 0.1 mm is allowed");
+    }
+  }
+}
+
+/// What moves is watched and recorded, which a body beyond kMaxBodies is not.
+void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) {
+  for (std::size_t i = kMaxBodies; i < readers.size(); ++i) {
+    if (scene.bodies[i].fixed) continue;
+    readers[i].table().fail(
+        "name", fmt::format("moves and is body {} of the scene", i + 1),
+        fmt::format("the first {} are watched and recorded: put it before fixed bodies, or set "
+                    "fixed = true",
+                    kMaxBodies));
+  }
+}
+
+/// Bodies that move on joints of URDFs follow the others. They are apart from what they meet.
+void addMovers(SceneModel& scene, std::vector<BodyReader>& readers) {
+  const std::size_t others = scene.bodies.size();
+  for (BodyReader& reader : readers) {
+    for (const Mover& moving : reader.movers()) {
+      const SceneBody& mover = moving.body;
+      if (reader.table().isGood("name") && scene.bodyIndex(mover.name) >= 0) {
+        reader.failLink(
+            moving, fmt::format("moves on a joint as '{}', the name of another body", mover.name),
+            "give one of them another name");
+        continue;
+      }
+      for (std::size_t i = 0; i < others; ++i) {
+        const SceneBody& other = scene.bodies[i];
+        if (mover.passes(other) || !readers[i].placed() || !reader.placed()) continue;
+        const double depth_m = -separation(mover, other);
+        if (!(depth_m > kTouch_m)) continue;
+        readers[i].table().fail(
+            "position_m",
+            fmt::format("'{}' starts {:.3g} mm inside '{}'", other.name, 1e3 * depth_m, mover.name),
+            "move one of them; touching within 0.1 mm is allowed");
+      }
+      if (scene.bodies.size() >= std::size_t{kMaxBodies}) {
+        reader.table().fail(
+            "file",
+            fmt::format("'{}' is body {} of the scene, and moves", printable(mover.name),
+                        scene.bodies.size() + 1),
+            fmt::format("a scene with URDFs that move has {} bodies at most", kMaxBodies));
+        return;
+      }
+      scene.bodies.push_back(mover);
+    }
+  }
+}
+
+/// Where the hand touches them, sweeps do not find within a tick how a body rests on a much lighter
+/// one.
+void noteHeavyOnLight(SceneModel& scene) {
+  const SceneBody *light = nullptr, *heavy = nullptr;
+  for (const SceneBody& body : scene.bodies) {
+    if (body.fixed || body.joint) continue;
+    if (light == nullptr || body.mass_kg < light->mass_kg) light = &body;
+    if (heavy == nullptr || body.mass_kg > heavy->mass_kg) heavy = &body;
+  }
+  if (light == nullptr || heavy->mass_kg <= kMostMassRatio * light->mass_kg) return;
+  scene.notices.push_back(keyFault(
+      scene.path, "bodies", "",
+      fmt::format("\"{}\" ({:.3g} kg) is {:.0f} times as heavy as \"{}\" ({:.3g} kg): where it "
+                  "rests on it while the hand touches one of them, it may sink in",
+                  printable(heavy->name), heavy->mass_kg, heavy->mass_kg / light->mass_kg,
+                  printable(light->name), light->mass_kg),
+      fmt::format("keep bodies that rest on each other within a ratio of {:.0f}", kMostMassRatio)));
+}
+
+/// A body that falls onto a fixed one or the hand at more than kMostBodySpeed_m_s may pass through.
+void reportFalls(const SceneModel& scene, std::vector<BodyReader>& readers) {
+  const double g_m_s2 = scene.gravity_m_s2.norm();
+  if (!(g_m_s2 > 0.0)) return;
+  const Vector3d down = scene.gravity_m_s2 / g_m_s2;
+  double ground_m = 0.0;  // the hand is about the origin
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const SceneBody& body = scene.bodies[i];
+    if (!body.fixed || !readers[i].placed()) continue;
+    for (const Shape& shape : body.shapes) {
+      double top_m = std::numeric_limits<double>::infinity();
+      eachBound({shape},
+                [&](const Vector3d& p) { top_m = std::min(top_m, down.dot(body.pose * p)); });
+      ground_m = std::max(ground_m, top_m);
+    }
+  }
+  const double most_m = kMostBodySpeed_m_s * kMostBodySpeed_m_s / (2.0 * g_m_s2);
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const SceneBody& body = scene.bodies[i];
+    if (body.fixed || body.joint || !readers[i].placed()) continue;
+    const double fall_m = ground_m - down.dot(body.pose * body.com_m);
+    if (!(fall_m > most_m)) continue;
+    readers[i].table().fail("position_m",
+                            fmt::format("may fall {:.3g} m and arrive at {:.3g} m/s", fall_m,
+                                        std::sqrt(2.0 * g_m_s2 * fall_m)),
+                            fmt::format("must be at most {:.3g} m above the lowest top of a fixed "
+                                        "shape, and above the hand (the "
+                                        "origin): contacts are found up to {:.3g} m/s",
+                                        most_m, kMostBodySpeed_m_s));
+  }
+}
+
+}  // namespace
+
+Expected<SceneModel> loadSceneFile(const std::string& path) {
+  MeshLoadTime time;
+  return loadSceneFile(path, time);
+}
+
+Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) {
+  TomlFile file(path, "scene");
+  if (!file.readable()) return file.finish();
+  TomlTable& root = file.root();
+  SceneModel scene;
+  scene.path = path;
+  scene.name = root.text("name");
+  scene.gravity_m_s2 = vectorFrom(root.numbers("gravity_m_s2", 3, between(-30.0, 30.0, "m/s^2")));
+  scene.hand_friction = root.number("hand_friction", between(0.0, 2.0), scene.hand_friction);
+
+  std::vector<BodyReader> readers;
+  for (const TomlTable& table : root.tables("bodies", 0)) {
+    readers.emplace_back(table, fs::path(path).parent_path(), time);
+    scene.bodies.push_back(readers.back().read());
+  }
+  if (scene.bodies.size() > std::size_t{kMaxSceneBodies}) {
+    root.fail("bodies", fmt::format("there are {} bodies", scene.bodies.size()),
+              fmt::format("a scene may have {} at most", kMaxSceneBodies));
+  } else {
+    reportOverlaps(scene, readers);
+    reportFalls(scene, readers);
+    reportUnwatched(scene, readers);
+  }
+  reportSameNames(scene, readers);
+
+  addMovers(scene, readers);
+  Diagnostics faults = file.finish();
+  for (const BodyReader& reader : readers) {
+    faults.insert(faults.end(), reader.urdfFaults().begin(), reader.urdfFaults().end());
+    scene.assets.insert(scene.assets.end(), reader.assets().begin(), reader.assets().end());
+    for (Diagnostic notice : reader.notices()) {
+      if (notice.file.empty()) notice.file = path;
+      scene.notices.push_back(std::move(notice));
+    }
+  }
+  if (!faults.empty()) return faults;
+  noteHeavyOnLight(scene);
+  return scene;
+}
+
+}  // namespace wholehand

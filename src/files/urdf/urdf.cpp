@@ -1,0 +1,1040 @@
+#include "files/urdf/urdf.hpp"
+
+#include "files/foreign/foreign_file.hpp"
+#include "files/mesh/convex_mesh.hpp"
+#include "files/mesh/mesh_checks.hpp"
+#include "files/mesh/mesh_file.hpp"
+#include "files/mesh/mesh_readers.hpp"
+#include "files/toml/toml_file.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/core/geometry.hpp"
+#include "loop/model/scene_model.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+namespace fs = std::filesystem;
+using tinyxml2::XMLElement;
+
+/// Strict reading of a URDF's elements: every fault is kept with its line and a key such as
+/// "link[cup].collision[1].geometry", and reading continues with a harmless value.
+class UrdfFaults {
+ public:
+  explicit UrdfFaults(std::string file) : file_(std::move(file)) {}
+
+  void add(const XMLElement* at, std::string key, std::string value, std::string problem,
+           std::string remedy);
+  /// Adds a fault of the whole file, or of a line (0: unknown) outside any element.
+  void addAtLine(int line, std::string problem, std::string remedy);
+  /// Adds what is no fault, but what the user should know.
+  void note(const XMLElement* at, std::string key, std::string value, Diagnostic notice);
+  [[nodiscard]] const Diagnostics& all() const { return all_; }
+  [[nodiscard]] const Diagnostics& notices() const { return notices_; }
+  [[nodiscard]] const std::string& file() const { return file_; }
+
+  /// The first child of a name, or nullptr; a second one is a fault.
+  const XMLElement* only(const XMLElement& parent, const char* name, const std::string& key);
+  /// Text of an attribute; empty, with a fault, when it is missing or empty.
+  std::string text(const XMLElement& e, const char* attribute, const std::string& key);
+  /// Exactly `count` finite numbers separated by blanks; zeros, with a fault, otherwise.
+  std::vector<double> numbers(const XMLElement& e, const char* attribute, const std::string& key,
+                              std::size_t count);
+  /// A mass > 0, of a link that a joint moves or not; 1, with a fault, otherwise.
+  double mass_kg(const XMLElement& e, const std::string& key, bool moves);
+  /// A dimension in [0.001, 10] m.
+  double length_m(const XMLElement& e, const char* attribute, const std::string& key);
+  /// Pose of an element's `<origin xyz rpy>` or `<origin xyz quat_xyzw>`; identity without one.
+  Pose origin(const XMLElement& parent, const std::string& key);
+  /// As origin(), within 10 m: of what has a place in the scene.
+  Pose place(const XMLElement& parent, const std::string& key);
+  /// Adds names that are near to those of URDF: what stands under them would be left out.
+  void checkNames(const XMLElement& e, const std::string& key);
+
+ private:
+  std::string file_;
+  Diagnostics all_;
+  Diagnostics notices_;
+};
+
+/// The meshes of a URDF.
+struct UrdfMeshes {
+  std::vector<std::string> files;  ///< paths
+  MeshLoadTime* time;              ///< what they may take together
+  struct Flat {
+    const XMLElement* at;
+    std::string key, name;
+    Diagnostic fault;
+  };
+  std::vector<Flat> flat;  ///< meshes without volume: left out where the body has other colliders
+};
+
+// A robot's whole description has some 2,000 attributes; an element has two '<'.
+constexpr std::ptrdiff_t kMostAttributes = 8'000, kMostTags = 32'000;
+constexpr std::streamsize kLargestUrdf_bytes = std::streamsize{4} << 20U;
+
+/// The bound that an XML file exceeds, as a problem; empty: none, or the file cannot be read.
+/// Checked before it is parsed: tinyxml2 compares each attribute with all others of its element,
+/// and the reader each link with all others.
+std::string beyondUrdfBounds(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::array<char, 16384> block;
+  std::streamsize bytes = 0;
+  std::ptrdiff_t attributes = 0, tags = 0;
+  while (in.read(block.data(), block.size()) || in.gcount() > 0) {
+    const auto end = block.begin() + in.gcount();
+    bytes += in.gcount();
+    attributes += std::count(block.begin(), end, '=');
+    tags += std::count(block.begin(), end, '<');
+    if (bytes > kLargestUrdf_bytes) return "is larger than 4 MB";
+    if (attributes > kMostAttributes) return "has more than 8000 attributes";
+    if (tags > kMostTags) return "has more than 16000 elements";
+  }
+  return {};
+}
+
+constexpr double kMostFriction = 2.0;
+constexpr double kMostPlace_m = 10.0;  ///< as of a scene's body
+constexpr double kMostTurn_rad = 4.0 * std::numbers::pi;
+constexpr const char* kBeyondTurns = "is beyond two turns (4π rad)";
+constexpr const char* kInRad = "must be in rad: multiply degrees by π / 180";
+
+constexpr const char* kBlanks = " \t\r\n";
+constexpr const char *kMacro = "is a macro of xacro", *kExpand = "run xacro first";
+
+bool isMacro(std::string_view text) {
+  return text.find("$(") != text.npos || text.find("${") != text.npos;
+}
+
+/// Independent of the locale, unlike tinyxml2's queries; empty when a word is not a number.
+std::optional<std::vector<double>> parseNumbers(const std::string& text) {
+  std::vector<double> numbers;
+  std::size_t begin = text.find_first_not_of(kBlanks);
+  while (begin != std::string::npos) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, begin), text.size());
+    const auto value = meshNumber(std::string_view(text).substr(begin, end - begin));
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    numbers.push_back(*value);
+    begin = text.find_first_not_of(kBlanks, end);
+  }
+  return numbers;
+}
+
+void UrdfFaults::add(const XMLElement* at, std::string key, std::string value, std::string problem,
+                     std::string remedy) {
+  all_.push_back({file_, at != nullptr ? at->GetLineNum() : 0, std::move(key), std::move(value),
+                  std::move(problem), std::move(remedy)});
+}
+
+void UrdfFaults::note(const XMLElement* at, std::string key, std::string value, Diagnostic notice) {
+  notice.file = file_;
+  notice.line = at->GetLineNum();
+  notice.key = std::move(key);
+  notice.value = std::move(value);
+  notices_.push_back(std::move(notice));
+}
+
+void UrdfFaults::addAtLine(int line, std::string problem, std::string remedy) {
+  add(nullptr, "", "", std::move(problem), std::move(remedy));
+  all_.back().line = line;
+}
+
+const XMLElement* UrdfFaults::only(const XMLElement& parent, const char* name,
+                                   const std::string& key) {
+  const XMLElement* const first = parent.FirstChildElement(name);
+  const XMLElement* const second = first != nullptr ? first->NextSiblingElement(name) : nullptr;
+  if (second != nullptr) {
+    add(second, key + "." + name, "",
+        fmt::format("stands there twice, first in line {}", first->GetLineNum()),
+        "keep one of the two");
+  }
+  return first;
+}
+
+std::string UrdfFaults::text(const XMLElement& e, const char* attribute, const std::string& key) {
+  const char* found = e.Attribute(attribute);
+  if (found != nullptr && isMacro(found)) {
+    add(&e, key + "." + attribute, found, kMacro, kExpand);
+    return {};
+  }
+  if (found != nullptr && *found != '\0') return found;
+  add(&e, key + "." + attribute, "", "is missing",
+      fmt::format("give <{} {}=\"...\">", e.Name(), attribute));
+  return {};
+}
+
+std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribute,
+                                        const std::string& key, std::size_t count) {
+  std::vector<double> zeros(count, 0.0);
+  const char* found = e.Attribute(attribute);
+  const std::string remedy =
+      count == 1 ? "must be a finite number"
+                 : fmt::format("must be {} finite numbers, with blanks between", count);
+  if (found == nullptr) {
+    add(&e, key + "." + attribute, "", "is missing", remedy);
+    return zeros;
+  }
+  if (auto parsed = parseNumbers(found); parsed && parsed->size() == count) return *parsed;
+  const bool macro = isMacro(found);
+  add(&e, key + "." + attribute, found, macro ? kMacro : "cannot be read",
+      macro ? kExpand : remedy);
+  return zeros;
+}
+
+double UrdfFaults::mass_kg(const XMLElement& e, const std::string& key, bool moves) {
+  const std::size_t before = all_.size();
+  const double value = numbers(e, "value", key, 1).front();
+  if (all_.size() > before) return 1.0;
+  if (value > 0.0) return value;
+  add(&e, key + ".value", e.Attribute("value"), "is not positive",
+      moves ? "must be > 0: a joint moves this link; or make that joint fixed"
+            : "must be > 0; of a body that never moves, set fixed = true in the scene");
+  return 1.0;
+}
+
+double UrdfFaults::length_m(const XMLElement& e, const char* attribute, const std::string& key) {
+  const std::size_t before = all_.size();
+  const double value = numbers(e, attribute, key, 1).front();
+  if (all_.size() > before) return 1.0;
+  if (value >= 1e-3 && value <= 10.0) return value;
+  add(&e, key + "." + attribute, e.Attribute(attribute), "is out of range",
+      "must be in [0.001, 10] m");
+  return 1.0;
+}
+
+Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
+  Pose pose;
+  const XMLElement* e = only(parent, "origin", key);
+  if (e == nullptr) return pose;
+  if (e->Attribute("xyz") != nullptr) {
+    const std::vector<double> xyz = numbers(*e, "xyz", key + ".origin", 3);
+    pose.translation_m = {xyz[0], xyz[1], xyz[2]};
+  }
+  if (e->Attribute("quat_xyzw") != nullptr) {
+    const std::vector<double> q = numbers(*e, "quat_xyzw", key + ".origin", 4);
+    const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+    if (turn.norm() > 0.0) {
+      pose.rotation = turn.normalized().toRotationMatrix();
+    } else if (all_.empty() || all_.back().key != key + ".origin.quat_xyzw") {
+      add(e, key + ".origin.quat_xyzw", e->Attribute("quat_xyzw"), "is no rotation",
+          "must have a length > 0; 0 0 0 1 turns nothing");
+    }
+  } else if (e->Attribute("rpy") != nullptr) {
+    const std::vector<double> rpy = numbers(*e, "rpy", key + ".origin", 3);
+    if (Eigen::Vector3d(rpy.data()).cwiseAbs().maxCoeff() > kMostTurn_rad) {
+      add(e, key + ".origin.rpy", e->Attribute("rpy"), kBeyondTurns, kInRad);
+    }
+    pose.rotation = rotationFromRpy(rpy[0], rpy[1], rpy[2]);
+  }
+  return pose;
+}
+
+Pose UrdfFaults::place(const XMLElement& parent, const std::string& key) {
+  Pose pose = origin(parent, key);
+  if (pose.translation_m.cwiseAbs().maxCoeff() > kMostPlace_m) {
+    add(parent.FirstChildElement("origin"), key + ".origin.xyz",
+        parent.FirstChildElement("origin")->Attribute("xyz"), "is out of range",
+        "must be in [-10, 10] m: divide millimetres by 1000");
+  }
+  return pose;
+}
+
+/// Names that have a meaning in an element of URDF.
+struct UrdfNames {
+  std::string_view element;
+  std::vector<std::string> children, attributes;
+  bool no_others = false;  ///< of attributes, in any dialect
+};
+
+const std::vector<UrdfNames>& urdfNames() {
+  static const std::vector<UrdfNames> kNames = {
+      {"robot", {"link", "joint", "gazebo", "material", "transmission"}, {}},
+      {"link", {"collision", "inertial", "visual", "contact"}, {}},
+      {"collision", {"geometry", "origin"}, {}},
+      {"inertial", {"mass", "inertia", "origin", "density"}, {}},
+      {"joint", {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}, {}},
+      {"geometry", {}, {}},
+      {"mesh", {}, {"filename", "scale"}},
+      {"origin", {}, {"xyz", "rpy", "quat_xyzw"}, true},
+      {"inertia", {}, {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"}, true},
+      {"limit", {}, {"lower", "upper"}},
+      {"dynamics", {}, {"damping", "friction"}}};
+  return kNames;
+}
+
+/// The one of `names` that a name is near to, but is not; empty: none, or of an extension.
+std::string misspelt(std::string_view name, const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) != names.end()) return {};
+  const std::string near = name == "pose" ? nearestWord("origin", names) : nearestWord(name, names);
+  const bool begins = name.size() > near.size() + 1;  // collision_checking
+  return near.empty() || begins || name.find(':') != name.npos ? "" : near;
+}
+
+void UrdfFaults::checkNames(const XMLElement& e, const std::string& key) {
+  const auto names = std::find_if(urdfNames().begin(), urdfNames().end(),
+                                  [&](const UrdfNames& n) { return n.element == e.Name(); });
+  if (names == urdfNames().end()) return;
+  const std::vector<std::string>& known = names->attributes;
+  for (const auto* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
+    const bool other =
+        names->no_others && std::find(known.begin(), known.end(), a->Name()) == known.end();
+    if (!other && misspelt(a->Name(), known).empty()) continue;
+    add(&e, (key.empty() ? "" : key + ".") + a->Name(), a->Value(), "is unknown",
+        fmt::format("must be one of {}", fmt::join(known, ", ")));
+  }
+  for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
+    const char* const name = c->Attribute("name");
+    const std::string own = name != nullptr ? fmt::format("{}[{}]", c->Name(), name) : c->Name();
+    const std::string child = key.empty() ? own : key + "." + own;
+    if (const std::string near = misspelt(c->Name(), names->children); !near.empty()) {
+      add(c, child, "", "is unknown", fmt::format("did you mean <{}>?", near));
+    }
+    checkNames(*c, child);
+  }
+}
+
+/// Text of a URI with "%20" and the like as the characters that they stand for.
+std::string unescaped(std::string_view uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    int code = 0;
+    const char* const digits = uri.data() + i + 1;
+    if (uri[i] == '%' && i + 2 < uri.size() &&
+        std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
+      text += static_cast<char>(code);
+      i += 2;
+    } else {
+      text += uri[i];
+    }
+  }
+  return text;
+}
+
+/// Path of a mesh name without escapes, of any form; empty if nothing is there.
+fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& tried) {
+  std::error_code error;
+  const auto known = [&](const fs::path& path) { return fs::is_regular_file(path, error); };
+  constexpr std::string_view kFile = "file://";
+  for (const std::string_view scheme : {"package://", "model://"}) {
+    if (!name.starts_with(scheme)) continue;
+    name.remove_prefix(scheme.size());
+    const std::size_t slash = std::min(name.find('/'), name.size());
+    // "package://cup.stl", as onshape-to-robot writes it, names no package.
+    const fs::path package(slash < name.size() ? name.substr(0, slash) : "");
+    const fs::path rest(slash < name.size() ? name.substr(slash + 1) : name);
+    tried = folder / package / rest;
+    for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
+      if (up.filename() == package && known(up / rest)) return up / rest;
+      if (known(up / package / rest)) return up / package / rest;
+    }
+    return {};
+  }
+  if (name.starts_with(kFile)) name.remove_prefix(kFile.size());
+  tried = folder / fs::path(name);
+  // Some programs name meshes from the folder of all their objects.
+  const bool climbs = name.find("..") != name.npos;
+  for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
+    if (known(up / name)) return up / name;
+    if (climbs) break;
+  }
+  return {};
+}
+
+/// Resolves a URDF's mesh name; the unresolved path if nothing is found, so that the mesh reader's
+/// message names it.
+fs::path meshPath(const std::string& name, const fs::path& urdf) {
+  const fs::path folder = fs::absolute(urdf).parent_path();
+  std::string slashes = name;
+  std::replace(slashes.begin(), slashes.end(), '\\', '/');
+  fs::path tried;
+  for (const std::string& form : {name, unescaped(name), slashes, unescaped(slashes)}) {
+    if (fs::path found = foundMesh(form, folder, tried); !found.empty()) return found;
+  }
+  return tried;
+}
+
+std::vector<Shape> readBox(const XMLElement& e, const std::string& key, UrdfFaults& faults) {
+  const std::size_t before = faults.all().size();
+  const std::vector<double> size = faults.numbers(e, "size", key, 3);
+  if (faults.all().size() > before) return {};
+  const auto [least, most] = std::minmax_element(size.begin(), size.end());
+  if (*least < 1e-3 || *most > 10.0) {
+    faults.add(&e, key + ".size", e.Attribute("size"), "is out of range",
+               "must be three lengths in [0.001, 10] m");
+    return {};
+  }
+  Shape shape;
+  shape.half_extents_m = Eigen::Vector3d(size[0], size[1], size[2]) / 2.0;
+  return {shape};
+}
+
+std::vector<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                            UrdfMeshes& meshes) {
+  const std::string name = faults.text(e, "filename", key);
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  const std::size_t before = faults.all().size();
+  if (const char* const text = e.Attribute("scale"); text != nullptr) {
+    const auto one = parseNumbers(text);
+    const bool even = one && one->size() == 1;
+    const std::vector<double> s = faults.numbers(e, "scale", key, even ? 1 : 3);
+    scale = {s.front(), s[even ? 0 : 1], s.back()};
+  }
+  if (name.empty() || faults.all().size() > before) return {};
+  meshes.files.push_back(meshPath(name, faults.file()).string());
+  if (meshes.time->isOver()) return {};  // with a fault at the mesh before
+  Expected<MeshCollider> mesh = loadMeshCollider(meshes.files.back(), scale, *meshes.time);
+  if (mesh) {
+    for (Diagnostic& notice : mesh->notices) faults.note(&e, key + ".filename", name, notice);
+    return std::move(mesh->shapes);
+  }
+  const Diagnostic& d = mesh.errors().front();
+  if (isFlatFault(d)) {
+    meshes.flat.push_back({&e, key + ".filename", name, d});
+  } else {
+    faults.add(&e, key + ".filename", name, d.problem, d.remedy);
+  }
+  return {};
+}
+
+std::vector<Shape> readRound(const XMLElement& e, ShapeType type, const std::string& key,
+                             UrdfFaults& faults) {
+  const std::size_t before = faults.all().size();
+  Shape shape;
+  shape.type = type;
+  shape.radius_m = faults.length_m(e, "radius", key);
+  if (type != ShapeType::kSphere) shape.length_m = faults.length_m(e, "length", key);
+  if (faults.all().size() > before) return {};
+  return {shape};
+}
+
+std::vector<Shape> readGeometry(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                                UrdfMeshes& meshes) {
+  const std::string_view kind = e.Name();
+  if (kind == "box") return readBox(e, key, faults);
+  if (kind == "sphere") return readRound(e, ShapeType::kSphere, key, faults);
+  if (kind == "cylinder") return readRound(e, ShapeType::kCylinder, key, faults);
+  if (kind == "capsule") return readRound(e, ShapeType::kCapsule, key, faults);
+  if (kind == "mesh") return readMesh(e, key, faults, meshes);
+  faults.add(&e, key, "", fmt::format("is an unknown shape <{}>", kind),
+             "must be one of box, sphere, cylinder, capsule, mesh");
+  return {};
+}
+
+/// Reads the shapes of one `<collision>`, in its link's frame: several of a mesh of convex parts;
+/// none, with a fault, when it is not a valid collider. `key` names the element in messages.
+/// Appends the path of its mesh to `meshes`. After the end of their time, meshes are not read.
+std::vector<Shape> readUrdfCollision(const XMLElement& collision, const std::string& key,
+                                     UrdfFaults& faults, UrdfMeshes& meshes) {
+  const XMLElement* geometry = faults.only(collision, "geometry", key);
+  const XMLElement* kind = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
+  if (kind == nullptr || kind->NextSiblingElement() != nullptr) {
+    faults.add(&collision, key + ".geometry", "", "does not hold exactly one shape",
+               "give one of box, sphere, cylinder, capsule, mesh");
+    return {};
+  }
+  std::vector<Shape> shapes = readGeometry(*kind, key + "." + kind->Name(), faults, meshes);
+  const Pose in_link = faults.place(collision, key);
+  for (Shape& shape : shapes) shape.in_body = in_link;
+  return shapes;
+}
+
+struct Link {
+  const XMLElement* element = nullptr;
+  std::string name;
+  std::vector<Shape> shapes;               ///< in the link's frame
+  std::optional<MassProperties> inertial;  ///< in the link's frame
+  int parent = -1;                         ///< index of the parent link; -1 for the root
+  Pose in_parent;
+  const XMLElement* inertial_element = nullptr;  ///< of a link that has mass
+  std::optional<SceneJoint> joint;               ///< to the parent, movable; in the link's frame
+  const XMLElement* joint_element = nullptr;
+};
+
+/// What is wrong with an XML text, in words.
+const char* xmlProblem(tinyxml2::XMLError code) {
+  switch (code) {
+    case tinyxml2::XML_ERROR_PARSING:
+    case tinyxml2::XML_ERROR_PARSING_ELEMENT:
+    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+      return "an element is not closed, or closed under another name";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+      return "an attribute is not written as name=\"value\"";
+    case tinyxml2::XML_ERROR_PARSING_COMMENT:
+      return "a comment is not closed";
+    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
+      return "its elements are nested too deeply";
+    default:
+      return "its text does not follow the syntax of XML";
+  }
+}
+
+class Reader {
+ public:
+  Reader(const std::string& path, MeshLoadTime& time, UrdfUse use) : faults_(path), use_(use) {
+    meshes_.time = &time;
+  }
+
+  Expected<UrdfBody> read() {
+    if (!open()) return faults_.all();
+    faults_.checkNames(*robot_, "");
+    for (const XMLElement* e = robot_->FirstChildElement("link"); e != nullptr;
+         e = e->NextSiblingElement("link")) {
+      readLink(*e);
+    }
+    if (links_.empty()) {
+      faults_.add(robot_, "robot", "", "has no link",
+                  "give at least one <link> with a <collision>");
+    }
+    for (const XMLElement* e = robot_->FirstChildElement("joint"); e != nullptr;
+         e = e->NextSiblingElement("joint")) {
+      readJoint(*e);
+    }
+    for (const XMLElement* e = robot_->FirstChildElement("gazebo"); e != nullptr;
+         e = e->NextSiblingElement("gazebo")) {
+      const char* link = e->Attribute("reference");
+      noteGazebo(*e);
+      if (link == nullptr || linkIndex(link) < 0) continue;
+      const std::string key = fmt::format("gazebo[{}]", link);
+      for (const char* name : {"mu1", "mu2"}) readFriction(e->FirstChildElement(name), key);
+    }
+    noteFriction(*robot_);
+    judgeColliders();
+    if (faults_.all().empty()) checkTree();
+    if (faults_.all().empty()) checkCarried();
+    if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
+    noteWorld();
+    return merged();
+  }
+
+ private:
+  bool open() {
+    std::error_code error;
+    if (!fs::is_regular_file(faults_.file(), error)) {
+      faults_.add(nullptr, "", "", "there is no such URDF file",
+                  "check the name; it is relative to the scene file");
+      return false;
+    }
+    if (const std::string problem = beyondUrdfBounds(faults_.file()); !problem.empty()) {
+      faults_.addAtLine(0, problem, "give the URDF of one object");
+      return false;
+    }
+    if (document_.LoadFile(faults_.file().c_str()) != tinyxml2::XML_SUCCESS) {
+      addXmlFault();
+      return false;
+    }
+    robot_ = document_.FirstChildElement("robot");
+    const XMLElement* const macro = robot_ != nullptr ? firstMacro(*robot_) : nullptr;
+    if (robot_ != nullptr && macro == nullptr) {
+      if (const XMLElement* second = robot_->NextSiblingElement("robot")) {
+        faults_.add(second, "robot", "",
+                    fmt::format("stands there twice, first in line {}", robot_->GetLineNum()),
+                    "give each its own file");
+      }
+      return true;
+    }
+    if (addForeignFault(document_.RootElement())) return false;
+    if (macro != nullptr) {
+      faults_.add(macro, macro->Name(), "", kMacro, kExpand);
+    } else {
+      faults_.add(document_.RootElement(), "", "", "is no URDF: its root element is not <robot>",
+                  "give a URDF (of a .xacro file: run xacro first)");
+    }
+    return false;
+  }
+
+  /// The first macro that nobody has expanded.
+  static const XMLElement* firstMacro(const XMLElement& e) {
+    if (std::string_view(e.Name()).starts_with("xacro:")) return &e;
+    for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
+      if (const XMLElement* const found = firstMacro(*c)) return found;
+    }
+    return nullptr;
+  }
+
+  /// Adds what the file is when another program's. @return true when it is known and no URDF
+  bool addForeignFault(const XMLElement* at) {
+    const auto foreign = foreignFileAt(faults_.file());
+    if (!foreign || foreign->problem == "is a URDF") return false;
+    faults_.add(at, "", "", foreign->problem, foreign->remedy);
+    return true;
+  }
+
+  /// Reports an XML error in words, with the parser's name for it in brackets.
+  void addXmlFault() {
+    using tinyxml2::XMLError;
+    const XMLError code = document_.ErrorID();
+    const bool no_xml =
+        code == XMLError::XML_ERROR_EMPTY_DOCUMENT || code == XMLError::XML_ERROR_PARSING_TEXT;
+    if (addForeignFault(nullptr)) return;
+    std::error_code error;
+    if (fs::file_size(faults_.file(), error) == 0) {
+      faults_.addAtLine(0, "is empty", "give a URDF with at least one <link>");
+    } else if (no_xml) {
+      faults_.addAtLine(0, "is no URDF: it holds no XML",
+                        "give a URDF: XML that starts <robot ...>");
+    } else if (code == XMLError::XML_ERROR_FILE_NOT_FOUND ||  // it is there
+               code == XMLError::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
+               code == XMLError::XML_ERROR_FILE_READ_ERROR) {
+      faults_.addAtLine(0, "cannot be read", "check that the file may be read");
+    } else {
+      faults_.addAtLine(
+          document_.ErrorLineNum(),
+          fmt::format("is not well-formed XML: {} ({})", xmlProblem(code), document_.ErrorName()),
+          "correct it at or above this line");
+    }
+  }
+
+  [[nodiscard]] int linkIndex(const std::string& name) const {
+    const auto at = std::find_if(links_.begin(), links_.end(),
+                                 [&](const Link& link) { return link.name == name; });
+    return at == links_.end() ? -1 : static_cast<int>(at - links_.begin());
+  }
+
+  /// A link may have no collider (a frame, ballast), and a mesh no volume; the body has some.
+  void judgeColliders() {
+    const bool any = std::any_of(links_.begin(), links_.end(),
+                                 [](const Link& link) { return !link.shapes.empty(); });
+    for (UrdfMeshes::Flat& flat : meshes_.flat) {
+      if (any) {
+        flat.fault.problem += "; it is left out";
+        faults_.note(flat.at, flat.key, flat.name, flat.fault);
+      } else {
+        faults_.add(flat.at, flat.key, flat.name, flat.fault.problem, flat.fault.remedy);
+      }
+    }
+    if (any || !faults_.all().empty()) return;
+    const Link& link = links_.front();
+    faults_.add(link.element, fmt::format("link[{}]", link.name), "",
+                "has no collider, nor has any other link",
+                "give a link a <collision> with a <geometry>");
+  }
+
+  void readLink(const XMLElement& e) {
+    Link link;
+    link.element = &e;
+    link.name = faults_.text(e, "name", "link");
+    const std::string key = fmt::format("link[{}]", link.name);
+    if (!link.name.empty() && linkIndex(link.name) >= 0) {
+      faults_.add(&e, key, "", "is the name of two links", "give every link a name of its own");
+    }
+    int number = 0;
+    for (const XMLElement* c = e.FirstChildElement("collision"); c != nullptr;
+         c = c->NextSiblingElement("collision")) {
+      const std::string collision = fmt::format("{}.collision[{}]", key, number++);
+      for (Shape& shape : readUrdfCollision(*c, collision, faults_, meshes_)) {
+        link.shapes.push_back(std::move(shape));
+      }
+    }
+    for (const XMLElement* contact = e.FirstChildElement("contact"); contact != nullptr;
+         contact = contact->NextSiblingElement("contact")) {
+      for (const XMLElement* c = contact->FirstChildElement(); c != nullptr;
+           c = c->NextSiblingElement()) {
+        readContact(*c, key + ".contact");
+      }
+    }
+    const XMLElement* i = e.FirstChildElement("inertial");
+    const bool frame = number == 0 && i != nullptr && isMassless(*i) &&
+                       i->NextSiblingElement("inertial") == nullptr;
+    if (i != nullptr && !frame) link.inertial_element = i;
+    links_.push_back(std::move(link));
+  }
+
+  /// An element of Bullet's `<contact>`: friction is applied, the others are not.
+  void readContact(const XMLElement& e, const std::string& key) {
+    if (std::string_view(e.Name()) == "lateral_friction") return readFriction(&e, key);
+    frictions_.push_back(&e);
+    const char* const value = e.Attribute("value");
+    if (value == nullptr || parseNumbers(value) == std::vector<double>{0.0}) return;
+    faults_.note(&e, key + "." + e.Name(), value,
+                 fileFault("", "is not applied", "the body keeps its own; friction is applied"));
+  }
+
+  /// Of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`, `<mu2>`).
+  void readFriction(const XMLElement* e, const std::string& key) {
+    if (e == nullptr || use_.friction) return;
+    frictions_.push_back(e);
+    const char* const text =
+        e->Attribute("value") != nullptr ? e->Attribute("value") : e->GetText();
+    const auto value = parseNumbers(text != nullptr ? text : "");
+    if (!value || value->size() != 1 || value->front() < 0.0) {
+      faults_.add(e, key + "." + e->Name(), text != nullptr ? text : "", "is no friction",
+                  "must be a number >= 0");
+    } else if (value->front() > kMostFriction) {
+      faults_.note(e, key + "." + e->Name(), text,
+                   fileFault("", fmt::format("is too large: {:g} is applied", kMostFriction),
+                             "must be in [0, 2]"));
+      friction_ = kMostFriction;
+    } else if (friction_ && *friction_ != value->front()) {
+      faults_.note(
+          e, key + "." + e->Name(), text,
+          fileFault("",
+                    fmt::format("is not applied: the body has one friction, {:g} as named before",
+                                *friction_),
+                    "give the body of the scene a friction of its own"));
+    } else {
+      friction_ = value->front();
+    }
+  }
+
+  /// Notes what of Gazebo decides how a body moves, and is not applied.
+  void noteGazebo(const XMLElement& gazebo) {
+    constexpr std::array<std::pair<const char*, bool>, 3> kMoves{
+        {{"static", true}, {"turnGravityOff", true}, {"gravity", false}}};
+    for (const auto& [name, matters] : kMoves) {
+      const XMLElement* e = gazebo.FirstChildElement(name);
+      bool on = !matters;
+      if (use_.fixed || e == nullptr || e->QueryBoolText(&on) != tinyxml2::XML_SUCCESS ||
+          on != matters) {
+        continue;
+      }
+      faults_.note(e, std::string("gazebo.") + name, e->GetText(),
+                   fileFault("", "is not applied: the body falls and moves",
+                             "set fixed = true in the scene if it shall stand"));
+    }
+  }
+
+  /// By convention a link "world" is the world, which its fixed joints hold.
+  void noteWorld() {
+    const auto root = std::find_if(links_.begin(), links_.end(),
+                                   [](const Link& link) { return link.parent < 0; });
+    const bool moves = std::any_of(links_.begin(), links_.end(),
+                                   [](const Link& link) { return link.joint.has_value(); });
+    if (use_.fixed || moves || root->name != "world" || !root->shapes.empty()) return;
+    faults_.note(root->element, "link[world]", "",
+                 fileFault("", "does not hold the body, which moves",
+                           "set fixed = true in the scene if it shall stand"));
+  }
+
+  /// Notes friction in an element or below that is written where no link's is looked for.
+  void noteFriction(const XMLElement& e) {
+    if (use_.friction) return;
+    const char* const text = frictionIn(e);
+    if (text != nullptr &&
+        std::find(frictions_.begin(), frictions_.end(), &e) == frictions_.end()) {
+      faults_.note(&e, e.Name(), text,
+                   {"", 0, "", "", "is friction where none is read: it is not applied",
+                    fmt::format("give the body of the scene friction = 0 to {:g}", kMostFriction)});
+    }
+    for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
+      noteFriction(*c);
+    }
+  }
+
+  /// The friction that an element names, of any dialect; nullptr: none. A joint's is its own.
+  static const char* frictionIn(const XMLElement& e) {
+    const std::string_view name = e.Name();
+    const std::string_view last = name.substr(name.rfind(':') + 1);
+    if (last == "dynamics") return nullptr;
+    for (const char* attribute : {"mu", "mu1", "friction", "static_friction"}) {
+      if (const char* const value = e.Attribute(attribute)) return value;
+    }
+    constexpr std::array<std::string_view, 5> kNames{"mu", "mu1", "mu2", "mu_static", "mu_dynamic"};
+    const bool named = std::find(kNames.begin(), kNames.end(), last) != kNames.end() ||
+                       last.find("friction") != last.npos;
+    if (!named || e.FirstChildElement() != nullptr) return nullptr;
+    return e.Attribute("value") != nullptr ? e.Attribute("value") : e.GetText();
+  }
+
+  static bool isMassless(const XMLElement& inertial) {
+    const XMLElement* mass = inertial.FirstChildElement("mass");
+    const char* const value = mass != nullptr ? mass->Attribute("value") : nullptr;
+    return value != nullptr && parseNumbers(value) == std::vector<double>{0.0};
+  }
+
+  /// An inertial of Isaac Gym: its density fills the link's colliders.
+  std::optional<MassProperties> readDensity(const XMLElement& density, const std::string& key,
+                                            const std::vector<Shape>& shapes) {
+    const std::size_t before = faults_.all().size();
+    const double value = faults_.numbers(density, "value", key + ".density", 1).front();
+    if (faults_.all().size() > before) return std::nullopt;
+    double volume_m3 = 0.0;
+    for (const Shape& shape : shapes) volume_m3 += moments(shape).volume_m3;
+    if (value > 0.0 && volume_m3 > 0.0) return uniformDensity(shapes, value * volume_m3);
+    faults_.add(&density, key + ".density.value", density.Attribute("value"), "gives no mass",
+                "must be > 0 kg/m3, of a link with a <collision>; or give <mass> and <inertia>");
+    return std::nullopt;
+  }
+
+  std::optional<MassProperties> readInertial(const XMLElement& e, const Link& link, bool moves) {
+    const std::string key = fmt::format("link[{}].inertial", link.name);
+    const std::size_t before = faults_.all().size();
+    (void)faults_.only(*link.element, "inertial", fmt::format("link[{}]", link.name));
+    const XMLElement* mass = faults_.only(e, "mass", key);
+    const XMLElement* density = e.FirstChildElement("density");
+    if (mass == nullptr && density != nullptr) return readDensity(*density, key, link.shapes);
+    const XMLElement* inertia = faults_.only(e, "inertia", key);
+    if (mass == nullptr || (inertia == nullptr && !use_.uniform_density)) {
+      faults_.add(&e, key, "", fmt::format("has no <{}>", mass == nullptr ? "mass" : "inertia"),
+                  mass == nullptr
+                      ? "give both <mass value> and <inertia ixx iyy izz ...>, or no <inertial>"
+                      : "give <inertia ixx iyy izz ...>, or set uniform_density = true in the "
+                        "scene");
+      return std::nullopt;
+    }
+    MassProperties m;
+    m.mass_kg = faults_.mass_kg(*mass, key + ".mass", moves);
+    if (use_.uniform_density) {
+      if (faults_.all().size() > before) return std::nullopt;
+      return m;
+    }
+    constexpr std::array<const char*, 6> kNames{"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    constexpr std::array<std::pair<int, int>, 6> kCells{
+        {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      if (i >= 3 && inertia->Attribute(kNames[i]) == nullptr) continue;  // products: optional
+      const double value = faults_.numbers(*inertia, kNames[i], key + ".inertia", 1).front();
+      const auto [row, column] = kCells[i];
+      m.inertia_kg_m2(row, column) = m.inertia_kg_m2(column, row) = value;
+    }
+    const Pose frame = faults_.origin(e, key);
+    if (faults_.all().size() > before) return std::nullopt;
+    if (const std::string why = inertiaFault(m.inertia_kg_m2); !why.empty()) {
+      faults_.add(
+          inertia, key + ".inertia", "", why,
+          "principal moments must be > 0, none larger than the sum of the other two; or set "
+          "uniform_density = true in the scene");
+      return std::nullopt;
+    }
+    return moved(m, frame);
+  }
+
+  void readJoint(const XMLElement& e) {
+    const std::string name = faults_.text(e, "name", "joint");
+    const std::string key = fmt::format("joint[{}]", name);
+    const std::string type = faults_.text(e, "type", key);
+    const int parent = joined(e, "parent", key);
+    const int child = joined(e, "child", key);
+    const Pose pose = faults_.place(e, key);
+    if (parent < 0 || child < 0) return;
+    if (links_[child].parent >= 0 || parent == child) {
+      faults_.add(&e, key + ".child", links_[child].name,
+                  parent == child ? "is its own parent" : "is the child of two joints",
+                  "the links must form a tree");
+      return;
+    }
+    links_[child].parent = parent;
+    links_[child].in_parent = pose;
+    links_[child].joint_element = &e;
+    if (!type.empty() && type != "fixed") links_[child].joint = readMovable(e, key, name, type);
+  }
+
+  /// A revolute, continuous or prismatic joint. A range that does not hold 0 begins at its end that
+  /// is nearest to 0.
+  SceneJoint readMovable(const XMLElement& e, const std::string& key, const std::string& name,
+                         const std::string& type) {
+    SceneJoint joint;
+    if (type != "revolute" && type != "continuous" && type != "prismatic") {
+      faults_.add(&e, key + ".type", type,
+                  fmt::format("the joint '{}' moves in a way that is not supported", name),
+                  "must be fixed, revolute, continuous or prismatic");
+      return joint;
+    }
+    if (const XMLElement* mimic = e.FirstChildElement("mimic")) {
+      faults_.add(mimic, key + ".mimic", "",
+                  fmt::format("the joint '{}' ({}) follows another joint", name, type),
+                  "take <mimic> out, or make the joint fixed");
+    }
+    if (type == "prismatic") joint.type = SceneJoint::Type::kSlide;
+    joint.axis = Eigen::Vector3d::UnitX();
+    if (const XMLElement* axis = faults_.only(e, "axis", key)) {
+      const std::size_t before = faults_.all().size();
+      const std::vector<double> v = faults_.numbers(*axis, "xyz", key + ".axis", 3);
+      joint.axis = {v[0], v[1], v[2]};
+      if (faults_.all().size() == before && !(joint.axis.norm() > 1e-6)) {
+        faults_.add(axis, key + ".axis.xyz", axis->Attribute("xyz"), "has no direction",
+                    "give a direction, e.g. 0 0 1");
+      }
+      joint.axis.normalize();
+    }
+    if (type != "continuous") readLimit(e, key, joint);
+    if (const XMLElement* dynamics = faults_.only(e, "dynamics", key)) {
+      joint.viscous_friction = notNegative(*dynamics, "damping", key + ".dynamics");
+      joint.dry_friction = notNegative(*dynamics, "friction", key + ".dynamics");
+    }
+    return joint;
+  }
+
+  void readLimit(const XMLElement& e, const std::string& key, SceneJoint& joint) {
+    const XMLElement* limit = faults_.only(e, "limit", key);
+    if (limit == nullptr) {
+      faults_.add(&e, key + ".limit", "", "is missing",
+                  "give <limit lower=\"...\" upper=\"...\"/>");
+      return;
+    }
+    const bool slides = joint.type == SceneJoint::Type::kSlide;
+    const auto end = [&](const char* name) {
+      if (limit->Attribute(name) == nullptr) return 0.0;  // as URDF says
+      const double value = faults_.numbers(*limit, name, key + ".limit", 1).front();
+      if (std::abs(value) > (slides ? kMostPlace_m : kMostTurn_rad)) {
+        faults_.add(
+            limit, fmt::format("{}.limit.{}", key, name), limit->Attribute(name),
+            slides ? "is out of range" : kBeyondTurns,
+            slides ? "must be in [-10, 10] m: divide millimetres by 1000"
+                   : std::string(kInRad) + "; if it turns without end, make the joint continuous");
+      }
+      return value;
+    };
+    joint.least = end("lower"), joint.most = end("upper");
+    if (joint.least < joint.most) return;
+    const bool empty = joint.least == joint.most;
+    faults_.add(limit, key + ".limit", fmt::format("{} .. {}", joint.least, joint.most),
+                empty ? "is empty" : "is reversed",
+                empty ? "give lower < upper, or make the joint fixed" : "give lower < upper");
+  }
+
+  /// An attribute that may be left out; 0 then, and after a fault.
+  double notNegative(const XMLElement& e, const char* attribute, const std::string& key) {
+    if (e.Attribute(attribute) == nullptr) return 0.0;
+    const double value = faults_.numbers(e, attribute, key, 1).front();
+    if (value >= 0.0) return value;
+    faults_.add(&e, key + "." + attribute, e.Attribute(attribute), "is negative", "must be >= 0");
+    return 0.0;
+  }
+
+  /// Index of the link whose movable joint carries a link; -1: the root body does.
+  [[nodiscard]] int carrierOf(int link) const {
+    while (link >= 0 && !links_[link].joint) link = links_[link].parent;
+    return link;
+  }
+
+  /// Joints at what a joint carries are refused; then inertials of what has a mass are read.
+  void checkCarried() {
+    const bool stands = use_.fixed || std::any_of(links_.begin(), links_.end(), [](const Link& l) {
+                          return l.joint.has_value();
+                        });
+    for (Link& link : links_) {
+      const int below = link.joint ? carrierOf(link.parent) : -1;
+      if (below >= 0) {
+        const char* name = link.joint_element->Attribute("name");
+        faults_.add(link.joint_element, fmt::format("joint[{}]", name),
+                    link.joint_element->Attribute("type"),
+                    fmt::format("the joint '{}' is at the link '{}', which moves itself: chains of "
+                                "joints are not supported",
+                                name, links_[link.parent].name),
+                    "make one of the two joints fixed");
+      }
+      const bool moves = carrierOf(linkIndex(link.name)) >= 0;
+      if (link.inertial_element != nullptr && (moves || !stands)) {
+        link.inertial = readInertial(*link.inertial_element, link, moves);
+      }
+    }
+  }
+
+  /// Index of the link that a joint's <parent> or <child> names; -1, and a fault, without one.
+  int joined(const XMLElement& joint, const char* role, const std::string& key) {
+    const XMLElement* e = faults_.only(joint, role, key);
+    if (e == nullptr) {
+      faults_.add(&joint, key + "." + role, "", "is missing",
+                  fmt::format("give <{} link=\"...\"/>", role));
+      return -1;
+    }
+    const std::string name = faults_.text(*e, "link", key + "." + role);
+    const int index = linkIndex(name);
+    if (index < 0 && !name.empty()) {
+      faults_.add(e, key + "." + role, name, "there is no link of that name",
+                  "name one of the file's links");
+    }
+    return index;
+  }
+
+  void checkTree() {
+    const auto roots = std::count_if(links_.begin(), links_.end(),
+                                     [](const Link& link) { return link.parent < 0; });
+    if (roots != 1) {
+      faults_.add(robot_, "robot", "", fmt::format("has {} root links", roots),
+                  "join all links by fixed joints to one root");
+      return;
+    }
+    for (const Link& link : links_) {
+      // A path longer than the number of links is a cycle without the root.
+      std::size_t steps = 0;
+      for (int i = linkIndex(link.name); i >= 0 && steps <= links_.size(); ++steps) {
+        i = links_[i].parent;
+      }
+      if (steps <= links_.size()) continue;
+      faults_.add(link.element, fmt::format("link[{}]", link.name), "",
+                  "is connected by joints that form a cycle", "the links must form a tree");
+    }
+  }
+
+  UrdfBody merged() const {
+    UrdfBody body;
+    body.mesh_files = meshes_.files;
+    body.notices = faults_.notices();
+    body.friction = friction_;
+    std::vector<int> mover_of(links_.size(), -1);
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (!links_[i].joint) continue;
+      mover_of[i] = static_cast<int>(body.movers.size());
+      UrdfMover& mover = body.movers.emplace_back();
+      mover.name = links_[i].name;
+      mover.line = links_[i].element->GetLineNum();
+      mover.joint = *links_[i].joint;
+      mover.in_root = poseBelow(static_cast<int>(i), -1);
+    }
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      const Link& link = links_[i];
+      const int carrier = carrierOf(static_cast<int>(i));
+      const Pose in_body = poseBelow(static_cast<int>(i), carrier);
+      UrdfMover* mover = carrier >= 0 ? &body.movers[mover_of[carrier]] : nullptr;
+      for (Shape shape : link.shapes) {
+        shape.in_body = in_body * shape.in_body;
+        (mover != nullptr ? mover->shapes : body.shapes).push_back(std::move(shape));
+      }
+      if (!link.inertial) continue;
+      const MassProperties m = moved(*link.inertial, in_body);
+      if (mover == nullptr && link.shapes.empty()) body.ballast_m.push_back(m.com_m);
+      auto& inertial = mover != nullptr ? mover->inertial : body.inertial;
+      inertial = inertial ? combined(*inertial, m) : m;
+    }
+    return body;
+  }
+
+  /// Pose of a link's frame in that of a link above it; -1: in the root's.
+  [[nodiscard]] Pose poseBelow(int link, int above) const {
+    Pose pose;
+    for (int i = link; i >= 0 && i != above; i = links_[i].parent)
+      pose = links_[i].in_parent * pose;
+    return pose;
+  }
+
+  UrdfFaults faults_;
+  tinyxml2::XMLDocument document_;
+  const XMLElement* robot_ = nullptr;
+  std::vector<Link> links_;
+  UrdfMeshes meshes_{};
+  std::optional<double> friction_;
+  std::vector<const XMLElement*> frictions_;  ///< elements that were read
+  UrdfUse use_;
+};
+
+}  // namespace
+
+Expected<UrdfBody> loadUrdf(const std::string& path, MeshLoadTime& time, UrdfUse use) {
+  return Reader(path, time, use).read();
+}
+
+Expected<UrdfBody> loadUrdf(const std::string& path) {
+  MeshLoadTime time;
+  return loadUrdf(path, time);
+}
+
+}  // namespace wholehand

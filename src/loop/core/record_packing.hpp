@@ -1,0 +1,30 @@
+#pragma once
+
+#include "loop/core/real_time.hpp"
+#include "loop/core/tick_record.hpp"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace wholehand {
+
+/// Size limit of a packed record [bytes].
+inline constexpr std::size_t kMostPackedBytes = sizeof(TickRecord);
+
+/// Packs the used part of a record (its axes, bodies, contacts, commands) without gaps; returns its
+/// size. Readable only by the same program on the same machine: for the black box. Real-time safe,
+/// async-signal-safe.
+/// @pre out has room for kMostPackedBytes
+WHOLEHAND_RT std::size_t packRecord(const TickRecord& record, std::byte* out) noexcept;
+
+/// Unpacks a record; unused parts are zero. False when the bytes are invalid.
+[[nodiscard]] bool unpackRecord(const std::byte* packed, std::size_t bytes, TickRecord& record);
+
+/// Hash of the record's layout.
+[[nodiscard]] std::uint32_t recordLayout() noexcept;
+
+/// Size of a packed record with these numbers of axes, joints, bodies, values and contacts.
+[[nodiscard]] std::size_t packedBytes(int axes, int joints, int bodies, int values,
+                                      int contacts) noexcept;
+
+}  // namespace wholehand

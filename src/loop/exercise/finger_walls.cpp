@@ -1,0 +1,134 @@
+#include "loop/exercise/finger_walls.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace wholehand {
+namespace {
+
+/// A finger farther past its first touch than this did not pass through it [m of path].
+constexpr double kPast_m = 1e-3;
+/// Release speed of a wall: at least this [m/s at the tip], 0.04 N a tick for the stiffest shipped
+/// one, and at least this share of its depth per second, less than 0.05 N a tick from 9 N on.
+constexpr double kLetGo_m_s = 0.15;
+constexpr double kLetGo_per_s = 5.0;
+
+/// A wall, lengths in units of its axis.
+struct Wall {
+  bool known;
+  double position;
+};
+struct Finger {
+  double now, before;  ///< device position, now and a tick before
+  bool touches;
+};
+
+/// Decrease of a wall's depth in a tick of release.
+struct Step {
+  double least;  ///< at least this ...
+  double share;  ///< ... and this share of its depth
+};
+
+/// Wall position such that the finger is no deeper than before, less the step.
+double yieldedPosition(double wall, const Finger& finger, const Step& step) noexcept {
+  const double depth = finger.before - wall;
+  return std::max(wall,
+                  finger.now - std::max(0.0, depth - std::max(step.least, step.share * depth)));
+}
+
+/// Releases the wall of a finger without a touch ahead. It exists only as long as it is felt.
+Wall letGo(const Wall& wall, const Finger& finger, const Step& step) noexcept {
+  const double position = yieldedPosition(wall.position, finger, step);
+  return {finger.now > position, position};
+}
+
+/// Moves the wall towards its target. @param soft a soft shell's wall with no finger in it jumps
+/// there: a finger closes on a shell by up to 40 mm of path, and a moving wall would push it.
+double follow(double wall, double target, const Finger& finger, double reach, const Step& step,
+              bool soft) noexcept {
+  if (soft && finger.now <= wall) return std::max(target, finger.now);
+  if (target > wall) {
+    const double further = wall + reach;
+    return std::min(
+        target, finger.touches ? further : std::max(further, yieldedPosition(wall, finger, step)));
+  }
+  return std::max({target, wall - reach, finger.touches ? target : std::min(wall, finger.now)});
+}
+
+/// Whether an axis moves the link relative to the palm.
+bool moves(const HandModel& hand, int link, int axis) {
+  for (int i = link; i >= 0 && i != hand.palm_link; i = hand.links[i].parent) {
+    const int joint = hand.links[i].joint;
+    if (joint >= 0 && hand.synergy(joint, axis) != 0.0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> axesOfCapsules(const HandModel& hand) {
+  std::vector<std::uint32_t> out;
+  for (const Capsule& capsule : hand.capsules) {
+    std::uint32_t& axes = out.emplace_back(0U);
+    for (int a = 0; a < hand.axis_count; ++a) {
+      if (moves(hand, capsule.link, a)) axes |= 1U << a;
+    }
+  }
+  return out;
+}
+
+std::uint32_t touchingAxes(const TickRecord& record, int body,
+                           const std::vector<std::uint32_t>& axes_of_capsule) noexcept {
+  std::uint32_t axes = 0;
+  for (int i = 0; i < record.contact_count; ++i) {
+    const Contact& c = record.contacts[i];
+    const bool bears = c.force_n.eigen().dot(c.normal.eigen()) > 0.0;
+    const auto capsule = static_cast<std::size_t>(c.capsule);  // -1 is out of range
+    if (bears && c.body == body && capsule < axes_of_capsule.size()) {
+      axes |= axes_of_capsule[capsule];
+    }
+  }
+  return axes;
+}
+
+FingerWallState followClosure(const FingerWallState& state, const FingerWallInput& seen,
+                              double lead_in_m, double alpha, const FingerWallConfig& config,
+                              double elapsed_s) noexcept {
+  FingerWallState next{AxisPosition(config.axes), AxisFlag(config.axes), seen.q_m};
+  for (int i = 0; i < config.axes; ++i) {
+    if (!(config.stiffness[i] > 0.0)) continue;
+    const double per_m = 1.0 / config.lever_arm_m[i];
+    const bool felt = i < state.known.size() && state.known[i] && alpha > 0.0;
+    // A finger before its first touch is not inside, even if the hand model says so.
+    const bool inside =
+        (seen.inside >> i & 1U) != 0U && i < seen.closure.size() && seen.q_s[i] >= seen.closure[i];
+    const bool ahead = i < seen.closure.size() && std::isfinite(seen.closure[i]) &&
+                       (inside || seen.q_s[i] <= seen.closure[i] + kPast_m * per_m);
+    const Finger finger{seen.q_m[i], felt ? state.finger[i] : seen.q_m[i],
+                        inside || (seen.touching >> i & 1U) != 0U};
+    const Step step{kLetGo_m_s * per_m * elapsed_s, std::min(1.0, kLetGo_per_s * elapsed_s)};
+    Wall wall{felt, felt ? state.position[i] : 0.0};
+    // Near the open end the first touch flickers.
+    const bool holds = finger.touches && (inside || seen.q_m[i] > seen.q_s[i]) &&
+                       i < seen.closure.size() && seen.closure[i] == -HUGE_VAL;
+    if (felt && holds) {
+      // The wall stays and holds back a digit that closes on the target.
+    } else if (ahead) {
+      double target = seen.closure[i] - lead_in_m * per_m;
+      // A wall moving under a digit would lift it. One that stays is a spring and returns its
+      // energy.
+      if (inside && felt) target = std::max(target, wall.position);
+      const double reach = config.follow_m_s * per_m * elapsed_s;
+      wall = {true, felt ? follow(wall.position, target, finger, reach, step, config.soft_m > 0.0)
+                         : std::max(target, finger.now)};
+    } else if (felt) {
+      wall = letGo(wall, finger, step);
+    }
+    next.known[i] = wall.known;
+    next.position[i] = wall.known ? wall.position : 0.0;
+  }
+  return next;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "loop/core/body_order.hpp"
+#include "loop/core/expected.hpp"
+#include "loop/model/scene_model.hpp"
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Shapes of a game's body, ready for the loop: checked, in the principal frame of inertia at the
+/// centre of mass, with their moments. One set serves many bodies.
+struct PreparedShapes {
+  std::vector<Shape> pieces;       ///< in the principal frame
+  Eigen::Vector3d moments_per_kg;  ///< principal moments of inertia per mass [m²]
+  Eigen::Matrix3d from_body;       ///< axes of the principal frame in the frame of the input
+  Eigen::Vector3d com_m;           ///< centre of mass in the frame of the input
+};
+
+/// Checks the pieces against the budget and prepares them; reports every fault at once, with the
+/// piece as the key ("pieces[1]"). Convex meshes come from convexMesh(), which checks that they are
+/// closed and convex. At most 65 % of a piece's volume may lie in other pieces. Not real-time safe.
+[[nodiscard]] Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces,
+                                                     const GameBudget& budget);
+
+/// Radius of a ball about the centre of mass that holds the shapes [m].
+[[nodiscard]] double outerRadius(const PreparedShapes& shapes);
+
+/// Commands that hand the shapes over to the loop as shape set `set`, in this order.
+[[nodiscard]] std::vector<Command> shapeCommands(int set, const PreparedShapes& shapes);
+
+/// Extents of a piece's box in its own frame [m].
+[[nodiscard]] Eigen::Vector3d extents(const Shape& shape);
+
+// What shapeCommands() writes, for the loop. Real-time safe.
+
+/// Vertices carried by one command.
+inline constexpr int kVerticesPerCommand = 4;
+
+struct ShapeSetHead {
+  int pieces = 0;
+  Eigen::Vector3d moments_per_kg;
+  Eigen::Quaterniond from_body;
+};
+[[nodiscard]] ShapeSetHead shapeSetHeadOf(const Command& command) noexcept;
+
+/// A piece without its vertices.
+struct ShapePiece {
+  int piece = 0;
+  ShapeType type = ShapeType::kBox;
+  Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();
+  double radius_m = 0.0, length_m = 0.0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+  int vertices = 0;
+};
+[[nodiscard]] ShapePiece shapePieceOf(const Command& command) noexcept;
+
+struct ShapeVertices {
+  int piece = 0, first = 0, count = 0;
+  std::array<Eigen::Vector3d, kVerticesPerCommand> points_m;
+};
+[[nodiscard]] ShapeVertices shapeVerticesOf(const Command& command) noexcept;
+
+}  // namespace wholehand

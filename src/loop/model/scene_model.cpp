@@ -1,0 +1,265 @@
+#include "loop/model/scene_model.hpp"
+
+#include "loop/core/world_query.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace wholehand {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+ShapeMoments boxMoments(const Vector3d& half_m) {
+  const double volume_m3 = 8.0 * half_m.prod();
+  const Vector3d sq = half_m.cwiseAbs2();
+  const Vector3d inertia(sq.y() + sq.z(), sq.x() + sq.z(), sq.x() + sq.y());
+  return {volume_m3, Vector3d::Zero(), Matrix3d((volume_m3 / 3.0 * inertia).asDiagonal())};
+}
+
+ShapeMoments sphereMoments(double radius_m) {
+  const double volume_m3 = 4.0 / 3.0 * pi * radius_m * radius_m * radius_m;
+  return {volume_m3, Vector3d::Zero(),
+          0.4 * volume_m3 * radius_m * radius_m * Matrix3d::Identity()};
+}
+
+ShapeMoments cylinderMoments(double radius_m, double height_m) {
+  const double r2 = radius_m * radius_m;
+  const double volume_m3 = pi * r2 * height_m;
+  const double across = volume_m3 * (3.0 * r2 + height_m * height_m) / 12.0;
+  return {volume_m3, Vector3d::Zero(),
+          Matrix3d(Vector3d(across, across, volume_m3 * r2 / 2.0).asDiagonal())};
+}
+
+ShapeMoments capsuleMoments(double radius_m, double length_m) {
+  const ShapeMoments rod = cylinderMoments(radius_m, length_m);
+  const ShapeMoments ball = sphereMoments(radius_m);
+  // The centre of each hemisphere's flat side is L/2 from the centre; its centre of mass is 3r/8
+  // beyond.
+  const double shift_m2 = length_m * length_m / 4.0 + 3.0 / 8.0 * radius_m * length_m;
+  Matrix3d inertia_m5 = rod.inertia_m5 + ball.inertia_m5;
+  inertia_m5(0, 0) += ball.volume_m3 * shift_m2;
+  inertia_m5(1, 1) += ball.volume_m3 * shift_m2;
+  return {rod.volume_m3 + ball.volume_m3, Vector3d::Zero(), inertia_m5};
+}
+
+/// Exact integral over the polyhedron: signed tetrahedra from one of its own vertices, which keeps
+/// the terms small when the mesh lies far from its frame's origin.
+ShapeMoments meshMoments(const Shape& shape) {
+  if (shape.points_m.empty()) return {};
+  const Vector3d origin = shape.points_m.front();
+  double volume_m3 = 0.0;
+  Vector3d first = Vector3d::Zero();   // integral of p
+  Matrix3d second = Matrix3d::Zero();  // integral of p pᵀ
+  for (const Eigen::Vector3i& t : shape.triangles) {
+    const Vector3d a = shape.points_m[t[0]] - origin;
+    const Vector3d b = shape.points_m[t[1]] - origin;
+    const Vector3d c = shape.points_m[t[2]] - origin;
+    const Vector3d sum = a + b + c;
+    const double v = a.dot(b.cross(c)) / 6.0;
+    volume_m3 += v;
+    first += v / 4.0 * sum;
+    second += v / 20.0 *
+              (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+  }
+  if (!(volume_m3 > 0.0)) return {};
+  const Vector3d center = first / volume_m3;
+  const Matrix3d central = second - volume_m3 * center * center.transpose();
+  return {volume_m3, origin + center, central.trace() * Matrix3d::Identity() - central};
+}
+
+double boxDistance(const Vector3d& half_m, const Vector3d& p) {
+  const Vector3d d = p.cwiseAbs() - half_m;
+  return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
+}
+
+double cylinderDistance(double radius_m, double height_m, const Vector3d& p) {
+  const double side = p.head<2>().norm() - radius_m;
+  const double end = std::abs(p.z()) - height_m / 2.0;
+  return std::hypot(std::max(side, 0.0), std::max(end, 0.0)) + std::min(std::max(side, end), 0.0);
+}
+
+double capsuleDistance(double radius_m, double length_m, const Vector3d& p) {
+  const double along = std::clamp(p.z(), -length_m / 2.0, length_m / 2.0);
+  return (p - Vector3d(0.0, 0.0, along)).norm() - radius_m;
+}
+
+double meshDistance(const Shape& shape, const Vector3d& p) {
+  double largest = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3i& t : shape.triangles) {
+    const Vector3d& a = shape.points_m[t[0]];
+    const Vector3d normal = (shape.points_m[t[1]] - a).cross(shape.points_m[t[2]] - a).normalized();
+    largest = std::max(largest, normal.dot(p - a));
+  }
+  return largest;
+}
+
+ShapeMoments momentsInShapeFrame(const Shape& shape) {
+  switch (shape.type) {
+    case ShapeType::kBox:
+      return boxMoments(shape.half_extents_m);
+    case ShapeType::kSphere:
+      return sphereMoments(shape.radius_m);
+    case ShapeType::kCylinder:
+      return cylinderMoments(shape.radius_m, shape.length_m);
+    case ShapeType::kCapsule:
+      return capsuleMoments(shape.radius_m, shape.length_m);
+    case ShapeType::kConvexMesh:
+      return meshMoments(shape);
+  }
+  return {};
+}
+
+}  // namespace
+
+int SceneModel::bodyIndex(const std::string& body_name) const {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].name == body_name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+std::vector<std::string> SceneModel::recordedBodies() const {
+  std::vector<std::string> names;
+  for (const SceneBody& body : bodies) names.push_back(body.name);
+  for (int slot = 0; slot < game.slots; ++slot) names.push_back("slot " + std::to_string(slot));
+  names.resize(std::min<std::size_t>(names.size(), kMaxBodies));
+  return names;
+}
+
+Shape coreOf(const SceneBody& body, const Shape& shape) {
+  Shape core = shape;
+  if (shape.type == ShapeType::kCylinder) core.radius_m -= body.soft_m;
+  return core;
+}
+
+ShapeMoments moments(const Shape& shape) {
+  ShapeMoments m = momentsInShapeFrame(shape);
+  const Matrix3d& r = shape.in_body.rotation;
+  m.center_m = shape.in_body * m.center_m;
+  m.inertia_m5 = r * m.inertia_m5 * r.transpose();
+  return m;
+}
+
+double signedDistance(const Shape& shape, const Vector3d& point_m) {
+  const Vector3d p = shape.in_body.rotation.transpose() * (point_m - shape.in_body.translation_m);
+  switch (shape.type) {
+    case ShapeType::kBox:
+      return boxDistance(shape.half_extents_m, p);
+    case ShapeType::kSphere:
+      return p.norm() - shape.radius_m;
+    case ShapeType::kCylinder:
+      return cylinderDistance(shape.radius_m, shape.length_m, p);
+    case ShapeType::kCapsule:
+      return capsuleDistance(shape.radius_m, shape.length_m, p);
+    case ShapeType::kConvexMesh:
+      return meshDistance(shape, p);
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+void mirror(SceneModel& scene) {
+  const Matrix3d reflect = Vector3d(1.0, -1.0, 1.0).asDiagonal();
+  const auto turned = [&](Pose& pose) {
+    pose = {reflect * pose.rotation * reflect, reflect * pose.translation_m};
+  };
+  scene.gravity_m_s2 = reflect * scene.gravity_m_s2;
+  for (SceneBody& body : scene.bodies) {
+    turned(body.pose);
+    body.com_m = reflect * body.com_m;
+    body.inertia_kg_m2 = reflect * body.inertia_kg_m2 * reflect;
+    for (Shape& shape : body.shapes) {
+      turned(shape.in_body);
+      for (Vector3d& point_m : shape.points_m) point_m = reflect * point_m;
+      for (Eigen::Vector3i& corners : shape.triangles) std::swap(corners[1], corners[2]);
+    }
+    if (!body.joint) continue;
+    SceneJoint& joint = *body.joint;
+    joint.point_m = reflect * joint.point_m;
+    // What turns about an axis turns the other way in a mirror.
+    joint.axis = joint.isHinge() ? Vector3d(-(reflect * joint.axis)) : reflect * joint.axis;
+  }
+}
+
+Pose poseOn(const SceneJoint& joint, const Pose& start, double q) noexcept {
+  if (!joint.isHinge()) {
+    return {start.rotation, start.translation_m + q * (start.rotation * joint.axis)};
+  }
+  const Eigen::Matrix3d turned =
+      start.rotation * Eigen::AngleAxisd(q, joint.axis).toRotationMatrix();
+  return {turned, start * joint.point_m - turned * joint.point_m};
+}
+
+double positionOn(const SceneJoint& joint, const Pose& start, const Pose& pose) noexcept {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  double q = 0.0;
+  if (joint.isHinge()) {
+    const Eigen::Quaterniond turn(Eigen::Matrix3d(start.rotation.transpose() * pose.rotation));
+    q = 2.0 * std::atan2(joint.axis.dot(turn.vec()), turn.w());
+    // Both signs of a quaternion are one turn, as are q and q ± 2π of a range that is not about 0.
+    q -= kTurn * std::round(q / kTurn);
+    if (q > joint.most && q - kTurn >= joint.least) q -= kTurn;
+    if (q < joint.least && q + kTurn <= joint.most) q += kTurn;
+  } else {
+    q = (start.rotation * joint.axis).dot(pose.translation_m - start.translation_m);
+  }
+  return std::clamp(q, joint.least, joint.most);
+}
+
+MassProperties uniformDensity(const std::vector<Shape>& shapes, double mass_kg) {
+  MassProperties unit;  // of unit density: kg stands for m³ here
+  for (const Shape& shape : shapes) {
+    const ShapeMoments m = moments(shape);
+    unit = combined(unit, {m.volume_m3, m.center_m, m.inertia_m5});
+  }
+  if (!(unit.mass_kg > 0.0)) return {};
+  const double density = mass_kg / unit.mass_kg;
+  return {mass_kg, unit.com_m, density * unit.inertia_kg_m2};
+}
+
+MassProperties combined(const MassProperties& a, const MassProperties& b) {
+  const double mass_kg = a.mass_kg + b.mass_kg;
+  if (!(mass_kg > 0.0)) return {};
+  MassProperties sum;
+  sum.mass_kg = mass_kg;
+  sum.com_m = (a.mass_kg * a.com_m + b.mass_kg * b.com_m) / mass_kg;
+  // Two point masses about their common centre equal one reduced mass at their distance.
+  const Eigen::Vector3d between = b.com_m - a.com_m;
+  const double reduced_kg = a.mass_kg * b.mass_kg / mass_kg;
+  const Eigen::Matrix3d points =
+      between.squaredNorm() * Eigen::Matrix3d::Identity() - between * between.transpose();
+  sum.inertia_kg_m2 = a.inertia_kg_m2 + b.inertia_kg_m2 + reduced_kg * points;
+  return sum;
+}
+
+MassProperties moved(const MassProperties& m, const Pose& inner_in_outer) {
+  const Eigen::Matrix3d& r = inner_in_outer.rotation;
+  return {m.mass_kg, inner_in_outer * m.com_m, r * m.inertia_kg_m2 * r.transpose()};
+}
+
+std::string inertiaFault(const Eigen::Matrix3d& inertia_kg_m2) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia_kg_m2,
+                                                              Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d& principal = solver.eigenvalues();  // ascending
+  const std::string moments = fmt::format("(principal moments {:.4g}, {:.4g}, {:.4g} kg·m²)",
+                                          principal[0], principal[1], principal[2]);
+  if (!(principal[0] > 0.0)) return "is not positive definite " + moments;
+  // A flat plate meets the bound exactly: tolerates rounding.
+  if (principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-6)) {
+    return "breaks the triangle inequality " + moments;
+  }
+  return {};
+}
+
+}  // namespace wholehand

@@ -1,0 +1,170 @@
+#pragma once
+
+#include "loop/core/expected.hpp"
+#include "loop/core/geometry.hpp"
+#include "loop/core/real_time.hpp"
+#include "schema_enums.hpp"
+
+#include <Eigen/Core>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Contacts between bodies are found up to this speed (tests/loop/physics/body_laws_test.cpp).
+inline constexpr double kMostBodySpeed_m_s = 15.0;
+/// A body rests on one that is lighter by this factor within 0.1 mm.
+inline constexpr double kMostMassRatio = 100.0;
+
+/// A joint of a body to the world. Its coordinate q is 0 in the body's initial pose and counts
+/// along or about the axis, right-handed. Units of a hinge, of a slide.
+struct SceneJoint {
+  enum class Type { kHinge, kSlide };
+  Type type = Type::kHinge;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();          ///< unit, body frame
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();        ///< of a hinge's axis, body frame
+  double least = -std::numeric_limits<double>::infinity();  ///< ends [rad; m]; least <= 0 <= most
+  double most = std::numeric_limits<double>::infinity();
+  double dry_friction = 0.0;      ///< [N·m; N]
+  double viscous_friction = 0.0;  ///< [N·m·s/rad; N·s/m]
+  double spring_stiffness = 0.0;  ///< [N·m/rad; N/m]
+  double spring_rest = 0.0;       ///< q without spring force [rad; m]
+  double latch_energy_j = 0.0;    ///< U₀, between the bottom of a detent and the top beside it
+  double latch_wave = 0.0;        ///< n, waves of the latch's potential in 2π of q [1/rad; 1/m]
+  double latch_at = 0.0;          ///< q of a detent [rad; m]
+
+  [[nodiscard]] bool isHinge() const { return type == Type::kHinge; }
+  /// A hinge without ends.
+  [[nodiscard]] bool turnsFreely() const {
+    return isHinge() && most - least > std::numeric_limits<double>::max();
+  }
+};
+
+/// Pose of a body frame at q. @param start its pose at q = 0. Real-time safe.
+[[nodiscard]] WHOLEHAND_RT Pose poseOn(const SceneJoint& joint, const Pose& start,
+                                       double q) noexcept;
+/// The q, within the joint's range, at which the body frame is nearest to a pose; of a hinge
+/// without range in (-π, π]. Real-time safe.
+[[nodiscard]] WHOLEHAND_RT double positionOn(const SceneJoint& joint, const Pose& start,
+                                             const Pose& pose) noexcept;
+
+/// Energy that spring and latch of a joint store at q [J]; 0 at the spring's rest and in a detent.
+/// Real-time safe.
+[[nodiscard]] WHOLEHAND_RT inline double storedEnergy(const SceneJoint& joint, double q) noexcept {
+  const double stretch = q - joint.spring_rest;
+  return 0.5 * joint.spring_stiffness * stretch * stretch +
+         0.5 * joint.latch_energy_j * (1.0 - std::cos(joint.latch_wave * (q - joint.latch_at)));
+}
+
+/// A collider in its body's frame. Cylinder and capsule lie along the shape frame's z. A disk of a
+/// scene file is a cylinder.
+struct Shape {
+  ShapeType type = ShapeType::kBox;
+  Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();  ///< box
+  double radius_m = 0.0;                                     ///< sphere, cylinder, capsule
+  double length_m = 0.0;  ///< cylinder: height; capsule: between the centres of its caps
+  std::vector<Eigen::Vector3d> points_m;   ///< convex mesh: hull vertices
+  std::vector<Eigen::Vector3i> triangles;  ///< convex mesh: faces, outward
+  Pose in_body;
+};
+
+/// A body of the scene.
+struct SceneBody {
+  std::string name;
+  bool fixed = false;
+  double mass_kg = 0.0;                                     ///< > 0 unless fixed
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          ///< body frame
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the com, body axes
+  Pose pose;                          ///< initial pose of the body frame in the world
+  std::vector<Shape> shapes;          ///< at least one
+  double friction = 0.8;              ///< Coulomb coefficient against the hand
+  double linear_damping_per_s = 0.0;  ///< fraction of velocity lost per second, 0 .. 1
+  /// Depth by which fingers and thumb sink into the side before they reach a rigid core, without
+  /// contact force; the palm and other bodies collide with the shape itself. Upright cylinders only
+  /// [m].
+  double soft_m = 0.0;
+  std::string color = "#3B6FD1";  ///< for pictures and pages, #RRGGBB
+  /// Of a body that moves on one joint to the world. It meets the hand and free bodies: its range
+  /// says where it ends.
+  std::optional<SceneJoint> joint;
+
+  /// True where the two never meet: bodies on joints, each other and fixed ones.
+  [[nodiscard]] bool passes(const SceneBody& other) const {
+    return (joint && (other.fixed || other.joint)) || (fixed && other.joint);
+  }
+};
+
+/// Room for the bodies that a game puts into the running world (loop/core/body_order.hpp).
+struct GameBudget {
+  int slots = 0;       ///< bodies at once, 0 .. kMaxSlots; 0: the scene takes none
+  int awake = 0;       ///< of them simulated at once: more are not spawned; 1 .. slots
+  int shape_sets = 0;  ///< 1 .. kMaxShapeSets
+  int pieces = 0;      ///< convex pieces of a body, 1 .. kMaxSlotPieces
+  int vertices = 0;    ///< of a convex mesh, 4 .. kMaxPieceVertices
+  double least_kg = 0.0, most_kg = 0.0;  ///< mass of a body
+  double least_m = 0.0, most_m = 0.0;    ///< least and largest extent of a piece
+};
+
+/// A scene: bodies, gravity, and where the hand starts.
+struct SceneModel {
+  std::string path;
+  std::string name;
+  Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
+  std::vector<SceneBody> bodies;    ///< 0 .. kMaxSceneBodies; beyond kMaxBodies fixed in a file
+  double hand_friction = 0.8;       ///< of the hand's capsules
+  std::vector<std::string> assets;  ///< paths of its meshes and URDFs
+  Diagnostics notices;              ///< no faults, but what the user should know
+  GameBudget game;                  ///< its slots follow `bodies` in the record
+
+  /// Names of the bodies of a record: the scene's, then a game's slots ("slot 0" ..); at most
+  /// kMaxBodies.
+  [[nodiscard]] std::vector<std::string> recordedBodies() const;
+  [[nodiscard]] int bodyIndex(const std::string& body_name) const;
+};
+
+/// Reflects a scene in the plane y = 0, for a left hand: bodies, shapes, joints and gravity.
+void mirror(SceneModel& scene);
+
+/// Core that fingers and thumb collide with: the shape; for a cylinder, its radius minus the soft
+/// depth.
+[[nodiscard]] Shape coreOf(const SceneBody& body, const Shape& shape);
+
+/// Moments of a shape at unit density: volume [m³], centre [m] and inertia about the centre [m⁵],
+/// in the body frame.
+struct ShapeMoments {
+  double volume_m3 = 0.0;
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia_m5 = Eigen::Matrix3d::Zero();
+};
+[[nodiscard]] ShapeMoments moments(const Shape& shape);
+
+/// Distance from a point to the shape's surface, negative inside [m]; point in the body frame. For
+/// a convex mesh, the largest face distance (exact inside and at faces, a lower bound outside).
+[[nodiscard]] double signedDistance(const Shape& shape, const Eigen::Vector3d& point_m);
+
+/// Mass, centre of mass and inertia of a rigid body, all in one frame.
+struct MassProperties {
+  double mass_kg = 0.0;
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the centre of mass
+};
+
+/// Mass properties of shapes with a common density and this total mass [kg]. Overlapping volume
+/// counts once per shape.
+[[nodiscard]] MassProperties uniformDensity(const std::vector<Shape>& shapes, double mass_kg);
+
+/// Mass properties of two rigidly joined bodies (parallel axes); both in the same frame.
+[[nodiscard]] MassProperties combined(const MassProperties& a, const MassProperties& b);
+
+/// Transforms mass properties into an outer frame: `inner_in_outer` is the pose of the inner one.
+[[nodiscard]] MassProperties moved(const MassProperties& m, const Pose& inner_in_outer);
+
+/// Reason why an inertia about the centre of mass is impossible, or empty. Principal moments must
+/// be positive, and none larger than the sum of the other two.
+[[nodiscard]] std::string inertiaFault(const Eigen::Matrix3d& inertia_kg_m2);
+
+}  // namespace wholehand

@@ -1,0 +1,101 @@
+#pragma once
+
+#include "loop/core/body_order.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/model/scene_model.hpp"
+#include "loop/physics/body_joint.hpp"
+#include "loop/physics/bullet/box_sweep.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
+#include "loop/physics/bullet/shape_sets.hpp"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace wholehand::bullet {
+
+/// A scene body in Bullet: a rigid body without shape that moves, and colliders. Bullet's body
+/// frame is the principal frame of inertia at the centre of mass.
+class BulletBody {
+ public:
+  /// Creates the body at its initial pose. @param index in the scene @param reach_m margin of the
+  /// colliders' boxes
+  BulletBody(const SceneBody& body, int index, double reach_m);
+
+  /// Creates an empty slot for a body of a game: it stands still and has no shape.
+  /// @param pieces most colliders
+  BulletBody(int index, int pieces, double reach_m);
+
+  [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
+  /// The joint that it moves on; null: it is free, or fixed.
+  [[nodiscard]] BodyJoint* joint() { return joint_ ? &*joint_ : nullptr; }
+  /// Velocities of a body on a joint, from its q̇. Real-time safe.
+  void moveWithJoint() noexcept;
+  /// Ends a step of a body on a joint. Real-time safe.
+  void finishJoint(double step_s) noexcept;
+  /// False for a fixed body, which is only placed.
+  [[nodiscard]] bool moves() const { return !rigid_->isStaticObject(); }
+  /// What a collider collides with. In a soft body, the digits collide with the core and all else
+  /// with the shape.
+  enum class Meets { kAll, kAllButDigits, kDigits };
+  struct Collider {
+    Meets meets = Meets::kAll;
+    Shape form;  ///< in the collider's frame
+    ColliderTag tag;
+    std::unique_ptr<btCollisionShape> shape;  ///< of a scene body
+    SlotShape slot_shape;                     ///< of a slot
+    std::unique_ptr<btCollisionObject> object;
+    bool used = true;  ///< false: a collider of a slot without piece; its box is empty
+    btTransform in_rigid;
+    WorldBox box;
+  };
+  [[nodiscard]] const std::vector<std::unique_ptr<Collider>>& colliders() const {
+    return colliders_;
+  }
+
+  /// Mass, inertia and friction of a slot's body; it stands still with mass 0. Real-time safe.
+  void setMass(double mass_kg, const btVector3& moments, double friction,
+               const btVector3& gravity) noexcept;
+  /// Shapes of a slot: `count` pieces, in the rigid body's frame. With 0 the slot is empty.
+  /// Real-time safe.
+  void setPieces(const SlotPiece* pieces, int count, const Eigen::Quaterniond& from_body) noexcept;
+  /// Places a slot's body at this pose; no contact survives. Real-time safe.
+  void putAt(const BodyPose& pose, const Vec3& velocity_m_s) noexcept;
+
+  /// Moves the colliders to the rigid body's pose; their boxes hold what they may meet in the time
+  /// ahead. Real-time safe.
+  void placeColliders(double ahead_s) noexcept;
+  /// Places the body for an exercise; stops its rotation. A fixed body has the given velocity in
+  /// the next step only. An invalid placement is ignored. Returns true when the body was moved
+  /// farther than it could slide while keeping its contacts. Real-time safe.
+  bool place(const BodyPlacement& placement) noexcept;
+  /// Call before every step: a fixed body that was not placed since the last step gets zero
+  /// velocity. Real-time safe.
+  void beginStep() noexcept;
+  /// Sets both velocities to zero. Real-time safe.
+  void stand() noexcept;
+  /// Resets to the initial pose, at rest.
+  void putAtStart() noexcept;
+  /// State at the centre of mass, with the orientation of the scene's body frame. Real-time safe.
+  [[nodiscard]] BodyState state() const noexcept;
+
+ private:
+  void put(const btTransform& at, const btVector3& velocity) noexcept;
+  void addCollider(const SceneBody& body, const Shape& shape, Meets meets);
+  void addEmptyCollider();
+
+  Pose from_body_;     ///< Bullet's frame in the scene's body frame
+  btTransform start_;  ///< pose of Bullet's frame
+  std::unique_ptr<btCollisionShape> no_shape_;
+  std::unique_ptr<btRigidBody> rigid_;
+  std::optional<BodyJoint> joint_;
+  int index_;
+  double reach_m_;
+  bool placed_ = false;
+  std::vector<std::unique_ptr<Collider>> colliders_;  ///< addresses must stay: Bullet points to the
+                                                      ///< tags
+};
+
+}  // namespace wholehand::bullet

@@ -1,0 +1,66 @@
+#include "loop/physics/bullet/bullet_shapes.hpp"
+
+#include "loop/physics/bullet/bullet_types.hpp"
+
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+
+namespace wholehand::bullet {
+
+double contactThreshold() {
+  static const double kThreshold_m = gContactBreakingThreshold = 5e-4;
+  return kThreshold_m;
+}
+
+Pose principalFrame(const SceneBody& body, btVector3& moments) {
+  const Eigen::Matrix3d& inertia = body.inertia_kg_m2;
+  const double off_diagonal =
+      std::abs(inertia(0, 1)) + std::abs(inertia(0, 2)) + std::abs(inertia(1, 2));
+  if (body.fixed || off_diagonal <= 1e-12 * inertia.trace()) {
+    moments.setValue(inertia(0, 0), inertia(1, 1), inertia(2, 2));
+    return {Eigen::Matrix3d::Identity(), body.com_m};
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
+  Eigen::Matrix3d axes = solver.eigenvectors();
+  if (axes.determinant() < 0.0) axes.col(2) = -axes.col(2);
+  moments = toBt(Eigen::Vector3d(solver.eigenvalues()));
+  return {axes, body.com_m};
+}
+
+std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
+  switch (shape.type) {
+    case ShapeType::kBox: {
+      auto box = std::make_unique<btBoxShape>(toBt(shape.half_extents_m));
+      box->setMargin(0.0);  // it would round the edges
+      return box;
+    }
+    case ShapeType::kSphere:
+      return std::make_unique<btSphereShape>(shape.radius_m);
+    case ShapeType::kCylinder: {
+      auto cylinder = std::make_unique<btCylinderShapeZ>(
+          btVector3(shape.radius_m, shape.radius_m, shape.length_m / 2.0));
+      cylinder->setMargin(0.0);
+      return cylinder;
+    }
+    case ShapeType::kCapsule:
+      return std::make_unique<btCapsuleShapeZ>(shape.radius_m, shape.length_m);
+    case ShapeType::kConvexMesh: {
+      auto hull = std::make_unique<btConvexHullShape>();
+      for (const Eigen::Vector3d& p : shape.points_m) hull->addPoint(toBt(p), false);
+      hull->recalcLocalAabb();
+      // The default margin would swell the mesh by 4 cm; the capsules bring a margin of their own.
+      hull->setMargin(0.0);
+      return hull;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace wholehand::bullet

@@ -1,0 +1,688 @@
+#include "loop/physics/bullet/contact_patch.hpp"
+
+#include "loop/physics/bullet/bullet_types.hpp"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace wholehand::bullet {
+namespace {
+
+constexpr double kCorner_m = 5e-4;  // corners this near the farthest one may touch, too
+constexpr double kFacet_m = 1e-4;   // of a mesh, whose facets may be that fine
+constexpr double kSunk_m = 5e-4;    // deeper than this the nearest face may be another
+constexpr double kAcross = 0.5;     // cosine: two faces are across each other
+constexpr double kAlike = 0.98;     // cosine: two directions are nearly one
+constexpr double kUpright = 1e-7;   // sine of a cylinder's tilt below which it stands
+constexpr double kTie_m = 1e-7;
+constexpr double kLevel_m = 1e-9;
+constexpr double kSame_m = 1e-6;     // corners nearer than this are one
+constexpr double kLine_m2 = 1e-9;    // twice the area of a triangle that is taken for a line
+constexpr double kCoreGap_m = 1e-7;  // nearer points give no direction
+constexpr double kSure_m = 1e-5;
+constexpr double kNearer_m = 1e-5;
+constexpr double kShort = 0.1;        // of the longest edge
+constexpr double kWellWithin = 0.15;  // of the longest diagonal
+constexpr double kHeldApart_m = 1e-4;
+constexpr double kSameTurn = 1e-9;  // sine
+constexpr int kMostTurns = 6;
+constexpr double kAsBefore_m = 5e-3;
+constexpr int kMostCorners = 64;
+
+/// A corner of a patch in the plane across the direction, and its height along it.
+struct Corner {
+  double u, v, height_m;
+};
+
+/// A convex polygon (counter-clockwise), an edge, or a point.
+struct Outline {
+  std::array<Corner, 2 * kMostCorners> corners;
+  int count = 0;
+
+  void add(const Corner& corner) noexcept {
+    if (count < static_cast<int>(corners.size())) corners[count++] = corner;
+  }
+};
+
+/// A collider with its shape's numbers.
+struct Convex {
+  const Shape& form;
+  const btTransform& at;
+  const btVector3* points = nullptr;  ///< of a convex mesh
+  int point_count = 0;
+
+  Convex(const btCollisionObject& object, const Shape& shape)
+      : form(shape), at(object.getWorldTransform()) {
+    const btCollisionShape& is = *object.getCollisionShape();
+    if (is.getShapeType() == CONVEX_HULL_SHAPE_PROXYTYPE) {
+      const auto& hull = static_cast<const btConvexHullShape&>(is);
+      points = hull.getUnscaledPoints();
+      point_count = hull.getNumPoints();
+    } else if (is.getShapeType() == CONVEX_POINT_CLOUD_SHAPE_PROXYTYPE) {
+      const auto& cloud = static_cast<const btConvexPointCloudShape&>(is);
+      points = cloud.getUnscaledPoints();
+      point_count = cloud.getNumPoints();
+    }
+  }
+};
+
+/// How far a shape reaches along a direction of its own frame.
+double reachAlong(const Convex& of, const btVector3& d) {
+  const Shape& form = of.form;
+  switch (form.type) {
+    case ShapeType::kBox:
+      return std::abs(d.x()) * form.half_extents_m.x() + std::abs(d.y()) * form.half_extents_m.y() +
+             std::abs(d.z()) * form.half_extents_m.z();
+    case ShapeType::kSphere:
+      return form.radius_m * d.length();
+    case ShapeType::kCylinder:
+      return form.radius_m * std::hypot(d.x(), d.y()) + 0.5 * form.length_m * std::abs(d.z());
+    case ShapeType::kCapsule:
+      return form.radius_m * d.length() + 0.5 * form.length_m * std::abs(d.z());
+    case ShapeType::kConvexMesh:
+      break;
+  }
+  double most = -1e30;
+  for (int i = 0; i < of.point_count; ++i) most = std::max(most, of.points[i].dot(d));
+  return most;
+}
+
+/// Calls `take` with each corner of a shape that may be farthest along d: of its own frame.
+template <class Take>
+void eachCorner(const Convex& of, const btVector3& d, const Take& take) {
+  const Shape& form = of.form;
+  switch (form.type) {
+    case ShapeType::kBox: {
+      const Eigen::Vector3d& half = form.half_extents_m;
+      for (int i = 0; i < 8; ++i) {
+        take(btVector3((i & 1) != 0 ? half.x() : -half.x(), (i & 2) != 0 ? half.y() : -half.y(),
+                       (i & 4) != 0 ? half.z() : -half.z()));
+      }
+      return;
+    }
+    case ShapeType::kSphere:
+      take(d * form.radius_m);
+      return;
+    case ShapeType::kCapsule:
+      for (const double end : {-0.5, 0.5}) {
+        take(d * form.radius_m + btVector3(0, 0, end * form.length_m));
+      }
+      return;
+    case ShapeType::kCylinder: {
+      // Its end, as sixteen points of the rim of which one is the farthest, or a line along its
+      // side.
+      const double across = std::hypot(d.x(), d.y());
+      const bool leans = across > kUpright;
+      const double c = leans ? d.x() / across : 1.0, s = leans ? d.y() / across : 0.0;
+      constexpr double kA = 0.92387953251128674, kB = 0.70710678118654752, kC = 0.38268343236508977;
+      constexpr std::array<double, 20> kCosine{1,   kA,  kB, kC, 0,  -kC, -kB, -kA, -1, -kA,
+                                               -kB, -kC, 0,  kC, kB, kA,  1,   kA,  kB, kC};
+      const bool on_end = std::abs(d.z()) > across;
+      for (const double end : {-0.5, 0.5}) {
+        if (on_end && end * d.z() < 0.0) continue;
+        for (int i = 0; i < (on_end ? 16 : 1); ++i) {
+          const double x = kCosine[i], y = -kCosine[i + 4];
+          take(btVector3(form.radius_m * (c * x - s * y), form.radius_m * (s * x + c * y),
+                         end * form.length_m));
+        }
+      }
+      return;
+    }
+    case ShapeType::kConvexMesh:
+      for (int i = 0; i < of.point_count; ++i) take(of.points[i]);
+      return;
+  }
+}
+
+/// The direction of a contact and two across it.
+struct Across {
+  btVector3 normal, u, v;
+  explicit Across(const btVector3& n) : normal(n) { btPlaneSpace1(n, u, v); }
+};
+
+double turnOf(const Corner& a, const Corner& b, const Corner& c) {
+  return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
+}
+
+/// The corners of a shape farthest along `sign` times the normal, as the outline of their hull.
+Outline outlineOf(const Convex& of, const Across& across, double sign) {
+  const btVector3 d = across.normal * sign * of.at.getBasis();
+  const double most = reachAlong(of, d);
+  const double within_m = of.form.type == ShapeType::kConvexMesh ? kFacet_m : kCorner_m;
+  std::array<Corner, kMostCorners> found;
+  int count = 0;
+  eachCorner(of, d, [&](const btVector3& corner) {
+    if (most - corner.dot(d) > within_m || count == kMostCorners) return;
+    const btVector3 at = of.at * corner;
+    found[count++] = {at.dot(across.u), at.dot(across.v), at.dot(across.normal)};
+  });
+  // Monotone chain (Andrew 1979).
+  std::sort(found.begin(), found.begin() + count, [](const Corner& a, const Corner& b) {
+    return a.u < b.u || (a.u == b.u && a.v < b.v);
+  });
+  // Of two corners in one place, the one that reaches farther.
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    Corner& last = found[std::max(0, kept - 1)];
+    const bool same = kept > 0 && std::hypot(found[i].u - last.u, found[i].v - last.v) < kSame_m;
+    if (!same) {
+      found[kept++] = found[i];
+    } else if (sign * found[i].height_m > sign * last.height_m) {
+      last.height_m = found[i].height_m;
+    }
+  }
+  count = kept;
+  Outline out;
+  const auto push = [&](const Corner& corner, int first) {
+    while (out.count >= first + 2 &&
+           turnOf(out.corners[out.count - 2], out.corners[out.count - 1], corner) <= kLine_m2) {
+      --out.count;
+    }
+    out.add(corner);
+  };
+  for (int i = 0; i < count; ++i) push(found[i], 0);
+  const int back = out.count - 1;
+  for (int i = count - 2; i >= 0; --i) push(found[i], back);
+  if (out.count > 1) --out.count;  // the first again
+  return out;
+}
+
+/// Height of an outline's plane, line or point over (u, v).
+class Ground {
+ public:
+  explicit Ground(const Outline& of) : at_(of.corners[0]) {
+    if (of.count == 2) {
+      const Corner& end = of.corners[1];
+      const double u = end.u - at_.u, v = end.v - at_.v, length2 = u * u + v * v;
+      if (length2 > 0.0) {
+        const double slope = (end.height_m - at_.height_m) / length2;
+        du_ = slope * u, dv_ = slope * v;
+      }
+    } else if (of.count > 2) {
+      double nu = 0.0, nv = 0.0, nh = 0.0;  // Newell's normal
+      for (int i = 0; i < of.count; ++i) {
+        const Corner& a = of.corners[i];
+        const Corner& b = of.corners[(i + 1) % of.count];
+        nu += (a.v - b.v) * (a.height_m + b.height_m - 2.0 * at_.height_m);
+        nv += (a.height_m - b.height_m) * (a.u + b.u - 2.0 * at_.u);
+        nh += (a.u - b.u) * (a.v + b.v - 2.0 * at_.v);
+      }
+      du_ = -nu / nh, dv_ = -nv / nh;
+    }
+  }
+  [[nodiscard]] double height(const Corner& over) const {
+    return at_.height_m + du_ * (over.u - at_.u) + dv_ * (over.v - at_.v);
+  }
+
+ private:
+  Corner at_;
+  double du_ = 0.0, dv_ = 0.0;
+};
+
+Corner between(const Corner& a, const Corner& b, double share) {
+  return {a.u + share * (b.u - a.u), a.v + share * (b.v - a.v),
+          a.height_m + share * (b.height_m - a.height_m)};
+}
+
+/// What of an outline lies within a polygon (Sutherland, Hodgman 1974).
+Outline clip(Outline of, const Outline& within) {
+  constexpr double kEdge_m = 1e-9;
+  for (int e = 0; e < within.count && of.count > 0; ++e) {
+    const Corner& a = within.corners[e];
+    const Corner& b = within.corners[(e + 1) % within.count];
+    const double length = std::hypot(b.u - a.u, b.v - a.v);
+    const auto inside = [&](const Corner& c) { return turnOf(a, b, c) / length + kEdge_m; };
+    Outline kept;
+    const int edges = of.count > 2 ? of.count : of.count - 1;
+    for (int i = 0; i < of.count; ++i) {
+      const Corner& from = of.corners[i];
+      const double at_from = inside(from);
+      if (at_from >= 0.0) kept.add(from);
+      if (i >= edges) continue;
+      const Corner& to = of.corners[(i + 1) % of.count];
+      const double at_to = inside(to);
+      if ((at_from < 0.0) != (at_to < 0.0)) {
+        kept.add(between(from, to, at_from / (at_from - at_to)));
+      }
+    }
+    of = kept;
+  }
+  return of;
+}
+
+/// What two edges, or an edge and a point, have in common.
+Outline commonOf(const Outline& a, const Outline& b) {
+  Outline out;
+  if (a.count == 1 || b.count == 1) {
+    out.add(a.count == 1 ? a.corners[0] : b.corners[0]);
+    return out;
+  }
+  const Corner &p = a.corners[0], &q = b.corners[0];
+  const double au = a.corners[1].u - p.u, av = a.corners[1].v - p.v;
+  const double bu = b.corners[1].u - q.u, bv = b.corners[1].v - q.v;
+  const double cross = au * bv - av * bu, a2 = au * au + av * av, b2 = bu * bu + bv * bv;
+  if (std::abs(cross) > 0.02 * std::sqrt(a2 * b2)) {
+    const double share = ((q.u - p.u) * bv - (q.v - p.v) * bu) / cross;
+    const double other = ((q.u - p.u) * av - (q.v - p.v) * au) / cross;
+    constexpr double kPast = 1e-6;
+    if (share < -kPast || share > 1.0 + kPast || other < -kPast || other > 1.0 + kPast) return out;
+    out.add(between(p, a.corners[1], share));
+    return out;
+  }
+  const auto along = [&](const Corner& c) { return ((c.u - p.u) * au + (c.v - p.v) * av) / a2; };
+  const double first = along(q), second = along(b.corners[1]);
+  const double low = std::max(0.0, std::min(first, second));
+  const double high = std::min(1.0, std::max(first, second));
+  if (low > high) return out;
+  out.add(between(p, a.corners[1], low));
+  out.add(between(p, a.corners[1], high));
+  return out;
+}
+
+/// How far two shapes are apart along a direction from b to a; negative where they overlap.
+double gapAlong(const Convex& a, const Convex& b, const btVector3& n) {
+  return (a.at.getOrigin() - b.at.getOrigin()).dot(n) - reachAlong(a, -n * a.at.getBasis()) -
+         reachAlong(b, n * b.at.getBasis());
+}
+
+/// Of the normals of all faces, and the line of the centres, the direction along which two shapes
+/// overlap least.
+btVector3 leastOverlap(const Convex& a, const Convex& b) {
+  btVector3 best = a.at.getOrigin() - b.at.getOrigin();
+  best = best.length2() > 0.0 ? best.normalized() : btVector3(0.0, 0.0, 1.0);
+  double most_m = gapAlong(a, b, best);
+  const auto try_one = [&](const btVector3& n) {
+    const double gap_m = gapAlong(a, b, n);
+    if (gap_m <= most_m) return;
+    most_m = gap_m;
+    best = n;
+  };
+  const auto try_faces = [&](const Convex& of, double sign) {
+    for (const Eigen::Vector3i& t : of.form.triangles) {
+      const btVector3& p = of.points[t[0]];
+      const btVector3 across = (of.points[t[1]] - p).cross(of.points[t[2]] - p);
+      try_one(of.at.getBasis() * (sign * across.normalized()));
+    }
+    if (of.point_count > 0) return;
+    for (int i = 0; i < 3; ++i) {
+      for (const double side : {1.0, -1.0}) try_one(side * of.at.getBasis().getColumn(i));
+    }
+  };
+  try_faces(a, -1.0);
+  try_faces(b, 1.0);
+  return best;
+}
+
+struct Nearest {
+  ContactPatch::Point point;
+  bool found = false;
+};
+
+/// Two shapes that may be held apart.
+class NearestPoints {
+ public:
+  NearestPoints(const btCollisionObject& a, const btCollisionObject& b)
+      : shape_a_(static_cast<const btConvexShape&>(*a.getCollisionShape())),
+        shape_b_(static_cast<const btConvexShape&>(*b.getCollisionShape())),
+        at_a_(a.getWorldTransform()),
+        at_b_(b.getWorldTransform()) {}
+
+  /// Of shapes that do not overlap with a held off by `away_m`; exact where both have corners.
+  [[nodiscard]] Nearest apart(const btVector3& away_m) const {
+    btTransform held = at_a_;
+    held.getOrigin() += away_m;
+    btGjkEpaSolver2::sResults is;
+    const btVector3 towards = held.getOrigin() - at_b_.getOrigin();
+    if (!btGjkEpaSolver2::Distance(&shape_a_, held, &shape_b_, at_b_, towards, is)) return {};
+    if (is.distance < kCoreGap_m) return {};
+    // The solver's own normal is in the frame of a.
+    const btVector3 normal = (is.witnesses[0] - is.witnesses[1]) / is.distance;
+    const double margin_b = shape_b_.getMargin();
+    const double gap_m = is.distance - shape_a_.getMargin() - margin_b;
+    return {{is.witnesses[1] + normal * margin_b, normal, gap_m}, true};
+  }
+
+ private:
+  const btConvexShape &shape_a_, &shape_b_;
+  const btTransform &at_a_, &at_b_;
+};
+
+/// The nearest points. Of shapes that overlap the direction is one in which they are nearest when
+/// they are held apart along it: that of the last step, if there is one, leads to it.
+Nearest nearest(const btCollisionObject& object_a, const btCollisionObject& object_b,
+                const Convex& a, const Convex& b, const btVector3* before) {
+  const NearestPoints points(object_a, object_b);
+  const Nearest as_they_are = points.apart({0.0, 0.0, 0.0});
+  // Of points that nearly coincide the direction is lost: the shapes are not apart along it.
+  if (as_they_are.found &&
+      gapAlong(a, b, as_they_are.point.normal) > as_they_are.point.gap_m - kSure_m) {
+    return as_they_are;
+  }
+  btVector3 along = before != nullptr ? *before : leastOverlap(a, b);
+  double gap_m = gapAlong(a, b, along);
+  Nearest out;
+  for (int i = 0; i < kMostTurns; ++i) {
+    const Nearest held = points.apart((kHeldApart_m - gap_m) * along);
+    if (!held.found) break;
+    if (!out.found) out = held, out.point.normal = along;
+    const btVector3& normal = held.point.normal;
+    const double is_m = gapAlong(a, b, normal);
+    const bool done = (normal - along).length2() < kSameTurn * kSameTurn;
+    if (done || is_m <= gap_m) break;
+    along = normal;
+    gap_m = is_m;
+    out = held;
+  }
+  out.point.gap_m = gap_m;
+  return out;
+}
+
+/// Calls `judge` with each face's outward normal, world, and how far the other shape is from the
+/// face's plane. Leaves out faces into which a point of the other lies deep.
+template <class Judge>
+void eachFace(const Convex& of, const Convex& other, const Judge& judge) {
+  const btMatrix3x3& basis = of.at.getBasis();
+  const btVector3 within =
+      of.at.invXform(other.point_count > 0 ? other.at * other.points[0] : other.at.getOrigin());
+  const auto reach = [&](const btVector3& n) {
+    return reachAlong(other, -n * other.at.getBasis());
+  };
+  if (of.form.type == ShapeType::kBox || of.form.type == ShapeType::kCylinder) {
+    const btVector3 center = of.at.invXform(other.at.getOrigin());
+    for (int i = of.form.type == ShapeType::kBox ? 0 : 2; i < 3; ++i) {
+      const double half_m =
+          of.form.type == ShapeType::kBox ? of.form.half_extents_m[i] : 0.5 * of.form.length_m;
+      for (const double sign : {1.0, -1.0}) {
+        if (sign * within[i] - half_m < -kSunk_m) continue;
+        const btVector3 n = sign * basis.getColumn(i);
+        judge(n, sign * center[i] - half_m - reach(n));
+      }
+    }
+  }
+  for (const Eigen::Vector3i& t : of.form.triangles) {
+    const btVector3& p = of.points[t[0]];
+    const btVector3 across = (of.points[t[1]] - p).cross(of.points[t[2]] - p);
+    const double off = across.dot(within - p);
+    if (off < 0.0 && off * off > kSunk_m * kSunk_m * across.length2()) continue;
+    const btVector3 local = across.normalized(), n = basis * local;
+    judge(n, (other.at.getOrigin() - of.at * p).dot(n) - reach(n));
+  }
+}
+
+/// The face on whose plane the other body lies, or into which it has sunk a little.
+struct Flush {
+  enum class Kind { kNone, kOne, kAcross } kind = Kind::kNone;
+  btVector3 normal;  ///< of kOne; from b to a
+  bool sunk = false;
+};
+
+/// With two faces across each other that overlap by no more than kFlush_m the bodies meet in an
+/// edge at most: flush pieces side by side, and what slides from one to the next.
+Flush findFlush(const Convex& a, const Convex& b, double reach_m) {
+  Flush out;
+  double best = -kSunk_m;
+  // Of one face the other body must lie on the plane, not only near it.
+  const auto across = [&](const btVector3& n, double gap) {
+    return std::min(gap, best) >= -kFlush_m && std::max(gap, best) <= reach_m &&
+           std::min(gap, best) <= kFlush_m && std::abs(n.dot(out.normal)) < kAcross;
+  };
+  const auto judge = [&](const btVector3& n, double gap) {
+    if (out.kind == Flush::Kind::kAcross) return;
+    if (out.kind == Flush::Kind::kOne && across(n, gap)) {
+      out.kind = Flush::Kind::kAcross;
+      return;
+    }
+    if (gap > reach_m || gap < best + kTie_m) return;
+    best = gap;
+    out = {Flush::Kind::kOne, n, gap < -kFlush_m};
+  };
+  eachFace(b, a, judge);
+  eachFace(a, b, [&](const btVector3& n, double gap) { judge(-n, gap); });
+  return out;
+}
+
+/// The centre of pressure of the last step.
+std::optional<Corner> pressedAt(const btPersistentManifold* before, const Across& across) {
+  btVector3 moment(0.0, 0.0, 0.0);
+  double impulse = 0.0;
+  for (int k = 0; before != nullptr && k < before->getNumContacts(); ++k) {
+    const btManifoldPoint& point = before->getContactPoint(k);
+    moment += point.m_appliedImpulse * point.m_positionWorldOnB;
+    impulse += point.m_appliedImpulse;
+  }
+  if (impulse <= 0.0) return {};
+  return Corner{moment.dot(across.u) / impulse, moment.dot(across.v) / impulse, 0.0};
+}
+
+using Chosen = std::array<int, ContactPatch::kMost>;
+
+/// Of more corners than a patch holds: one, the farthest from it, and between them the two farthest
+/// from the line through both, left and right of it; -1: none is there.
+Chosen spreadFrom(int first, const Outline& of) {
+  Chosen chosen{first, -1, -1, -1};
+  const auto choose = [&](int place, const auto& worth) {
+    double best = 1e-15;
+    for (int i = 0; i < of.count; ++i) {
+      const double is = worth(of.corners[i]);
+      if (is <= best) continue;
+      best = is;
+      chosen[place] = i;
+    }
+    return chosen[place];
+  };
+  const Corner& from = of.corners[first];
+  const int last =
+      choose(1, [&](const Corner& c) { return std::hypot(c.u - from.u, c.v - from.v); });
+  if (last < 0) return chosen;
+  const Corner& to = of.corners[last];
+  choose(2, [&](const Corner& c) { return turnOf(from, to, c); });
+  choose(3, [&](const Corner& c) { return -turnOf(from, to, c); });
+  return chosen;
+}
+
+/// How far within the line from one corner to another a point is.
+double within(const Corner& a, const Corner& b, const Corner& at) {
+  return turnOf(a, b, at) / std::hypot(b.u - a.u, b.v - a.v);
+}
+
+/// Whether a point is far within the corners of spreadFrom().
+bool wellWithin(const Chosen& chosen, const Outline& of, const Corner& at) {
+  if (std::min({chosen[1], chosen[2], chosen[3]}) < 0) return false;
+  const Corner &a = of.corners[chosen[0]], &b = of.corners[chosen[1]];
+  const double least_m = kWellWithin * std::hypot(b.u - a.u, b.v - a.v);
+  constexpr std::array kAround{0, 3, 1, 2, 0};
+  for (int i = 0; i < 4; ++i) {
+    const int from = chosen[kAround[i]], to = chosen[kAround[i + 1]];
+    if (within(of.corners[from], of.corners[to], at) < least_m) return false;
+  }
+  return true;
+}
+
+/// The edge that is nearest to a point, and the two corners that span most with it.
+Chosen nearestEdge(const Outline& of, const Corner& at) {
+  const auto index = [&](int first, int after) { return (first + after) % of.count; };
+  const auto length = [&](int i) {
+    const Corner &a = of.corners[i], &b = of.corners[index(i, 1)];
+    return std::hypot(b.u - a.u, b.v - a.v);
+  };
+  double longest_m = 0.0;
+  for (int i = 0; i < of.count; ++i) longest_m = std::max(longest_m, length(i));
+  int first = 0;
+  double least_m = 1e30;
+  for (int i = 0; i < of.count; ++i) {
+    if (length(i) < kShort * longest_m) continue;  // its corners are nearly one
+    const double is_m = within(of.corners[i], of.corners[index(i, 1)], at);
+    if (is_m >= least_m - kNearer_m) continue;
+    least_m = is_m;
+    first = i;
+  }
+  Chosen chosen{};
+  double most_m2 = -1.0;
+  const Corner &a = of.corners[first], &b = of.corners[index(first, 1)];
+  for (int i = 2; i < of.count; ++i) {
+    for (int j = i + 1; j < of.count; ++j) {
+      const int c = index(first, i), d = index(first, j);
+      const double is_m2 = turnOf(a, b, of.corners[c]) + turnOf(a, of.corners[c], of.corners[d]);
+      if (is_m2 <= most_m2 + kLine_m2) continue;
+      most_m2 = is_m2;
+      chosen = {first, index(first, 1), c, d};
+    }
+  }
+  return chosen;
+}
+
+/// @param before points of the last step; null: none
+ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& normal, double reach_m,
+                        const btPersistentManifold* before) {
+  const Across across(normal);
+  const Outline of_a = outlineOf(a, across, -1.0), of_b = outlineOf(b, across, 1.0);
+  const bool b_bounds = of_b.count > 2;
+  const Outline common = b_bounds         ? clip(of_a, of_b)
+                         : of_a.count > 2 ? clip(of_b, of_a)
+                                          : commonOf(of_a, of_b);
+  const Ground ground_a(of_a), ground_b(of_b);
+  Outline touching;
+  std::array<double, 2 * kMostCorners> gaps;
+  gaps[0] = 1e30;
+  int deepest = 0;
+  for (int i = 0; i < common.count; ++i) {
+    const Corner& at = common.corners[i];
+    const double gap_m = ground_a.height(at) - ground_b.height(at);
+    if (gap_m > reach_m) continue;
+    if (gap_m < gaps[deepest] - kLevel_m) deepest = touching.count;
+    gaps[touching.count] = gap_m;
+    touching.add(at);
+  }
+  ContactPatch patch;
+  const auto add = [&](int i) {
+    const Corner& at = touching.corners[i];
+    patch.add({across.u * at.u + across.v * at.v + across.normal * ground_b.height(at),
+               across.normal, gaps[i]});
+  };
+  if (touching.count <= ContactPatch::kMost) {
+    for (int i = 0; i < touching.count; ++i) add(i);
+    return patch;
+  }
+  // Nothing tips over a line within its foot: where it presses near one the edge beyond is whole.
+  const std::optional<Corner> pressed = pressedAt(before, across);
+  Chosen chosen = spreadFrom(deepest, touching);
+  if (pressed && !wellWithin(chosen, touching, *pressed)) chosen = nearestEdge(touching, *pressed);
+  for (const int i : chosen) {
+    if (i >= 0) add(i);
+  }
+  return patch;
+}
+
+}  // namespace
+
+ContactPatch findPatch(const btCollisionObject& object_a, const Shape& form_a,
+                       const btCollisionObject& object_b, const Shape& form_b, double reach_m,
+                       const btPersistentManifold* before) noexcept {
+  const Convex a(object_a, form_a), b(object_b, form_b);
+  const Flush flush = findFlush(a, b, reach_m);
+  if (flush.kind == Flush::Kind::kAcross) return {};
+  if (flush.kind == Flush::Kind::kOne) {
+    const ContactPatch patch = patchAlong(a, b, flush.normal, reach_m, before);
+    if (patch.count > 0) return patch;
+  }
+  const bool touched = before != nullptr && before->getNumContacts() > 0;
+  const btVector3* along = touched ? &before->getContactPoint(0).m_normalWorldOnB : nullptr;
+  const Nearest near = nearest(object_a, object_b, a, b, along);
+  if (!near.found || near.point.gap_m > reach_m) return {};
+  // Beside that face an edge is met: between the two directions only rounding lies.
+  if (flush.kind == Flush::Kind::kOne && !flush.sunk &&
+      near.point.normal.dot(flush.normal) < kAlike) {
+    return {};
+  }
+  ContactPatch patch = patchAlong(a, b, near.point.normal, reach_m, before);
+  if (patch.count == 0) patch.add(near.point);
+  return patch;
+}
+
+namespace {
+
+/// What a point passes on to the one that takes its place.
+struct Kept {
+  btVector3 local_a, local_b, tangent1, tangent2;
+  double impulse, impulse1, impulse2, spin, drift1, drift2;
+
+  void take(const btManifoldPoint& from) {
+    local_a = from.m_localPointA, local_b = from.m_localPointB;
+    tangent1 = from.m_lateralFrictionDir1, tangent2 = from.m_lateralFrictionDir2;
+    impulse = from.m_appliedImpulse;
+    impulse1 = from.m_appliedImpulseLateral1, impulse2 = from.m_appliedImpulseLateral2;
+    spin = from.m_prevRHS;
+    drift1 = from.m_contactMotion1, drift2 = from.m_contactMotion2;
+  }
+  void give(btManifoldPoint& to) const {
+    to.m_lateralFrictionDir1 = tangent1, to.m_lateralFrictionDir2 = tangent2;
+    to.m_appliedImpulse = impulse;
+    to.m_appliedImpulseLateral1 = impulse1, to.m_appliedImpulseLateral2 = impulse2;
+    to.m_prevRHS = spin;
+    to.m_contactMotion1 = drift1, to.m_contactMotion2 = drift2;
+  }
+};
+
+}  // namespace
+
+void inherit(btManifoldPoint& heir, const btManifoldPoint& from) noexcept {
+  Kept kept;
+  kept.take(from);
+  kept.give(heir);
+}
+
+void renew(btPersistentManifold& manifold, const ContactPatch& patch) noexcept {
+  const btTransform& at_a = manifold.getBody0()->getWorldTransform();
+  const btTransform& at_b = manifold.getBody1()->getWorldTransform();
+  std::array<Kept, ContactPatch::kMost> before;
+  std::array<bool, ContactPatch::kMost> taken{};
+  const int count = manifold.getNumContacts();
+  for (int k = 0; k < count; ++k) before[k].take(manifold.getContactPoint(k));
+  const double friction =
+      btManifoldResult::calculateCombinedFriction(manifold.getBody0(), manifold.getBody1());
+  while (manifold.getNumContacts() > patch.count) {
+    manifold.removeContactPoint(manifold.getNumContacts() - 1);
+  }
+  for (int i = 0; i < patch.count; ++i) {
+    const ContactPatch::Point& is = patch.points[i];
+    const btVector3 on_a = is.on_b + is.normal * is.gap_m;
+    if (i == manifold.getNumContacts()) {
+      manifold.addManifoldPoint(btManifoldPoint(on_a, is.on_b, is.normal, is.gap_m), true);
+    }
+    btManifoldPoint& point = manifold.getContactPoint(i);
+    point.m_localPointA = at_a.invXform(on_a);
+    point.m_localPointB = at_b.invXform(is.on_b);
+    point.m_positionWorldOnA = on_a;
+    point.m_positionWorldOnB = is.on_b;
+    point.m_normalWorldOnB = is.normal;
+    point.m_distance1 = is.gap_m;
+    point.m_combinedFriction = friction;
+    int same = -1;
+    double least = kAsBefore_m * kAsBefore_m;
+    for (int k = 0; k < count; ++k) {
+      if (taken[k]) continue;
+      const double away = std::min((before[k].local_a - point.m_localPointA).length2(),
+                                   (before[k].local_b - point.m_localPointB).length2());
+      if (away >= least) continue;
+      least = away;
+      same = k;
+    }
+    if (same >= 0) {
+      taken[same] = true;
+      if (same != i) before[same].give(point);
+      continue;
+    }
+    Kept none{};
+    btPlaneSpace1(is.normal, none.tangent1, none.tangent2);
+    none.give(point);
+  }
+}
+
+}  // namespace wholehand::bullet

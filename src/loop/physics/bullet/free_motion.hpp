@@ -1,0 +1,21 @@
+#pragma once
+
+#include "loop/core/real_time.hpp"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace wholehand::bullet {
+
+/// Moves a body by one step without forces. It keeps its momentum; it turns as turnFree()
+/// (loop/physics/free_rotation.hpp). Bullet's own step keeps neither angular momentum nor energy.
+/// Real-time safe.
+WHOLEHAND_RT void moveFree(btRigidBody& body, double step_s) noexcept;
+
+/// ½ m v² + ½ ω·I ω; 0 for a body that does not move. Real-time safe.
+[[nodiscard]] WHOLEHAND_RT double kineticEnergy(const btRigidBody& body) noexcept;
+/// The same with another velocity of its centre of mass and another spin, world.
+[[nodiscard]] WHOLEHAND_RT double kineticEnergy(const btRigidBody& body,
+                                                const btVector3& velocity_m_s,
+                                                const btVector3& spin_rad_s) noexcept;
+
+}  // namespace wholehand::bullet

@@ -1,0 +1,86 @@
+#include "loop/physics/bullet/joint_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand::bullet {
+namespace {
+
+constexpr double kRounding = 1e-12;  // of an impulse
+
+}  // namespace
+
+void JointRows::add(btRigidBody& rigid, BodyJoint& joint) {
+  rigid.setUserPointer(&joint);
+  rows_.push_back({&rigid, &joint});
+}
+
+void JointRows::begin(std::vector<bool>& touched) noexcept {
+  for (Row& row : rows_) {
+    row.body = row.rigid->getCompanionId();
+    row.first = -1;
+    row.acts = false;
+    const double most = row.joint->mostFriction();
+    row.friction = std::clamp(row.friction, -most, most);
+    if (row.body >= 0) touched[row.body] = true;
+  }
+}
+
+// One unknown: friction as far as it stops the joint, then what is missing at an end.
+double JointRows::solve(Bodies& bodies) noexcept {
+  double largest = 0.0;
+  for (Row& row : rows_) {
+    if (row.body < 0 || row.first >= 0) continue;
+    const BodyJoint& joint = *row.joint;
+    double& change = bodies[row.body].m_deltaAngularVelocity[0];
+    const double before = row.friction + row.end;
+    const double free = joint.rate() + change - (row.acts ? joint.yield() * before : 0.0);
+    const double most = joint.mostFriction();
+    row.friction = std::clamp(-free / joint.yield(), -most, most);
+    const double rubbed = free + joint.yield() * row.friction;
+    const double rate = std::clamp(rubbed, joint.leastRate(), joint.mostRate());
+    row.end = (rate - rubbed) / joint.yield();
+    row.acts = true;
+    change = rate - joint.rate();
+    const double changed = std::abs(row.friction + row.end - before);
+    if (changed > kRounding * std::abs(before)) largest = std::max(largest, changed);
+  }
+  return largest;
+}
+
+bool JointRows::addTo(ConeNewton& newton, int body, int unknown) noexcept {
+  for (Row& row : rows_) {
+    if (row.body != body) continue;
+    const BodyJoint& joint = *row.joint;
+    const double root = std::sqrt(joint.yield());
+    row.first = newton.rowCount();
+    const auto give = [&](ConeNewton::Row* to, double along, double goal, double start) {
+      if (to == nullptr) return false;
+      to->along[unknown] = along;
+      to->goal = goal;
+      to->start = start;
+      return true;
+    };
+    const double most = joint.mostFriction();
+    return give(newton.addBox(most > 0.0 ? most : 1e-300), root, -joint.rate(), row.friction) &&
+           give(newton.add(1, 0.0, 0.0), root, joint.leastRate() - joint.rate(),
+                std::max(0.0, row.end)) &&
+           give(newton.add(1, 0.0, 0.0), -root, joint.rate() - joint.mostRate(),
+                std::max(0.0, -row.end));
+  }
+  return true;
+}
+
+void JointRows::takeFrom(const ConeNewton& newton) noexcept {
+  for (Row& row : rows_) {
+    if (row.first < 0) continue;
+    row.friction = newton.row(row.first).impulse;
+    row.end = newton.row(row.first + 1).impulse - newton.row(row.first + 2).impulse;
+  }
+}
+
+void JointRows::release() noexcept {
+  for (Row& row : rows_) row.first = -1;
+}
+
+}  // namespace wholehand::bullet

@@ -1,0 +1,612 @@
+#include "loop/physics/bullet/reduced_contact_solver.hpp"
+
+#include "loop/core/compiler.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
+#include "loop/physics/bullet/row_arithmetic.hpp"
+
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+// The sweeps of projected Gauss-Seidel over the rows: the hot loop of the tick.
+
+namespace wholehand::bullet {
+namespace {
+
+// A row whose effective inverse mass is below this moves nothing: the palm on a fixed body while
+// the spin row has no joint to turn. Dividing by it gave NaN.
+constexpr double kLeastInverseMass = 1e-12;
+// More points than a record shows: what is not shown still pushes.
+constexpr int kMostContacts = 4 * kMaxContacts;
+
+}  // namespace
+
+ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const ArticulatedBody& kinematics,
+                                           HandRows& rows, const SolverSettings& settings,
+                                           int bodies)
+    : axes_(hand.axis_count),
+      settings_(settings),
+      kinematics_(kinematics),
+      rows_(rows),
+      inverse_(AxisMatrix::Zero(axes_ <= kNarrow ? kNarrow : kMaxAxes,
+                                axes_ <= kNarrow ? kNarrow : kMaxAxes)),
+      contacts_(kMostContacts),
+      bounded_(bodies),
+      bounds_(bodies),
+      newton_(settings.newton),
+      body_rows_(mostBodyContacts(bodies), mostSolverBodies(bodies)) {
+  reserve(bodies);
+}
+
+void ReducedContactSolver::beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity) {
+  forgetStep();
+  inverse_.topLeftCorner(axes_, axes_) = inverse;
+  std::copy_n(velocity.data(), axes_, velocity_.data());
+  change_.fill(0.0);
+}
+
+double ReducedContactSolver::impulseOn(int body) const noexcept {
+  double sum_ns = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    if (contacts_[i].body == body) sum_ns += contacts_[i].normal_row.impulse;
+  }
+  return sum_ns;
+}
+
+AxisVelocity ReducedContactSolver::velocity() const {
+  AxisVelocity out(axes_);
+  for (int a = 0; a < axes_; ++a) out[a] = velocity_[a] + change_[a];
+  return out;
+}
+
+// Boxes in stacks side by side were seen to need 10 contacts each.
+int ReducedContactSolver::mostBodyContacts(int bodies) {
+  return std::max(512, 16 * bodies);
+}
+int ReducedContactSolver::mostSolverBodies(int bodies) {
+  return std::max(128, 2 * bodies);
+}
+
+// The base class grows these arrays at first contacts; growing them here keeps the tick free of
+// allocation.
+void ReducedContactSolver::reserve(int bodies) {
+  m_tmpSolverBodyPool.reserve(mostSolverBodies(bodies));
+  slot_.reserve(mostSolverBodies(bodies));
+  island_.reserve(ConeNewton::kMostUnknowns / 6);
+  touched_.resize(mostSolverBodies(bodies));
+}
+
+void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
+                                           const btContactSolverInfo& info) {
+  rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
+  softness_ =
+      settings_.contact_erp / (settings_.contact_stiffness_n_m * info.m_timeStep * info.m_timeStep);
+  couples_ends_ = rows_.couplesEnds();
+  bool others = false;
+  for (int i = 0; i < count; ++i) {
+    const ColliderTag& a = *tagOf(manifolds[i]->getBody0());
+    const ColliderTag& b = *tagOf(manifolds[i]->getBody1());
+    if (!a.ofHand() && !b.ofHand()) {
+      others = true;
+    } else if (a.ofHand()) {
+      convertHandManifold(*manifolds[i], a, b, true, info);
+    } else {
+      convertHandManifold(*manifolds[i], b, a, false, info);
+    }
+  }
+  body_rows_.clear();
+  findTouched();
+  for (int i = 0; others && i < count; ++i) {
+    const bool of_hand =
+        tagOf(manifolds[i]->getBody0())->ofHand() || tagOf(manifolds[i]->getBody1())->ofHand();
+    if (!of_hand) convertBodyManifold(*manifolds[i], info);
+  }
+}
+
+void ReducedContactSolver::findTouched() {
+  std::fill(touched_.begin(), touched_.end(), false);
+  for (int i = 0; i < contact_count_; ++i) {
+    const int body = contacts_[i].solver_body;
+    touched_[body] = m_tmpSolverBodyPool[body].m_originalBody != nullptr;
+  }
+  joints_.begin(touched_);
+}
+
+void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
+                                               const btContactSolverInfo& info) {
+  if (manifold.getNumContacts() > body_rows_.room()) {
+    dropped_ += manifold.getNumContacts();
+    return;
+  }
+  const ContactGoals goals{info.m_timeStep,           settings_.penetration_slop_m,
+                           settings_.contact_erp,     settings_.body_push_m_s,
+                           settings_.body_warm_start, info.m_restitutionVelocityThreshold};
+  const int a = getOrInitSolverBody(*tagOf(manifold.getBody0())->rigid, info.m_timeStep);
+  const int b = getOrInitSolverBody(*tagOf(manifold.getBody1())->rigid, info.m_timeStep);
+  body_rows_.add(manifold, a, b, goals, m_tmpSolverBodyPool, touched_);
+}
+
+void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
+                                               const ColliderTag& hand, const ColliderTag& body,
+                                               bool hand_is_a, const btContactSolverInfo& info) {
+  const int solver_body = getOrInitSolverBody(*body.rigid, info.m_timeStep);
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    btManifoldPoint& point = manifold.getContactPoint(k);
+    if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
+    if (contact_count_ == kMostContacts) {
+      ++dropped_;
+      continue;
+    }
+    HandContact& contact = contacts_[contact_count_++];
+    contact.point = &point;
+    contact.capsule = hand.capsule;
+    contact.body = body.body;
+    contact.solver_body = solver_body;
+    contact.friction = point.m_combinedFriction;
+    contact.normal = hand_is_a ? point.m_normalWorldOnB : -point.m_normalWorldOnB;
+    contact.on_hand = hand_is_a ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
+    contact.distance_m = point.getDistance();
+    contact.bound = bounded_[body.body] ? &bounds_[body.body] : nullptr;
+    setUpContact(contact, hand, *body.rigid,
+                 hand_is_a ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), info);
+    startFromLast(contact);
+  }
+}
+
+void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag& tag,
+                                        const btRigidBody& owner, const btVector3& on_body,
+                                        const btContactSolverInfo& info) {
+  const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const btRigidBody* rigid = body.m_originalBody;
+  const btVector3 arm =
+      rigid != nullptr ? on_body - rigid->getCenterOfMassPosition() : btVector3(0, 0, 0);
+  const Eigen::Vector3d at = toEigen(contact.on_hand);
+  const double step_s = info.m_timeStep;
+  // As Bullet lays them for a new point, so that one that replaces an old one inherits its
+  // impulses.
+  btPlaneSpace1(contact.point->m_normalWorldOnB, contact.tangent1, contact.tangent2);
+
+  const auto linear_row = [&](ReducedRow& row, const btVector3& direction, double goal) {
+    kinematics_.reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
+    row.linear = -direction;
+    row.angular = arm.cross(-direction);
+    // Bullet has one body for all that is fixed, and that one stands; this one may slide.
+    if (rigid == nullptr) goal -= row.linear.dot(owner.getLinearVelocity());
+    aim(row, body, goal);
+  };
+  // Apart: let them close the gap in this step and no further. Overlapping: push apart gently.
+  const double gap = contact.distance_m + settings_.penetration_slop_m;
+  const double goal = gap > 0.0 ? -gap / step_s : -gap * settings_.contact_erp / step_s;
+  linear_row(contact.normal_row, contact.normal, goal);
+  const btManifoldPoint& point = *contact.point;
+  const btVector3 drift = point.m_lateralFrictionDir1 * point.m_contactMotion1 +
+                          point.m_lateralFrictionDir2 * point.m_contactMotion2;
+  contact.drift1_m = drift.dot(contact.tangent1);
+  contact.drift2_m = drift.dot(contact.tangent2);
+  const double pull = -settings_.friction_anchor_erp / step_s;
+  linear_row(contact.tangent1_row, contact.tangent1, pull * contact.drift1_m);
+  linear_row(contact.tangent2_row, contact.tangent2, pull * contact.drift2_m);
+
+  ReducedRow& spin = contact.spin_row;
+  kinematics_.reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
+  spin.linear.setZero();
+  spin.angular = -contact.normal;
+  aim(spin, body, 0.0);
+}
+
+void ReducedContactSolver::aim(ReducedRow& row, const btSolverBody& body,
+                               double goal_velocity) const {
+  double velocity = 0.0;
+  for (int a = 0; a < axes_; ++a) velocity += row.jacobian[a] * velocity_[a];
+  const BodyJoint* joint = body.m_originalBody != nullptr ? jointOf(*body.m_originalBody) : nullptr;
+  if (joint != nullptr) {
+    projectOnJoint(*joint, row.linear, row.angular);
+    velocity += row.angular.x() * joint->rate();
+  } else if (body.m_originalBody != nullptr) {
+    velocity += row.linear.dot(body.m_linearVelocity + body.m_externalForceImpulse) +
+                row.angular.dot(body.m_angularVelocity + body.m_externalTorqueImpulse);
+  }
+  row.lacking = goal_velocity - velocity;
+}
+
+// The point keeps its impulses and tangents from the step before; tangents may have turned.
+void ReducedContactSolver::startFromLast(HandContact& contact) const {
+  const btManifoldPoint& point = *contact.point;
+  const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                        point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+  const btRigidBody* body = m_tmpSolverBodyPool[contact.solver_body].m_originalBody;
+  const bool wall = body == nullptr || body->getInvMass() == 0.0;
+  const double share = settings_.warm_start;
+  contact.normal_row.impulse = (wall ? settings_.wall_warm_start : share) * point.m_appliedImpulse;
+  contact.tangent1_row.impulse = share * old.dot(contact.tangent1);
+  contact.tangent2_row.impulse = share * old.dot(contact.tangent2);
+  contact.spin_row.impulse = share * point.m_prevRHS;
+}
+
+void ReducedContactSolver::prepareSweeps() {
+  for (ImpulseBound& bound : bounds_) bound.pressed = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+    finishRow(contact.normal_row, body, false, Ends::kPressed, softness_);
+    contact.yielding = softness_ * contact.normal_row.effective_mass;
+    contact.rests_on_ends = couples_ends_;
+    finishFriction(contact, couples_ends_ ? Ends::kHeld : Ends::kFree);
+    start(contact);
+  }
+  rows_.start(change_.data());
+}
+
+void ReducedContactSolver::finishFriction(HandContact& contact, Ends ends) const {
+  const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  finishRow(contact.tangent1_row, body, false, ends);
+  finishRow(contact.tangent2_row, body, false, ends);
+  finishRow(contact.spin_row, body, true, ends);
+  const ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
+  if (one.effective_mass == 0.0 || two.effective_mass == 0.0) return;
+  FrictionDisc<double>& disc = contact.disc;
+  disc.yield_12 = one.linear.dot(two.linear_response) + one.angular.dot(two.angular_response);
+  for (int a = 0; a < axes_; ++a) disc.yield_12 += one.jacobian[a] * two.response[a];
+  constexpr double kDefinite = 1.0 + 1e-9;  // where one axis alone moves both
+  disc.yield_11 = kDefinite / one.effective_mass;
+  disc.yield_22 = kDefinite / two.effective_mass;
+  const double det = disc.yield_11 * disc.yield_22 - disc.yield_12 * disc.yield_12;
+  disc.mass_11 = disc.yield_22 / det;
+  disc.mass_12 = -disc.yield_12 / det;
+  disc.mass_22 = disc.yield_11 / det;
+}
+
+void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
+                                     Ends ends, double softness) const {
+  if (axes_ <= kNarrow) {
+    respond<kNarrow>(row);
+  } else {
+    respond<kMaxAxes>(row);
+  }
+  row.end_shares.fill(0.0);
+  if (couples_ends_ && ends != Ends::kFree) {
+    rows_.coupleToEnds(row.jacobian, row.response, row.end_shares, ends == Ends::kPressed);
+  }
+  double inverse_mass = 0.0;
+  for (int a = 0; a < axes_; ++a) {
+    inverse_mass += row.response[a] * row.jacobian[a];
+  }
+  const btRigidBody* rigid = body.m_originalBody;
+  row.linear_response.setZero();
+  row.angular_response.setZero();
+  if (rigid != nullptr) {
+    const Mobility mobility = mobilityOf(*rigid);
+    if (!angular) row.linear_response = row.linear * mobility.linear;
+    row.angular_response = mobility.angular * row.angular;
+    inverse_mass += row.linear_response.dot(row.linear) + row.angular_response.dot(row.angular);
+  }
+  row.effective_mass = inverse_mass > kLeastInverseMass ? 1.0 / (inverse_mass + softness) : 0.0;
+  row.target = row.lacking * row.effective_mass;
+}
+
+/// M_r⁻¹ j
+template <int Width>
+void ReducedContactSolver::respond(ReducedRow& row) const {
+  using Axes = Eigen::Matrix<double, Width, 1>;
+  Axes response = Axes::Zero();
+  for (int a = 0; a < axes_; ++a) {
+    response += row.jacobian[a] * Eigen::Map<const Axes>(inverse_.data() + a * Width);
+  }
+  Eigen::Map<Axes>(row.response.data()) = response;
+}
+
+btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
+                                                             int body_count,
+                                                             const btContactSolverInfo& info) {
+  rows_.finish();
+  if (body_rows_.solveUneven(newton_, m_tmpSolverBodyPool)) far_unsettled_ = false;
+  body_rows_.write(m_tmpSolverBodyPool);
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    keepDrift(contact, info.m_timeStep);
+    btManifoldPoint& point = *contact.point;
+    point.m_appliedImpulse = contact.normal_row.impulse;
+    point.m_appliedImpulseLateral1 = contact.tangent1_row.impulse;
+    point.m_appliedImpulseLateral2 = contact.tangent2_row.impulse;
+    point.m_contactMotion1 = contact.drift1_m;
+    point.m_contactMotion2 = contact.drift2_m;
+    point.m_lateralFrictionDir1 = contact.tangent1;
+    point.m_lateralFrictionDir2 = contact.tangent2;
+    point.m_prevRHS = contact.spin_row.impulse;  // a free slot that lives with the point
+  }
+  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,
+                                                                            info);
+}
+
+// The hand's contacts solved at once, by ConeNewton: where the bodies that the hand touches are
+// few, and touch nothing else.
+
+bool ReducedContactSolver::listIsland() {
+  island_.clear();
+  slot_.assign(m_tmpSolverBodyPool.size(), -1);
+  for (int i = 0; i < contact_count_; ++i) {
+    const int body = contacts_[i].solver_body;
+    const btRigidBody* rigid = m_tmpSolverBodyPool[body].m_originalBody;
+    if (rigid == nullptr || slot_[body] >= 0) continue;
+    const int bodies = static_cast<int>(island_.size()) + 1;
+    if (axes_ + 6 * bodies > ConeNewton::kMostUnknowns) return false;
+    slot_[body] = bodies - 1;
+    IslandBody& added = island_.emplace_back();
+    added.solver_body = body;
+    const Mobility mobility = mobilityOf(*rigid);
+    added.linear = std::sqrt(mobility.linear);
+    added.angular.factorize([&](int r, int c) { return mobility.angular[r][c]; }, 3);
+  }
+  return true;
+}
+
+void ReducedContactSolver::writeRow(const ReducedRow& row, int body, ConeNewton::Row& out) const {
+  root_.transpose(row.jacobian.data(), out.along.data());
+  out.goal = row.lacking;
+  out.start = row.impulse;
+  if (slot_[body] < 0) return;
+  const IslandBody& of = island_[slot_[body]];
+  double* along = out.along.data() + axes_ + 6 * slot_[body];
+  for (int i = 0; i < 3; ++i) along[i] = of.linear * row.linear[i];
+  of.angular.transpose(row.angular.m_floats, along + 3);
+}
+
+bool ReducedContactSolver::solveAtOnce() {
+  if (!settings_.at_once || body_rows_.anyNear()) return false;
+  if (rows_.touchCount() > 0 || rows_.couplesEnds() || !listIsland()) return false;
+  root_.factorize(inverse_, axes_);
+  newton_.begin(axes_ + 6 * static_cast<int>(island_.size()));
+  for (int i = 0; i < contact_count_; ++i) {
+    const HandContact& contact = contacts_[i];
+    ConeNewton::Row* rows = newton_.add(4, contact.friction, settings_.spinning_friction_m);
+    if (rows == nullptr) return false;
+    writeRow(contact.normal_row, contact.solver_body, rows[0]);
+    writeRow(contact.tangent1_row, contact.solver_body, rows[1]);
+    writeRow(contact.tangent2_row, contact.solver_body, rows[2]);
+    writeRow(contact.spin_row, contact.solver_body, rows[3]);
+  }
+  if (!rows_.addEndsTo(newton_, root_)) return false;
+  if (!addJointsTo() || !newton_.solve() || !withinBounds()) {
+    joints_.release();
+    return false;
+  }
+  takeImpulses();
+  return true;
+}
+
+bool ReducedContactSolver::addJointsTo() {
+  for (std::size_t i = 0; joints_.any() && i < island_.size(); ++i) {
+    const int unknown = axes_ + 6 * static_cast<int>(i) + 3;
+    if (!joints_.addTo(newton_, island_[i].solver_body, unknown)) return false;
+  }
+  return true;
+}
+
+// A bound that holds couples the contacts of its body: sweeps keep it.
+bool ReducedContactSolver::withinBounds() {
+  for (int i = 0; i < contact_count_; ++i) {
+    if (contacts_[i].bound != nullptr) contacts_[i].bound->pressed = 0.0;
+  }
+  for (int i = 0; i < contact_count_; ++i) {
+    ImpulseBound* bound = contacts_[i].bound;
+    if (bound == nullptr) continue;
+    bound->pressed += newton_.row(4 * i).impulse;
+    if (bound->pressed > bound->most) return false;
+  }
+  return true;
+}
+
+void ReducedContactSolver::takeImpulses() {
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    contact.normal_row.impulse = newton_.row(4 * i).impulse;
+    contact.tangent1_row.impulse = newton_.row(4 * i + 1).impulse;
+    contact.tangent2_row.impulse = newton_.row(4 * i + 2).impulse;
+    contact.spin_row.impulse = newton_.row(4 * i + 3).impulse;
+  }
+  rows_.takeEndsFrom(newton_, 4 * contact_count_);
+  joints_.takeFrom(newton_);
+  const double* change = newton_.change().data();
+  root_.apply(change, change_.data());
+  for (const IslandBody& of : island_) {
+    btSolverBody& body = m_tmpSolverBodyPool[of.solver_body];
+    change += of.solver_body == island_.front().solver_body ? axes_ : 6;
+    body.m_deltaLinearVelocity = of.linear * btVector3(change[0], change[1], change[2]);
+    of.angular.apply(change + 3, body.m_deltaAngularVelocity.m_floats);
+  }
+}
+
+namespace {
+
+constexpr double kNoLimit = 1e30;
+constexpr double kSettled = 0.05;  // of the largest impulse
+
+// A vector of Bullet has a fourth number, which is zero.
+static_assert(kMaxCoupledEnds == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
+
+}  // namespace
+
+/// Change of the velocity along a row in this step.
+template <int Width>
+double ReducedContactSolver::change(const ReducedRow& row, const btSolverBody& body) const {
+  return alongRow<Width>(row.jacobian.data(), change_.data(), row.linear.m_floats,
+                         body.m_deltaLinearVelocity.m_floats, row.angular.m_floats,
+                         body.m_deltaAngularVelocity.m_floats);
+}
+
+template <int Width>
+double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
+  return row.impulse + row.target - change<Width>(row, body) * row.effective_mass;
+}
+
+template <int Width>
+void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double impulse) {
+  const double change = impulse - row.impulse;
+  if (row.effective_mass == 0.0 || change == 0.0) return;
+  row.impulse = impulse;
+  residual_ = std::max(residual_, change * change);
+  addScaled<4>(body.m_deltaLinearVelocity.m_floats, change, row.linear_response.m_floats);
+  addScaled<4>(body.m_deltaAngularVelocity.m_floats, change, row.angular_response.m_floats);
+  addScaled<Width>(change_.data(), change, row.response.data());
+  if (couples_ends_) addScaled<4>(rows_.coupledEndImpulse().data(), change, row.end_shares.data());
+}
+
+// Sets the normal impulse, within the bound of its body.
+template <int Width>
+void ReducedContactSolver::press(HandContact& contact, btSolverBody& body, double wanted) {
+  if (contact.bound == nullptr) {
+    apply<Width>(contact.normal_row, body, std::clamp(wanted, 0.0, kNoLimit));
+    return;
+  }
+  ImpulseBound& bound = *contact.bound;
+  const double before = contact.normal_row.impulse;
+  const double most = std::max(0.0, bound.most - (bound.pressed - before));
+  apply<Width>(contact.normal_row, body, std::clamp(wanted, 0.0, most));
+  bound.pressed += contact.normal_row.impulse - before;
+}
+
+// Applies the impulses that the rows start from.
+void ReducedContactSolver::start(HandContact& contact) {
+  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const auto first = [](ReducedRow& row) { return std::exchange(row.impulse, 0.0); };
+  press<kMaxAxes>(contact, body, first(contact.normal_row));
+  apply<kMaxAxes>(contact.tangent1_row, body, first(contact.tangent1_row));
+  apply<kMaxAxes>(contact.tangent2_row, body, first(contact.tangent2_row));
+  apply<kMaxAxes>(contact.spin_row, body, first(contact.spin_row));
+}
+
+// True when the friction of a contact pulls at a joint's end, which only presses.
+bool ReducedContactSolver::pullsAtEnd(const HandContact& contact) const {
+  const EndShares& borne = rows_.coupledEndImpulse();
+  for (int k = 0; k < kMaxCoupledEnds; ++k) {
+    if (borne[k] < 0.0 &&
+        (contact.tangent1_row.end_shares[k] != 0.0 || contact.tangent2_row.end_shares[k] != 0.0 ||
+         contact.spin_row.end_shares[k] != 0.0)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+template <int Width>
+void ReducedContactSolver::solveFriction(HandContact& contact) {
+  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const double normal = contact.normal_row.impulse;
+  if (normal == 0.0) {  // nothing presses, nothing rubs
+    apply<Width>(contact.spin_row, body, 0.0);
+    apply<Width>(contact.tangent1_row, body, 0.0);
+    apply<Width>(contact.tangent2_row, body, 0.0);
+    return;
+  }
+  const double spin_limit = settings_.spinning_friction_m * normal;
+  apply<Width>(contact.spin_row, body,
+               std::clamp(wanted<Width>(contact.spin_row, body), -spin_limit, spin_limit));
+  ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
+  if (one.effective_mass == 0.0 || two.effective_mass == 0.0) {
+    // Nothing moves along one of them.
+    const double limit = contact.friction * normal;
+    apply<Width>(one, body, std::clamp(wanted<Width>(one, body), -limit, limit));
+    const double left = std::sqrt(std::max(0.0, limit * limit - one.impulse * one.impulse));
+    apply<Width>(two, body, std::clamp(wanted<Width>(two, body), -left, left));
+    return;
+  }
+  contact.disc.limit = contact.friction * normal;
+  double t1 = 0.0, t2 = 0.0;
+  contact.disc.solve(one.impulse, two.impulse, one.lacking - change<Width>(one, body),
+                     two.lacking - change<Width>(two, body), t1, t2);
+  apply<Width>(one, body, t1);
+  apply<Width>(two, body, t2);
+}
+
+template <int Width>
+void ReducedContactSolver::iterate() {
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+    const double yielded = contact.yielding * contact.normal_row.impulse;
+    press<Width>(contact, body, wanted<Width>(contact.normal_row, body) - yielded);
+  }
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    solveFriction<Width>(contact);
+    if (!contact.rests_on_ends || !pullsAtEnd(contact)) continue;
+    // The end lets go, and the digit is light: with the inertia of the hand that an end holds
+    // friction would overshoot from one side of its cone to the other, for ever.
+    contact.rests_on_ends = false;
+    finishFriction(contact, Ends::kFree);
+  }
+  residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
+}
+
+// What slides begins anew. What friction holds has crept by what the solver left of its slip.
+void ReducedContactSolver::keepDrift(HandContact& contact, double step_s) const {
+  const double limit = contact.friction * contact.normal_row.impulse;
+  const ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
+  if (std::hypot(one.impulse, two.impulse) >= limit * (1.0 - 1e-9)) {
+    contact.drift1_m = contact.drift2_m = 0.0;
+    return;
+  }
+  const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const double pull = -settings_.friction_anchor_erp / step_s;
+  const auto creep = [&](const ReducedRow& row, double drift_m) {
+    return step_s * (pull * drift_m - row.lacking + change<kMaxAxes>(row, body));
+  };
+  contact.drift1_m += creep(one, contact.drift1_m);
+  contact.drift2_m += creep(two, contact.drift2_m);
+}
+
+WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateNarrow() {
+  iterate<kNarrow>();
+}
+WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateWide() {
+  iterate<kMaxAxes>();
+}
+
+bool ReducedContactSolver::changesStill() const {
+  double pressed = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    pressed = std::max(pressed, contacts_[i].normal_row.impulse);
+  }
+  return contact_count_ > 0 && residual_ > kSettled * kSettled * pressed * pressed;
+}
+
+// In place of the base class's iteration, which would sweep its own rows.
+btScalar ReducedContactSolver::solveSingleIteration(
+    int iteration, btCollisionObject** /*bodies*/, int /*body_count*/,
+    btPersistentManifold** /*manifolds*/, int /*manifold_count*/,
+    btTypedConstraint** /*constraints*/, int /*constraint_count*/,
+    const btContactSolverInfo& /*info*/, btIDebugDraw* /*drawer*/) {
+  if (iteration == 0) {
+    near_unsettled_ = far_unsettled_ = false;
+    body_rows_.begin(m_tmpSolverBodyPool, touched_);
+    far_done_ = !body_rows_.any();
+    at_once_ = solveAtOnce();
+    if (!at_once_) prepareSweeps();
+  }
+  const bool far = !far_done_ && body_rows_.any();
+  double others = joints_.solve(m_tmpSolverBodyPool);
+  if (far) {
+    others = std::max(others, body_rows_.sweepAll(m_tmpSolverBodyPool));
+    const int most = std::clamp(kFarBudget / body_rows_.groups(), kLeastFarSweeps, kMostFarSweeps);
+    far_done_ = iteration + 1 >= most || others <= settings_.far_tolerance * body_rows_.pressed();
+    far_unsettled_ = far_done_ && others > kSettled * body_rows_.pressed();
+  }
+  const int sweeps = body_rows_.nearUneven() ? kUnevenSweeps : settings_.iterations;
+  if (at_once_ || iteration >= sweeps) return far_done_ ? 0.0 : 1.0;
+  if (!far) others = std::max(others, body_rows_.sweepNear(m_tmpSolverBodyPool));
+  residual_ = 0.0;
+  if (axes_ <= kNarrow) {
+    iterateNarrow();
+  } else {
+    iterateWide();
+  }
+  if (iteration + 1 == sweeps) near_unsettled_ = changesStill();
+  // With 0 the base class stops.
+  return std::max(others, residual_);
+}
+
+}  // namespace wholehand::bullet

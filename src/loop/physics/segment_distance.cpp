@@ -1,0 +1,273 @@
+#include "loop/physics/segment_distance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace wholehand {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kExact_m = 1e-7;
+constexpr int kMostSteps = 24;
+constexpr double kContactExact_m = 1e-13;
+constexpr int kMostContactSteps = 40;
+
+/// Distance of a point from a surface and where it grows; in the shape's own frame.
+struct PointDistance {
+  double distance_m;
+  Vector3d normal;
+};
+
+PointDistance fromCenter(const Vector3d& p, double radius_m) {
+  const double away_m = p.norm();
+  const Vector3d normal = away_m > 0.0 ? Vector3d(p / away_m) : Vector3d(Vector3d::UnitX());
+  return {away_m - radius_m, normal};
+}
+
+PointDistance fromBox(const Vector3d& half_m, const Vector3d& p) {
+  const Vector3d over = p.cwiseAbs() - half_m;
+  const Vector3d sign(std::copysign(1.0, p.x()), std::copysign(1.0, p.y()),
+                      std::copysign(1.0, p.z()));
+  const Vector3d out = over.cwiseMax(0.0);
+  const double away_m = out.norm();
+  if (away_m > 0.0) return {away_m, out.cwiseProduct(sign) / away_m};
+  int face = 0;
+  const double depth_m = over.maxCoeff(&face);
+  return {depth_m, sign[face] * Vector3d::Unit(face)};
+}
+
+PointDistance fromCylinder(double radius_m, double height_m, const Vector3d& p) {
+  const double across = std::sqrt(p.x() * p.x() + p.y() * p.y());
+  const Vector3d outward =
+      across > 0.0 ? Vector3d(p.x() / across, p.y() / across, 0.0) : Vector3d(Vector3d::UnitX());
+  const Vector3d up(0.0, 0.0, std::copysign(1.0, p.z()));
+  const double side = across - radius_m;
+  const double end = std::abs(p.z()) - height_m / 2.0;
+  if (side > 0.0 && end > 0.0) {
+    const double away_m = std::sqrt(side * side + end * end);
+    return {away_m, (side * outward + end * up) / away_m};
+  }
+  return side > end ? PointDistance{side, outward} : PointDistance{end, up};
+}
+
+PointDistance pointDistance(const Shape& shape, const Vector3d& p) {
+  switch (shape.type) {
+    case ShapeType::kBox:
+      return fromBox(shape.half_extents_m, p);
+    case ShapeType::kCylinder:
+      return fromCylinder(shape.radius_m, shape.length_m, p);
+    case ShapeType::kCapsule: {
+      const double end_m = shape.length_m / 2.0;
+      return fromCenter(p - Vector3d(0.0, 0.0, std::clamp(p.z(), -end_m, end_m)), shape.radius_m);
+    }
+    case ShapeType::kSphere:
+    case ShapeType::kConvexMesh:
+      break;
+  }
+  return fromCenter(p, shape.radius_m);
+}
+
+/// A point of the segment: where, how far, and how fast the distance grows along the segment.
+struct Probe {
+  double along = 0.0, distance_m = 0.0, slope_m = 0.0;
+  Vector3d normal;
+};
+
+SegmentDistance found(const Probe& p, double radius_m) {
+  return {p.distance_m - radius_m, p.distance_m - radius_m, p.along, p.normal, p.normal};
+}
+
+/// Between two probes. The mean of their tangents that is level along the segment bounds the
+/// distance as well as both together do.
+SegmentDistance found(const Probe& left, const Probe& right, double least_m, double radius_m) {
+  const Probe& nearer = left.distance_m < right.distance_m ? left : right;
+  const double share = right.slope_m / (right.slope_m - left.slope_m);
+  return {nearer.distance_m - radius_m, least_m - radius_m, nearer.along, nearer.normal,
+          share * left.normal + (1.0 - share) * right.normal};
+}
+
+/// The search, in the shape's own frame. @param enough whether a gap between the bound and the
+/// least distance seen so far may stay, and that bound
+template <class Enough>
+SegmentDistance nearest(const Shape& shape, const Vector3d& a_m, const Vector3d& b_m,
+                        double radius_m, int most_steps, const Enough& enough) {
+  const Vector3d way_m = b_m - a_m;
+  const auto probe = [&](double along) -> Probe {
+    const PointDistance at = pointDistance(shape, a_m + along * way_m);
+    return {along, at.distance_m, at.normal.dot(way_m), at.normal};
+  };
+  Probe left = probe(0.0);
+  if (left.slope_m >= 0.0) return found(left, radius_m);
+  Probe right = probe(1.0);
+  if (right.slope_m <= 0.0) return found(right, radius_m);
+  double least_m = 0.0;
+  for (int i = 0; i < most_steps; ++i) {
+    const double across = right.along - left.along;
+    // Where the two tangents meet nothing lies below them; where the slope would be zero if it grew
+    // evenly is the better guess on round shapes.
+    const double meet = (right.distance_m - left.distance_m - right.slope_m * across) /
+                        (left.slope_m - right.slope_m);
+    least_m = left.distance_m + left.slope_m * meet;
+    const double gap_m = std::min(left.distance_m, right.distance_m) - least_m;
+    if (enough(gap_m, least_m)) break;
+    const double even = across * left.slope_m / (left.slope_m - right.slope_m);
+    const double step = std::clamp(i % 2 == 0 ? even : meet, 1e-3 * across, 0.999 * across);
+    const Probe middle = probe(left.along + step);
+    (middle.slope_m < 0.0 ? left : right) = middle;
+  }
+  return found(left, right, least_m, radius_m);
+}
+
+}  // namespace
+
+SegmentDistance segmentDistance(const Shape& shape, const Vector3d& a_m, const Vector3d& b_m,
+                                double radius_m, double share) noexcept {
+  const Eigen::Matrix3d& turn = shape.in_body.rotation;
+  const Vector3d a = turn.transpose() * (a_m - shape.in_body.translation_m);
+  const Vector3d b = turn.transpose() * (b_m - shape.in_body.translation_m);
+  const auto enough = [&](double gap_m, double least_m) {
+    return gap_m <= kExact_m + share * std::max(least_m - radius_m, 0.0);
+  };
+  SegmentDistance result = shape.type == ShapeType::kConvexMesh
+                               ? hullDistance(shape.points_m, a, b, radius_m)
+                               : nearest(shape, a, b, radius_m, kMostSteps, enough);
+  result.normal = turn * result.normal;
+  result.bound_normal = turn * result.bound_normal;
+  return result;
+}
+
+SegmentDistance contactDistance(const Shape& shape, const Vector3d& a_m, const Vector3d& b_m,
+                                double radius_m, double far_m) noexcept {
+  const auto enough = [&](double gap_m, double least_m) {
+    return gap_m <= kContactExact_m || least_m - radius_m > far_m;
+  };
+  return nearest(shape, a_m, b_m, radius_m, kMostContactSteps, enough);
+}
+
+namespace {
+
+constexpr double kTiny_m = 1e-9;  ///< nearer than this the segment meets the hull
+constexpr int kMostHullSteps = 24;
+
+/// A corner of the difference segment − hull.
+struct Corner {
+  Vector3d at_m;
+  double along;  ///< on the segment
+};
+
+/// Up to four corners with the weights of the point nearest to the origin.
+struct Simplex {
+  std::array<Corner, 4> corners;
+  std::array<double, 4> weights{};
+  int size = 0;
+  Vector3d nearest_m;
+};
+
+/// Weights w with G w = r for one, two or three edges, G their dot products; false where flat.
+bool solve(int n, const std::array<Vector3d, 3>& edges, const Vector3d& base,
+           std::array<double, 3>& w) {
+  if (n == 1) {
+    const double g = edges[0].squaredNorm();
+    w[0] = -edges[0].dot(base) / g;
+    return g > 0.0;
+  }
+  if (n == 2) {
+    const double a = edges[0].squaredNorm(), b = edges[0].dot(edges[1]), c = edges[1].squaredNorm();
+    const double r0 = -edges[0].dot(base), r1 = -edges[1].dot(base);
+    const double area2 = a * c - b * b;
+    w = {(c * r0 - b * r1) / area2, (a * r1 - b * r0) / area2, 0.0};
+    return area2 > 1e-14 * a * c;
+  }
+  const Vector3d across = edges[1].cross(edges[2]);
+  const double volume = edges[0].dot(across);
+  w = {-base.dot(across) / volume, -edges[0].dot(base.cross(edges[2])) / volume,
+       -edges[0].dot(edges[1].cross(base)) / volume};
+  return std::abs(volume) > 1e-14 * edges[0].norm() * across.norm();
+}
+
+/// Of the corners kept so far, only those go on that carry, together with the newest, the point
+/// nearest to the origin: eight cases at most. False where none is nearer than before.
+bool reduce(Simplex& simplex) {
+  const int newest = simplex.size - 1;
+  const Corner tip = simplex.corners[newest];
+  double best_m2 = simplex.nearest_m.squaredNorm();
+  Simplex best;
+  for (unsigned mask = 0; mask < (1U << newest); ++mask) {
+    Simplex part;
+    std::array<Vector3d, 3> edges;
+    std::array<double, 3> w{};
+    for (int i = 0; i < newest; ++i) {
+      if (((mask >> i) & 1U) == 0) continue;
+      const Corner& corner = simplex.corners[i];
+      edges[part.size] = corner.at_m - tip.at_m;
+      part.corners[part.size++] = corner;
+    }
+    if (part.size > 0 && !solve(part.size, edges, tip.at_m, w)) continue;
+    double rest = 1.0;
+    part.nearest_m = tip.at_m;
+    bool inside = true;
+    for (int i = 0; i < part.size; ++i) {
+      inside = inside && w[i] >= 0.0;
+      rest -= w[i];
+      part.nearest_m += w[i] * edges[i];
+      part.weights[i] = w[i];
+    }
+    if (!inside || rest < 0.0) continue;
+    const double m2 = part.size == 3 ? 0.0 : part.nearest_m.squaredNorm();
+    if (!(m2 < best_m2)) continue;
+    best_m2 = m2;
+    part.corners[part.size] = tip;
+    part.weights[part.size++] = rest;
+    best = part;
+  }
+  if (best.size == 0) return false;
+  simplex = best;
+  return true;
+}
+
+}  // namespace
+
+SegmentDistance hullDistance(const std::vector<Vector3d>& points_m, const Vector3d& a_m,
+                             const Vector3d& b_m, double radius_m) noexcept {
+  // The corner that lies farthest towards the origin, seen from `from`.
+  const auto support = [&](const Vector3d& from) -> Corner {
+    const Vector3d* farthest = &points_m.front();  // stays where all is NaN
+    double most = -std::numeric_limits<double>::infinity();
+    for (const Vector3d& p : points_m) {
+      const double along = p.dot(from);
+      if (along > most) most = along, farthest = &p;
+    }
+    const bool at_b = b_m.dot(from) < a_m.dot(from);
+    return {(at_b ? b_m : a_m) - *farthest, at_b ? 1.0 : 0.0};
+  };
+  Simplex simplex;
+  simplex.corners[0] = support(0.5 * (a_m + b_m) - points_m.front());
+  simplex.weights[0] = 1.0;
+  simplex.size = 1;
+  simplex.nearest_m = simplex.corners[0].at_m;
+  double away_m = simplex.nearest_m.norm(), least_m = 0.0;
+  for (int i = 0; i < kMostHullSteps && away_m > kTiny_m; ++i) {
+    const Corner corner = support(simplex.nearest_m);
+    least_m = std::max(least_m, corner.at_m.dot(simplex.nearest_m) / away_m);
+    if (away_m - least_m <= kExact_m) break;
+    simplex.corners[simplex.size++] = corner;
+    if (!reduce(simplex)) {
+      --simplex.size;
+      break;  // rounding: no progress left
+    }
+    away_m = simplex.size == 4 ? 0.0 : simplex.nearest_m.norm();
+  }
+  if (away_m <= kTiny_m) return {-radius_m, -radius_m, 0.5, Vector3d::Zero(), Vector3d::Zero()};
+  double along = 0.0;
+  for (int i = 0; i < simplex.size; ++i) {
+    along += simplex.weights[i] * simplex.corners[i].along;
+  }
+  const Vector3d normal = simplex.nearest_m / away_m;
+  return {away_m - radius_m, least_m - radius_m, along, normal, normal};
+}
+
+}  // namespace wholehand

@@ -1,0 +1,193 @@
+#include "loop/runtime/interrupt_scope.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <mutex>
+#include <pthread.h>
+#include <semaphore.h>
+#include <system_error>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+Interrupts g_interrupts;
+sem_t g_signal;  // posted with every signal, and at the end of the outermost scope
+
+// Signals that by default would end or freeze the process while the device holds its last effort.
+struct Signal {
+  enum class Then { kStop, kStopUnlessHandled, kIgnoreUnlessHandled };
+  int number;
+  Then then;
+};
+using enum Signal::Then;
+constexpr auto kSignals = std::to_array<Signal>(
+    {{SIGINT, kStop},
+     {SIGTERM, kStop},
+     {SIGHUP, kStop},
+     {SIGTSTP, kStop},
+     {SIGQUIT, kStop},
+     {SIGXCPU, kStopUnlessHandled},
+     {SIGUSR1, kStopUnlessHandled},
+     {SIGUSR2, kStopUnlessHandled},
+     {SIGALRM, kStopUnlessHandled},
+     {SIGVTALRM, kStopUnlessHandled},
+     {SIGPROF, kStopUnlessHandled},
+     {SIGPWR, kStopUnlessHandled},
+     {SIGPIPE, kIgnoreUnlessHandled},  // the reader of the output is gone
+     {SIGXFSZ, kIgnoreUnlessHandled},  // file size limit: the write fails instead
+     {SIGTTOU, kIgnoreUnlessHandled},  // output from the background
+     {SIGTTIN, kIgnoreUnlessHandled}});
+constexpr int kExitInterrupted = 130;
+constexpr std::chrono::milliseconds kSaidWithin{100};
+
+std::array<struct sigaction, kSignals.size()> g_before{};
+std::array<bool, kSignals.size()> g_taken{};
+sigset_t g_mask_before;
+int g_scopes = 0;
+std::atomic<bool> g_ending{false};
+std::thread g_thread;
+
+std::mutex g_waiting_mutex;
+std::vector<std::pair<const WaitingFor*, std::string>> g_waiting;
+
+// Async-signal-safe. Repeated key presses count; repeated timer signals do not.
+void onInterrupt(int number) {
+  const int saved = errno;
+  const bool pressed = std::any_of(kSignals.begin(), kSignals.end(), [&](const Signal& s) {
+    return s.number == number && s.then == kStop;
+  });
+  if (pressed) {
+    g_interrupts.asked.fetch_add(1);
+  } else {
+    int never = 0;
+    g_interrupts.asked.compare_exchange_strong(never, 1);
+  }
+  ::sem_post(&g_signal);
+  errno = saved;
+}
+
+bool isToBeTaken(const Signal& signal, const struct sigaction& before) {
+  if ((before.sa_flags & SA_SIGINFO) != 0) return signal.then == kStop;
+  if (before.sa_handler == SIG_IGN) return false;
+  return signal.then == kStop || before.sa_handler == SIG_DFL;
+}
+
+// Writing may block, when nobody reads standard error or its disk hangs. Only this thread, which
+// has no other task and gets no signal, then waits.
+void say(const std::string& line) {
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  try {
+    std::thread([text = "wholehand: " + line + "\n"] {
+      const ssize_t ignored = ::write(STDERR_FILENO, text.data(), text.size());
+      (void)ignored;
+    }).detach();
+  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): no thread available
+  }
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+std::string whatIsWaitedFor() {
+  const std::lock_guard lock(g_waiting_mutex);
+  return g_waiting.empty() ? "the end of what is under way" : g_waiting.back().second;
+}
+
+void answerAgain(int asked) {
+  if (g_interrupts.loops.load() > 0) return say("the device is on its way to neutral");
+  if (asked < 3) return say("waiting for " + whatIsWaitedFor() + "; once more ends without it");
+  say("ended without waiting for " + whatIsWaitedFor());
+  std::this_thread::sleep_for(kSaidWithin);
+  ::_exit(kExitInterrupted);
+}
+
+// The loops check the counter themselves; a stop needs nothing from this thread.
+void serveSignals() {
+  for (int reported = 1;;) {
+    while (::sem_wait(&g_signal) != 0) {
+    }
+    if (g_ending.load()) return;
+    const int asked = g_interrupts.asked.load();
+    if (asked <= reported) continue;
+    reported = asked;
+    answerAgain(asked);
+  }
+}
+
+// A forked child has no thread that takes its signals.
+void takeSignalsInChild() {
+  if (g_scopes > 0) ::pthread_sigmask(SIG_SETMASK, &g_mask_before, nullptr);
+}
+
+void begin() {
+  static const int kOnce = ::sem_init(&g_signal, 0, 0);  // stays: a handler may still post
+  static const int kForks = ::pthread_atfork(nullptr, nullptr, takeSignalsInChild);
+  (void)kOnce;
+  (void)kForks;
+  while (::sem_trywait(&g_signal) == 0) {
+  }
+  g_interrupts.asked.store(0);
+  g_ending.store(false);
+  sigset_t ours;
+  sigemptyset(&ours);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    const Signal& signal = kSignals[i];
+    struct sigaction action {};
+    action.sa_handler = signal.then == kIgnoreUnlessHandled ? SIG_IGN : onInterrupt;
+    action.sa_flags = SA_RESTART;
+    sigaction(signal.number, nullptr, &g_before[i]);
+    g_taken[i] = isToBeTaken(signal, g_before[i]);
+    if (!g_taken[i]) continue;
+    sigaction(signal.number, &action, nullptr);
+    if (signal.then != kIgnoreUnlessHandled) sigaddset(&ours, signal.number);
+  }
+  ::pthread_sigmask(SIG_UNBLOCK, &ours, &g_mask_before);  // unblocked in the thread that takes them
+  g_thread = std::thread(serveSignals);
+  ::pthread_setname_np(g_thread.native_handle(), "wholehand-stop");
+  ::pthread_sigmask(SIG_BLOCK, &ours, nullptr);
+}
+
+void end() {
+  g_ending.store(true);
+  ::sem_post(&g_signal);
+  g_thread.join();
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    if (g_taken[i]) sigaction(kSignals[i].number, &g_before[i], nullptr);
+  }
+  g_interrupts.asked.store(0);  // a run without a scope must not be stopped by an earlier scope's
+                                // signal
+  ::pthread_sigmask(SIG_SETMASK, &g_mask_before, nullptr);
+}
+
+}  // namespace
+
+InterruptScope::InterruptScope() {
+  if (g_scopes++ == 0) begin();
+}
+
+InterruptScope::~InterruptScope() {
+  if (--g_scopes == 0) end();
+}
+
+Interrupts& InterruptScope::shared() noexcept {
+  return g_interrupts;
+}
+
+WaitingFor::WaitingFor(std::string what) {
+  const std::lock_guard lock(g_waiting_mutex);
+  g_waiting.emplace_back(this, std::move(what));
+}
+
+WaitingFor::~WaitingFor() {
+  const std::lock_guard lock(g_waiting_mutex);
+  std::erase_if(g_waiting, [this](const auto& entry) { return entry.first == this; });
+}
+
+}  // namespace wholehand

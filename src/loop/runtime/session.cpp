@@ -1,0 +1,126 @@
+#include "loop/runtime/session.hpp"
+
+#include "loop/realtime/thread_setup.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace wholehand {
+
+Session::Session(HapticRenderer& renderer, const SessionConfig& config)
+    : renderer_(renderer),
+      config_(config),
+      queue_(config.queue_bytes),
+      commands_(config.queue_commands) {}
+
+Session::~Session() {
+  // Only for a running loop: the next session's renderer must not find a stop request.
+  if (running()) requestStop();
+  join();
+}
+
+Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
+  if (std::llround(renderer_.config().period_s * 1e9) != thread.period_ns) {
+    renderer_.disarm();
+    return keyFault("", "period_ns", std::to_string(thread.period_ns),
+                    "is not the period that the gains were judged at",
+                    "use the period that the rig was built with");
+  }
+  thread_ = std::make_unique<PeriodicThread>(
+      thread, [this](std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
+        const bool more = tickOnce(elapsed_periods, lateness_ns);
+        (void)queue_.try_push(record_);  // full: dropped and counted
+        if (!more && config_.interrupts != nullptr) --config_.interrupts->loops;
+        return more;
+      });
+  if (config_.interrupts != nullptr) ++config_.interrupts->loops;
+  Expected<SetupReport> started = thread_->start();
+  if (!started) {
+    if (config_.interrupts != nullptr) --config_.interrupts->loops;
+    renderer_.disarm();
+  }
+  return started;
+}
+
+bool Session::running() const {
+  return thread_ != nullptr && thread_->running();
+}
+
+void Session::join() {
+  if (thread_ != nullptr) thread_->join();
+}
+
+void Session::runSimulated(const std::function<void(const TickRecord&)>& sink) {
+  const DenormalsFlushed scope;  // as in the real-time thread: the same bits on both clocks
+  bool more = true;
+  while (more) {
+    more = tickOnce(1, 0);
+    sink(record_);
+  }
+}
+
+std::uint64_t Session::allocationsSoFar() const noexcept {
+  return config_.count_allocations != nullptr ? config_.count_allocations() : 0;
+}
+
+bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
+  const std::uint64_t allocated = allocationsSoFar();
+  timer_.start();
+  // The first period starts rendering; periods skipped before it do not count.
+  record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
+  record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
+  record_.lateness_ns = lateness_ns;
+  followInterrupts();
+  takeCommands();
+  if (config_.listener != nullptr) config_.listener->beforeTick(record_);
+  if (config_.black_box != nullptr) config_.black_box->beforeTick(record_);
+  renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &timer_);
+  next_tick_ = record_.tick + 1;
+  if (next_tick_ >= config_.duration_ticks && !std::exchange(time_is_over_, true)) {
+    renderer_.requestStop();
+  }
+  timer_.finish(record_);
+  if (config_.listener != nullptr) config_.listener->afterTick(record_);
+  if (config_.black_box != nullptr) config_.black_box->afterTick(record_);
+  count(allocationsSoFar() - allocated);
+  return !renderer_.finished();
+}
+
+// A stop by a signal needs nothing outside the loop.
+void Session::followInterrupts() noexcept {
+  const bool asked = config_.interrupts != nullptr && config_.interrupts->asked.load() > 0;
+  if (asked && !std::exchange(interrupted_, true)) renderer_.requestGentleStop();
+}
+
+void Session::takeCommands() noexcept {
+  record_.command_count = 0;
+  const bool alive = holder_alive_.load();
+  if (alive != reported_alive_) {
+    Command& sign = record_.commands[0];
+    sign = Command{};
+    sign.type = CommandType::kHolderAlive;
+    sign.value = alive ? 1.0 : 0.0;
+    record_.command_count = 1;
+    reported_alive_ = alive;
+  }
+  while (record_.command_count < kMaxCommands) {
+    Command& command = record_.commands[record_.command_count];
+    if (!commands_.try_pop(command)) break;
+    ++record_.command_count;
+  }
+}
+
+void Session::count(std::uint64_t allocations) noexcept {
+  SessionCounters& c = counters_;
+  ++c.ticks_run;
+  c.skipped_periods += record_.elapsed_periods - 1;
+  c.allocations += allocations;
+  c.latched = renderer_.latched();
+  for (unsigned bit = 0; bit < kFaultBits; ++bit) {
+    c.faults[bit] += static_cast<std::uint32_t>(record_.faults) >> bit & 1U;
+  }
+  if (any(record_.faults & kStoppingFaults)) ++c.stopping_faults;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,136 @@
+#pragma once
+
+#include "loop/core/command.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/realtime/periodic_thread.hpp"
+#include "loop/realtime/spsc_queue.hpp"
+#include "loop/realtime/stage_clock.hpp"
+#include "loop/renderer/haptic_renderer.hpp"
+#include "loop/runtime/interrupt_scope.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+
+namespace wholehand {
+
+/// Times one tick after the other: the whole of it by wall and CPU clock, its stages by CPU clock.
+class TickTimer final : public StageListener {
+ public:
+  WHOLEHAND_RT void start() noexcept { clock_.start(); }
+  WHOLEHAND_RT void lap(Stage stage) noexcept override { clock_.lap(stage); }
+  /// Ends the tick and writes its times into the record.
+  WHOLEHAND_RT void finish(TickRecord& record) noexcept {
+    const StageTimes times = clock_.finish();
+    record.wall_ns = times.wall_ns;
+    record.cpu_ns = times.cpu_ns;
+    record.stage_cpu_ns = times.stage_cpu_ns;
+  }
+
+ private:
+  StageClock clock_;
+};
+
+struct SessionConfig {
+  std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();  ///< until the ramp
+  /// Capacity for records: at 1 kHz 13 s of free motion, 5 s with 10 bodies and 20 contacts.
+  std::size_t queue_bytes = std::size_t{24} << 20U;
+  std::size_t queue_commands = 512;   ///< capacity for commands; more are refused
+  TickListener* listener = nullptr;   ///< outlives the session; may be null
+  TickListener* black_box = nullptr;  ///< called last in every tick, when its times are known; may
+                                      ///< be null
+  /// Checked in every tick: the loop stops gently after a signal. Outlives the session; may be
+  /// null.
+  Interrupts* interrupts = nullptr;
+  /// Counts the calling thread's allocations (loop/realtime/allocation_counter.hpp); null: not
+  /// counted.
+  std::uint64_t (*count_allocations)() noexcept = nullptr;
+};
+
+/// Counters of the real-time side; correct even when a full queue dropped records.
+struct SessionCounters {
+  std::uint64_t ticks_run = 0;        ///< tick() calls
+  std::uint64_t skipped_periods = 0;  ///< missed deadlines; with ticks_run, all periods
+  std::uint64_t allocations = 0;      ///< inside tick(), if counted
+  Fault latched = Fault::kNone;       ///< faults that stopped the run
+  std::array<std::uint64_t, kFaultBits> faults{};  ///< ticks in which each bit was set
+  std::uint64_t stopping_faults = 0;               ///< ticks with a fault that stops rendering
+};
+
+/// Runs a renderer tick by tick until its duration is over, a stop is requested, or a fault has
+/// brought the device to neutral. Every tick puts one record into a queue; a full queue drops the
+/// record and counts it, and the tick never waits.
+class Session {
+ public:
+  /// @pre renderer is armed and outlives this
+  Session(HapticRenderer& renderer, const SessionConfig& config);
+  /// Ramps to neutral first if it still runs, which takes up to 100 ms.
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Real time: ticks on its own thread at the renderer's period until the end.
+  [[nodiscard]] Expected<SetupReport> start(const PeriodicThreadConfig& thread);
+  /// True until the last record is in the queue.
+  [[nodiscard]] bool running() const;
+  void join();
+  /// Takes the next record, in order. One consumer.
+  [[nodiscard]] bool tryPop(TickRecord& record) noexcept { return queue_.try_pop(record); }
+
+  /// Simulated clock: ticks in the calling thread as fast as possible and passes each record to
+  /// `sink`.
+  void runSimulated(const std::function<void(const TickRecord&)>& sink);
+
+  /// Queues a command for one of the next ticks, in order; false when the queue is full. From one
+  /// thread at a time. Commands of a simulated run may also come from its sink.
+  [[nodiscard]] bool tryCommand(const Command& command) noexcept {
+    return commands_.try_push(command);
+  }
+
+  /// Number of commands that wait for the loop; at most 8 are taken in a tick. To the thread that
+  /// queues commands it is an upper bound.
+  [[nodiscard]] std::size_t waitingCommands() const noexcept { return commands_.size(); }
+
+  /// Begins the ramp to neutral; the session ends when that is done. Any thread, also a signal
+  /// handler.
+  void requestStop() noexcept { renderer_.requestStop(); }
+  /// As requestStop(), but lets go in the exercise's fade-out time and the ramp's. Any thread, also
+  /// a signal handler.
+  void requestGentleStop() noexcept { renderer_.requestGentleStop(); }
+  /// Says whether the program or game that shows the exercise is alive. While it is not, the
+  /// exercise's effort fades out. Only the latest value counts, and a full command queue cannot
+  /// lose it. Any thread.
+  void setHolderAlive(bool alive) noexcept { holder_alive_.store(alive); }
+  /// As requestStop(); the records mark it as an emergency stop. Any thread, also a signal handler.
+  void requestEmergencyStop() noexcept { renderer_.requestEmergencyStop(); }
+
+  [[nodiscard]] std::uint64_t droppedRecords() const { return queue_.dropped(); }
+  /// Valid after the session has ended.
+  [[nodiscard]] SessionCounters counters() const { return counters_; }
+
+ private:
+  [[nodiscard]] std::uint64_t allocationsSoFar() const noexcept;
+  [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
+  void followInterrupts() noexcept;
+  void takeCommands() noexcept;
+  void count(std::uint64_t allocations) noexcept;
+
+  HapticRenderer& renderer_;
+  const SessionConfig config_;
+  RecordQueue queue_;
+  SpscQueue<Command> commands_;
+  TickTimer timer_;
+  TickRecord record_;  ///< the tick's own record, reused
+  std::uint64_t next_tick_ = 0;
+  bool time_is_over_ = false;
+  std::atomic<bool> holder_alive_{true};
+  bool interrupted_ = false, reported_alive_ = true;  ///< ticking thread only
+  SessionCounters counters_;
+  std::unique_ptr<PeriodicThread> thread_;  ///< last member: joined before the data it writes is
+                                            ///< destroyed
+};
+
+}  // namespace wholehand

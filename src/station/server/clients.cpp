@@ -1,0 +1,669 @@
+#include "station/server/clients.hpp"
+
+#include "loop/realtime/monotonic_clock.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace wholehand {
+
+void EventMailbox::put(const TickRecord& record, std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  newest_ns_ = now_ns;
+  arrivals_[record.tick % arrivals_.size()] = {record.tick, now_ns};
+  const int n = std::clamp(record.exercise.event_count, 0, kMaxExerciseEvents);
+  for (int i = 0; i < n; ++i) {
+    if (waiting_.size() == kCapacity) {
+      ++dropped_;
+    } else {
+      waiting_.push_back({record.tick, record.exercise.events[i]});
+    }
+  }
+}
+
+void EventMailbox::fetch(std::vector<wire::NumberedEvent>& events) {
+  events.clear();
+  const std::lock_guard lock(mutex_);
+  events.assign(waiting_.begin(), waiting_.end());
+  waiting_.clear();
+}
+
+std::int64_t EventMailbox::arrivalOf(std::uint64_t tick) const {
+  const std::lock_guard lock(mutex_);
+  const Arrival& a = arrivals_[tick % arrivals_.size()];
+  return a.tick == tick ? a.at_ns : newest_ns_;
+}
+
+std::int64_t EventMailbox::newest_ns() const {
+  const std::lock_guard lock(mutex_);
+  return newest_ns_;
+}
+
+std::uint64_t EventMailbox::dropped() const {
+  const std::lock_guard lock(mutex_);
+  return dropped_;
+}
+
+namespace {
+
+/// Interval of states when nothing changes, so that clients see that the connection is alive.
+constexpr std::int64_t kRepeat_ns = 500'000'000;
+/// Interval of rate limit replies to a client.
+constexpr std::int64_t kRateReply_ns = 1'000'000'000;
+
+SharedBytes share(wire::Bytes bytes) {
+  return std::make_shared<const wire::Bytes>(std::move(bytes));
+}
+
+/// Counter for a message that cannot be read.
+const char* counterOf(const Diagnostics& errors) {
+  const std::string& key = errors.front().key;
+  if (key == "size") return "oversized";
+  if (key == "schema_version") return "schema_version";
+  return "malformed";
+}
+
+bool sameState(const LoopStatus& a, const LoopStatus& b) {
+  return a.session == b.session && a.endings == b.endings && a.run_state == b.run_state &&
+         a.steering == b.steering && a.latched == b.latched && a.rested == b.rested &&
+         a.arming == b.arming && a.rehearsed_ticks == b.rehearsed_ticks &&
+         a.parameters == b.parameters;
+}
+
+/// Line of a game without a WebSocket: it sees the results of its orders in the states.
+class SilentLine final : public ClientLine {
+ public:
+  void deliver(SharedBytes) override {}
+  [[nodiscard]] bool offer(SharedBytes, std::int64_t) override { return true; }
+  [[nodiscard]] std::size_t waiting() const override { return 0; }
+  [[nodiscard]] std::int64_t writingSince_ns() const override { return 0; }
+  [[nodiscard]] std::string address() const override { return "udp"; }
+  void close(const std::string&) override {}
+  void cut() override {}
+};
+
+using Shapes = std::vector<std::shared_ptr<const GameShapes>>;
+
+/// Null: none.
+template <class Bodies>
+const Bodies& orNone(const std::shared_ptr<const Bodies>& bodies) {
+  static const Bodies kNone;
+  return bodies ? *bodies : kNone;
+}
+
+bool byId(const std::shared_ptr<const GameShapes>& a, const std::shared_ptr<const GameShapes>& b) {
+  return a->id < b->id;
+}
+
+/// Shapes of the bodies, each once.
+template <class Bodies>
+Shapes shapesOf(const Bodies& bodies) {
+  Shapes out;
+  for (const auto& body : bodies) out.push_back(body.shapes);
+  std::sort(out.begin(), out.end(), byId);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+/// Adds those of `now` that are neither in `before` nor there yet.
+void addNew(const Shapes& now, const Shapes& before, Shapes& out) {
+  for (const auto& shapes : now) {
+    const bool known = std::binary_search(before.begin(), before.end(), shapes, byId);
+    if (!known && std::find(out.begin(), out.end(), shapes) == out.end()) out.push_back(shapes);
+  }
+}
+
+bool same(const ShownBody& a, const ShownBody& b) {
+  const auto place_of = [](const ShownBody& shown) {
+    const Vec3& p = shown.body.pose.position_m;
+    const QuatXyzw& q = shown.body.pose.orientation_xyzw;
+    return std::array{p.x, p.y, p.z, q.x, q.y, q.z, q.w};
+  };
+  if (a.shapes != b.shapes || a.body.generation != b.body.generation ||
+      a.body.slot != b.body.slot || a.body.whereabouts != b.body.whereabouts) {
+    return false;
+  }
+  return a.body.slot >= 0 || place_of(a) == place_of(b);  // in a slot, states have the pose
+}
+
+/// What changed: both are sorted by number.
+RegisteredBodies changesOf(const RegisteredBodies& before, const RegisteredBodies& now) {
+  RegisteredBodies out;
+  auto was = before.begin();
+  const auto gone_below = [&](int number) {
+    for (; was != before.end() && was->body.number < number; ++was) {
+      out.push_back({was->body, nullptr});
+      out.back().body.slot = -1;
+    }
+  };
+  for (const ShownBody& shown : now) {
+    gone_below(shown.body.number);
+    const bool known = was != before.end() && was->body.number == shown.body.number;
+    if (!known || !same(*was, shown)) out.push_back(shown);
+    if (known) ++was;
+  }
+  gone_below(kLastNumber + 1);
+  return out;
+}
+
+}  // namespace
+
+Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic,
+                 RateLimitedLog& log, ControlsArbiter& controls, Access access, Post post,
+                 Commissioning commissioning, UdpBridge* udp)
+    : backend_(backend),
+      mailbox_(mailbox),
+      traffic_(traffic),
+      log_(log),
+      access_(std::move(access)),
+      post_(std::move(post)),
+      udp_(udp),
+      controls_(controls),
+      desk_(controls),
+      commissioning_(std::move(commissioning)),
+      record_(std::make_unique<TickRecord>()) {}
+
+std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::int64_t now_ns) {
+  followScene();
+  const std::uint32_t number = controls_.newClient();
+  Client client;
+  client.line = std::move(line);
+  client.role = role;
+  client.allowance_ns = now_ns;
+  const std::string version = scene_ ? scene_->program_version : std::string();
+  const UdpBridge::DatagramAccess access =
+      udp_ != nullptr ? udp_->admit(number) : UdpBridge::DatagramAccess{};
+  client.line->deliver(
+      share(wire::welcomeMessage(number, false, version, {access.port, access.key})));
+  if (scene_message_) client.line->deliver(scene_message_);
+  if (commissioning_message_) client.line->deliver(commissioning_message_);
+  if (showsBodies()) client.line->deliver(bodiesMessage());
+  const auto entry = clients_.emplace(number, std::move(client)).first;
+  if (role == Role::kTherapist) {
+    tellControls();  // the new client may be a therapist
+  } else {
+    entry->second.line->deliver(controlsFor(number, role));
+  }
+  traffic_.clients = count();
+  ++traffic_.clients_seen;
+  return number;
+}
+
+void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
+  const bool led_before = led();
+  const auto entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  entry->second.asker->connected = false;
+  clients_.erase(entry);
+  if (udp_ != nullptr) udp_->dismiss(client);
+  traffic_.clients = count();
+  if (desk_.holds(client)) {
+    log_.write(fmt::format("client {} left while it held the controls", client), now_ns);
+  }
+  desk_.left(client, now_ns);
+  followControls(now_ns);
+  if (led() != led_before) tellControls();
+}
+
+bool Clients::makeRoom(const std::string& newcomer, std::int64_t now_ns) {
+  std::map<std::string, std::size_t> places{{newcomer, 1}};
+  for (const auto& [number, client] : clients_) ++places[client.line->address()];
+  std::string crowded = newcomer;
+  for (const auto& [address, count] : places) {
+    if (count > places[crowded]) crowded = address;
+  }
+  const auto first = std::find_if(clients_.begin(), clients_.end(), [&](const auto& entry) {
+    return !desk_.holds(entry.first) && entry.first != standalone_ &&
+           entry.second.line->address() == crowded;
+  });
+  if (first == clients_.end()) return false;
+  const std::uint32_t number = first->first;
+  log_.write(fmt::format("client {} gives its place to a new one of {}", number, newcomer), now_ns);
+  ++traffic_.dropped["displaced"];
+  first->second.line->cut();
+  leave(number, now_ns);
+  return true;
+}
+
+void Clients::refuse(Entry client, std::uint32_t command, const char* counter,
+                     const OrderReply& refusal, std::int64_t now_ns, bool reply) {
+  ++traffic_.refused[counter];
+  log_.write(fmt::format("client {}: command {} refused ({}): {}", client->first, command, counter,
+                         refusal.reason),
+             now_ns);
+  if (reply) client->second.line->deliver(share(wire::replyMessage(command, refusal)));
+}
+
+bool Clients::withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns) {
+  Client& c = entry->second;
+  const double elapsed_s = 1e-9 * static_cast<double>(now_ns - c.allowance_ns);
+  c.allowance_ns = now_ns;
+  c.allowance = std::min(kMessagesPerSecond, c.allowance + kMessagesPerSecond * elapsed_s);
+  const std::size_t messages = 1 + bytes / (kMessageSize + 1);
+  const auto price = static_cast<double>(messages);
+  if (c.allowance < price) return false;
+  c.allowance -= price;
+  return true;
+}
+
+void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
+                    std::int64_t now_ns) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  const bool within_rate = withinRate(entry, message.size(), now_ns);
+  const auto decoded = text ? Expected<Order>(Diagnostic{}) : wire::decode(message);
+  // Stops are exempt from the rate limit and from the order of command numbers.
+  const bool stops = decoded && decoded->stops();
+  // A page sends heartbeats from another thread than its orders: their numbers are unordered.
+  const bool beat = decoded && decoded->is<orders::Heartbeat>();
+  if (entry->second.closing && !stops) return;
+  if (!within_rate && !stops) {
+    refuseForRate(entry, decoded ? &*decoded : nullptr, now_ns);
+  } else if (text) {
+    refuseUnread(entry, 0, "text",
+                 refused(Refusal::kUnreadable, "this is text; messages are binary"), now_ns);
+  } else if (!decoded) {
+    refuseUnread(entry, wire::commandIdOf(message), counterOf(decoded.errors()),
+                 refused(wire::refusalOf(decoded.errors()), format(decoded.errors())), now_ns);
+  } else if (decoded->id <= entry->second.last_command && !stops && !beat) {
+    refuse(entry, decoded->id, "replayed",
+           refused(Refusal::kReplayed,
+                   fmt::format("command {} came after command {}: their numbers must rise",
+                               decoded->id, entry->second.last_command)),
+           now_ns);
+  } else {
+    if (!beat) entry->second.last_command = std::max(entry->second.last_command, decoded->id);
+    obey(entry, *decoded, now_ns);
+  }
+  followControls(now_ns);
+}
+
+// Without its number an answer reaches nobody who waits: the connection ends, and says why.
+void Clients::refuseUnread(Entry entry, std::uint32_t command, const char* counter,
+                           const OrderReply& refusal, std::int64_t now_ns) {
+  refuse(entry, command, counter, refusal, now_ns);
+  if (command != 0) return;
+  entry->second.closing = true;
+  entry->second.line->close(refusal.reason);
+}
+
+// A client that waits for an answer gets one, with the command's number. For messages without
+// answers, and for a client that does not read, one reply per second is enough.
+void Clients::refuseForRate(Entry entry, const Order* message, std::int64_t now_ns) {
+  Client& client = entry->second;
+  const bool waits =
+      message != nullptr && !message->streams() && client.line->waiting() < kMostWaiting / 4;
+  const bool reply = waits || now_ns - client.last_rate_reply_ns > kRateReply_ns;
+  if (reply) client.last_rate_reply_ns = now_ns;
+  refuse(entry, message != nullptr ? message->id : 0, "rate",
+         refused(Refusal::kTooMany,
+                 fmt::format("{}: more than 400 messages in a second, those beyond are dropped",
+                             message != nullptr ? message->row().name : "unreadable")),
+         now_ns, reply);
+}
+
+void Clients::refuseOversized(std::uint32_t client, std::int64_t now_ns) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  ++traffic_.dropped["oversized"];
+  refuse(entry, 0, "oversized",
+         refused(Refusal::kUnreadable,
+                 fmt::format("a message of more than {} bytes; the connection is closed",
+                             wire::kLargestClientMessage)),
+         now_ns, false);
+}
+
+void Clients::obey(Entry entry, const Order& order, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  desk_.heard(client, now_ns);
+  if (order.is<orders::Heartbeat>()) return;
+  if (order.row().thread != orders::Thread::kDesk) return obeyOrder(entry, order, now_ns);
+  changeHands(entry, order, now_ns);
+}
+
+void Clients::forward(Entry entry, Order order) {
+  const std::uint32_t client = entry->first;
+  order.claim = desk_.holds(client) ? desk_.claim() : 0;
+  order.client = client;
+  order.asker = entry->second.asker;
+  order.may_raise_limits = entry->second.role != Role::kPlayer;
+  std::weak_ptr<Clients> self = weak_from_this();
+  backend_.order(order, [self, post = post_, client, command = order.id](OrderReply reply) {
+    post([self, client, command, reply = std::move(reply)] {
+      if (const auto clients = self.lock()) clients->answer(client, command, reply);
+    });
+  });
+}
+
+void Clients::answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  if (!reply.accepted) {
+    refuse(entry, command, "order", reply, monotonicNow_ns());
+  } else {
+    entry->second.line->deliver(share(wire::replyMessage(command, reply)));
+  }
+}
+
+void Clients::orderQuietly(orders::Any what, std::uint32_t claim) {
+  Order order{std::move(what)};
+  order.claim = claim;
+  backend_.order(order, [](const OrderReply&) {});
+}
+
+void Clients::followControls(std::int64_t now_ns) {
+  const ControlDesk::Advice advice = desk_.advance(now_ns);
+  for (auto& [number, client] : clients_) {
+    client.asker->claim = desk_.holds(number) ? desk_.claim() : 0;
+  }
+  if (advice.give_back) {
+    orderQuietly(orders::Steer{Steering::kVirtualPatient}, advice.claim);
+  }
+  if (advice.holder_alive) orderQuietly(orders::HolderAlive{*advice.holder_alive}, advice.claim);
+  if (advice.unattended) orderQuietly(orders::Unattended{});
+  if (advice.suspended_client != 0) {
+    log_.write(fmt::format("client {} is silent", advice.suspended_client), now_ns);
+  }
+  if (advice.silent_client != 0) {
+    log_.write(fmt::format("client {} was silent and lost the controls", advice.silent_client),
+               now_ns);
+  }
+  if (advice.holder_changed && desk_.held()) orderQuietly(orders::Attended{});
+  if (advice.holder_changed) tellControls();
+}
+
+void Clients::tellControls() {
+  for (auto& [number, client] : clients_) client.line->deliver(controlsFor(number, client.role));
+}
+
+SharedBytes Clients::controlsFor(std::uint32_t client, Role role) const {
+  wire::ControlsFacts facts;
+  facts.held_by_you = desk_.holds(client);
+  facts.held = desk_.held();
+  facts.your_role = role;
+  if (facts.held) facts.holder_role = roleOf(desk_.holder());
+  facts.led = led();
+  return share(wire::controlsMessage(facts));
+}
+
+void Clients::deliverToAll(const SharedBytes& message) {
+  for (auto& [number, client] : clients_) client.line->deliver(message);
+}
+
+void Clients::tick(std::int64_t now_ns) {
+  // After a standstill of the program the lines are written to before their slowness is judged.
+  const bool late = now_ns - std::exchange(ticked_ns_, now_ns) > ControlDesk::kLate_ns;
+  followControls(now_ns);
+  if (!late) dropSlow(now_ns);
+  followScene();
+  followCommissioning(now_ns);
+  const bool shows = !clients_.empty() && encoder_;
+  LoopStatus status;
+  if (shows) {
+    // Before the events: a client knows which body has the slot that an event names.
+    status = backend_.status();
+    followBodies(status);
+  }
+  sendEvents();
+  if (shows) sendState(std::move(status), now_ns);
+}
+
+void Clients::followScene() {
+  auto scene = backend_.scene();
+  if (!scene || scene == scene_) return;
+  scene_ = std::move(scene);
+  encoder_ = std::make_unique<wire::StateEncoder>(scene_);
+  scene_message_ = share(wire::sceneMessage(*scene_));
+  shown_ns_ = 0;  // the shown state belongs to the previous scene
+  deliverToAll(scene_message_);
+}
+
+void Clients::followCommissioning(std::int64_t now_ns) {
+  auto facts = commissioning_ ? commissioning_() : nullptr;
+  const bool changed = facts != commissioning_shown_;
+  if (!facts || (!changed && now_ns - commissioning_ns_ < kRepeat_ns)) return;
+  if (changed) commissioning_message_ = share(wire::commissioningMessage(*facts));
+  commissioning_shown_ = std::move(facts);
+  commissioning_ns_ = now_ns;
+  deliverToAll(commissioning_message_);
+}
+
+void Clients::sendEvents() {
+  mailbox_.fetch(events_);
+  if (!events_.empty() && !clients_.empty()) deliverToAll(share(wire::eventsMessage(events_)));
+}
+
+void Clients::sendState(LoopStatus status, std::int64_t now_ns) {
+  if (!backend_.latest(*record_)) *record_ = TickRecord{};
+  if (shown_ns_ == 0 || record_->tick != shown_tick_ || !sameState(status, shown_) ||
+      now_ns - shown_ns_ > kRepeat_ns) {
+    state_arrived_ns_ = mailbox_.arrivalOf(record_->tick);
+    const auto bytes = encoder_->encode(*record_, status, wire::Detail::kFull, state_arrived_ns_);
+    state_ = share({bytes.begin(), bytes.end()});
+    ++state_number_;
+    shown_ = std::move(status);
+    // An age measures the delivery of a record, not how long the loop has stood still.
+    if (record_->tick == shown_tick_) state_arrived_ns_ = 0;
+    shown_tick_ = record_->tick;
+    shown_ns_ = now_ns;
+  }
+  for (auto& [number, client] : clients_) {
+    if (client.state == state_number_) continue;
+    if (client.line->offer(state_, state_arrived_ns_)) {
+      client.state = state_number_;
+    } else {
+      ++traffic_.states_skipped;
+    }
+  }
+  // After the state that shows the ending: a page uses it to distinguish a stop from a loss of
+  // controls.
+  followEndings(shown_, now_ns);
+}
+
+void Clients::dropSlow(std::int64_t now_ns) {
+  std::vector<std::uint32_t> slow;
+  for (const auto& [number, client] : clients_) {
+    const std::int64_t since_ns = client.line->writingSince_ns();
+    const bool stuck = since_ns != 0 && now_ns - since_ns > kDrainWithin_ns;
+    const bool full = client.line->waiting() > kMostWaiting;
+    if (!stuck && !full) continue;
+    ++traffic_.dropped[stuck ? "slow" : "backlog"];
+    log_.write(fmt::format("client {} does not follow and is cut off", number), now_ns);
+    slow.push_back(number);
+  }
+  for (const std::uint32_t number : slow) {
+    clients_.at(number).line->cut();
+    leave(number, now_ns);
+  }
+}
+
+// Permission of orders, and steering.
+
+bool Clients::led() const {
+  return std::any_of(clients_.begin(), clients_.end(),
+                     [](const auto& c) { return c.second.role == Role::kTherapist; });
+}
+
+Role Clients::roleOf(std::uint32_t client) const {
+  const auto found = clients_.find(client);
+  return found == clients_.end() ? Role::kUnsaid : found->second.role;
+}
+
+Standing Clients::standingOf(std::uint32_t client, const Order& order,
+                             const LoopStatus& status) const {
+  const auto* arm = order.as<orders::Arm>();
+  Standing now;
+  now.holds = desk_.holds(client);
+  now.led = led();
+  now.moves_person = status.device.has_value();
+  now.own_rest = status.rested && !status.rest_before_start && resting_ == client &&
+                 arm != nullptr && arm->endings_seen == status.endings;
+  now.therapist_paused = paused_in_ == status.session;
+  now.rest_before_start = status.rest_before_start;
+  now.run_state = status.run_state;
+  return now;
+}
+
+void Clients::obeyOrder(Entry entry, Order order, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  // Aims of a cursor or stick are frequent; all they need for judging is at hand.
+  const bool aim = order.is<orders::Aim>();
+  const LoopStatus status = aim ? LoopStatus{} : backend_.status();
+  const OrderReply may =
+      mayOrder(entry->second.role, order,
+               aim ? Standing{desk_.holds(client)} : standingOf(client, order, status));
+  if (!may.accepted) {
+    const char* counter = may.refusal == Refusal::kNotHolder ? "not_holder" : "role";
+    return refuse(entry, order.id, counter, may, now_ns);
+  }
+  // Without the controls a rest is a plain stop, but for one that is repeated.
+  if (order.is<orders::Rest>() && !desk_.holds(client) && !status.rested) {
+    order.what = orders::Stop{};
+  }
+  noteOrder(entry, order, status, now_ns);
+  const bool emergency = order.is<orders::EmergencyStop>();
+  forward(entry, std::move(order));
+  if (emergency) log_.write(fmt::format("client {}: emergency stop", client), now_ns);
+}
+
+void Clients::noteOrder(Entry entry, const Order& order, const LoopStatus& status,
+                        std::int64_t now_ns) {
+  desk_.attend(now_ns);
+  const bool therapist = entry->second.role == Role::kTherapist;
+  if (const auto* action = order.as<orders::Action>()) {
+    paused_in_.reset();
+    if (therapist && action->act == Act::kPause) paused_in_ = status.session;
+  }
+  // The right to go on stays with the client that rested first, or that cancelled an arming.
+  if (order.is<orders::Rest>() && (!status.rested || status.arming)) {
+    resting_ = entry->first;
+    log_.write(fmt::format("client {} rests", entry->first), now_ns);
+  }
+  // The one who starts it declares it alive: the effort that faded with a lost holder returns.
+  if (!order.is<orders::Arm>() || !therapist || desk_.held()) return;
+  if (desk_.take(entry->first, now_ns).empty()) (void)desk_.release(entry->first);
+  followControls(now_ns);
+}
+
+std::string Clients::takeControls(Entry entry, std::int64_t now_ns) {
+  if (entry->second.role != Role::kTherapist) return desk_.take(entry->first, now_ns);
+  desk_.takeOver(entry->first, now_ns);
+  return {};
+}
+
+void Clients::changeHands(Entry entry, const Order& order, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  const auto* take = order.as<orders::TakeControls>();
+  if (const OrderReply may = mayOrder(entry->second.role, order, {}); !may.accepted) {
+    return refuse(entry, order.id, "role", may, now_ns);
+  }
+  // A connected client has shown its token already; a wrong one here is an error to report.
+  if (take && !take->token.empty() && !access_.tokenMatches(take->token)) {
+    refuse(entry, order.id, "token", refused(Refusal::kWrongToken, "the token is wrong"), now_ns);
+    return;
+  }
+  const std::string why = take ? takeControls(entry, now_ns) : desk_.release(client);
+  if (!why.empty()) {
+    refuse(entry, order.id, take ? "controls_held" : "not_holder",
+           refused(take ? Refusal::kControlsHeld : Refusal::kNotHolder, why), now_ns);
+    return;
+  }
+  log_.write(fmt::format("client {} ({}) {} the controls", client, nameOf(entry->second.role),
+                         take ? "takes" : "gives back"),
+             now_ns);
+  entry->second.line->deliver(
+      std::make_shared<const wire::Bytes>(wire::replyMessage(order.id, {true, ""})));
+}
+
+// A player steers only while the loop renders: at a stop it loses the controls, and takes them
+// again by a press.
+void Clients::followEndings(const LoopStatus& status, std::int64_t now_ns) {
+  const bool ended = endings_ != 0 && status.endings != endings_;
+  endings_ = status.endings;
+  if (!ended || roleOf(desk_.holder()) != Role::kPlayer) return;
+  log_.write(fmt::format("client {} gives back the controls: it was stopped", desk_.holder()),
+             now_ns);
+  (void)desk_.release(desk_.holder());
+  followControls(now_ns);
+}
+
+// Clients' messages by datagram: docs/udp.md.
+
+void Clients::joinStandalone() {
+  if (udp_ == nullptr || !udp_->awaitsStandalone()) return;
+  standalone_ = controls_.newClient();
+  clients_[standalone_].line = std::make_shared<SilentLine>();
+  udp_->admitStandalone(standalone_);
+}
+
+void Clients::heardDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  if (order.is<orders::Aim>()) {
+    desk_.heard(client, now_ns);
+    aim(entry, order, now_ns);
+  } else {
+    obey(entry, order, now_ns);
+  }
+  followControls(now_ns);
+}
+
+// Aims arrive up to a thousand times a second: only the first refused one is answered.
+void Clients::aim(Entry entry, Order order, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  const OrderReply may = mayOrder(entry->second.role, order, Standing{desk_.holds(client)});
+  if (!may.accepted) {
+    if (std::exchange(entry->second.aim_refused, true)) return;
+    return refuse(entry, order.id, may.refusal == Refusal::kNotHolder ? "not_holder" : "role", may,
+                  now_ns);
+  }
+  order.claim = desk_.claim();
+  order.client = client;
+  backend_.order(order, [self = weak_from_this(), post = post_, client,
+                         id = order.id](const OrderReply& reply) {
+    post([self, client, id, reply] {
+      if (const auto clients = self.lock()) clients->aimed(client, id, reply);
+    });
+  });
+}
+
+void Clients::aimed(std::uint32_t client, std::uint32_t command, const OrderReply& reply) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  const bool reported = std::exchange(entry->second.aim_refused, !reply.accepted);
+  if (!reply.accepted && !reported) refuse(entry, command, "order", reply, monotonicNow_ns());
+}
+
+// Bodies of a game, as reported to all clients.
+
+SharedBytes Clients::bodiesMessage() const {
+  const GameBodies& bodies = orNone(bodies_shown_);
+  const RegisteredBodies& registered = orNone(registered_shown_);
+  Shapes shapes;
+  addNew(shapesOf(bodies), {}, shapes);
+  addNew(shapesOf(registered), {}, shapes);
+  return std::make_shared<const wire::Bytes>(
+      wire::gameBodiesMessage(bodies_session_, bodies, shapes, registered));
+}
+
+// A client that joined since the last message knows the same bodies as all others.
+void Clients::followBodies(const LoopStatus& status) {
+  if (status.bodies == bodies_shown_ && status.registered == registered_shown_) return;
+  const auto bodies_before = std::exchange(bodies_shown_, status.bodies);
+  const auto registered_before = std::exchange(registered_shown_, status.registered);
+  bodies_session_ = status.session;
+  const GameBodies &was = orNone(bodies_before), &bodies = orNone(bodies_shown_);
+  const RegisteredBodies changes = changesOf(orNone(registered_before), orNone(registered_shown_));
+  if (bodies.empty() && was.empty() && changes.empty()) return;
+  Shapes shapes;
+  addNew(shapesOf(bodies), shapesOf(was), shapes);
+  addNew(shapesOf(orNone(registered_shown_)), shapesOf(orNone(registered_before)), shapes);
+  deliverToAll(std::make_shared<const wire::Bytes>(
+      wire::gameBodiesMessage(status.session, bodies, shapes, changes)));
+}
+
+}  // namespace wholehand

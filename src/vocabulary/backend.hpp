@@ -1,0 +1,496 @@
+#pragma once
+
+#include "loop/core/axis_array.hpp"
+#include "loop/core/body_order.hpp"
+#include "loop/core/command.hpp"
+#include "loop/core/tick_record.hpp"
+#include "loop/model/device_model.hpp"
+#include "loop/model/exercise_panel.hpp"
+#include "loop/model/hand_model.hpp"
+#include "loop/model/scene_model.hpp"
+#include "schema_enums.hpp"
+#include "vocabulary/operator.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace wholehand {
+
+/// An item of an order to bodies that was refused.
+struct RefusedItem {
+  int item = 0;   ///< index in the message
+  int slot = -1;  ///< -1: an item without one
+  BodyRefusal refusal = BodyRefusal::kNone;
+  std::string reason;  ///< for people, in English
+};
+
+struct OrderReply {
+  bool accepted = false;
+  std::string reason;  ///< for people, in English; empty when accepted and carried out
+  Refusal refusal = accepted ? Refusal::kNone : Refusal::kOther;
+  std::vector<RefusedItem> items = {};  ///< of kBodiesRefused
+};
+
+inline OrderReply refused(Refusal refusal, std::string reason) {
+  return {false, std::move(reason), refusal, {}};
+}
+
+// Bodies of a game, as clients order them and as they are reported to clients
+// (docs/adr/0043-bodies-of-a-game.md). SI units; positions are those of the centre of mass.
+
+/// Most items of one message: one for each slot.
+inline constexpr int kMostBodyItems = kMaxSlots;
+/// Largest generation: the value of an event, a float, holds it exactly.
+inline constexpr int kMostGeneration = (1 << 24) - 1;
+
+/// What one message orders. Its counts are verified; no number is.
+struct BodyOrders {
+  int shape_set = -1;               ///< of `pieces`; -1: a message without shapes
+  std::vector<Shape> pieces;        ///< as the game gave them
+  std::vector<Command> commands;    ///< one an item, in the order of the message
+  std::vector<RefusedItem> faults;  ///< found while the message was read
+};
+
+/// Shapes of a game's bodies, for pictures.
+struct GameShapes {
+  std::uint32_t id = 0;                             ///< unique while the program runs; > 0
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();  ///< in the frame of `pieces`
+  std::vector<Shape> pieces;                        ///< as the game gave them
+  double radius_m = 0.0;                            ///< of a ball about com_m that holds them
+};
+
+/// A body of a game that is in the world.
+struct GameBody {
+  int slot = 0;
+  int generation = 0;
+  SlotState state = SlotState::kGhost;
+  std::shared_ptr<const GameShapes> shapes;
+};
+
+/// All bodies of a game that are in the world, in the order of their slots.
+using GameBodies = std::vector<GameBody>;
+
+/// A body beyond the slots of the loop, or one of those that has a slot.
+struct ShownBody {
+  RegisteredBody body;
+  std::shared_ptr<const GameShapes> shapes;
+};
+/// All registered bodies, by number.
+using RegisteredBodies = std::vector<ShownBody>;
+
+/// A live parameter as clients see it.
+struct PublishedParameter {
+  std::string name;
+  ParameterGroup group = ParameterGroup::kExercise;
+  std::string unit;
+  double lower = 0.0, upper = 0.0, initial = 0.0, rate_per_s = 0.0;
+};
+
+/// A visit of the clinic's records, and the item of its plan.
+struct Visit {
+  std::uint64_t number = 0;  ///< 0: none is open
+  std::uint32_t item = 0;
+};
+
+/// Everything that a client needs to draw and label a WorldState. Immutable once published; every
+/// arming and loading publishes a new one.
+struct SceneFacts {
+  std::uint32_t session = 0;  ///< session of the states that follow; 0: none yet
+  std::string program_version;
+  HandModel hand;
+  DeviceModel device;
+  SceneModel scene;
+  std::string patient_name;
+  std::string exercise_name, exercise_json;
+  int level = 1, levels = 1;
+  double period_s = 1e-3;
+  std::vector<std::string> value_names, event_names;
+  ExercisePanel panel;
+  std::vector<PublishedParameter> parameters;
+  std::vector<std::string> exercises, hands;  ///< what LoadExercise accepts
+  std::vector<std::string> profiles;          ///< what LoadProfile accepts
+  std::string profile;                        ///< profile in force; empty: none
+  std::string recording;                      ///< name of the file being written; empty: none
+  Visit visit;                                ///< that is open
+};
+
+/// Status that a real device reports.
+struct DeviceStatus {
+  bool enabled = false, homed = false, silenced = false;
+  /// highest of all axes; NaN: unknown
+  double temperature_c = std::numeric_limits<double>::quiet_NaN();
+  double sample_age_s = -1.0;  ///< below 0: no sample yet
+  bool hosted = false;         ///< runs in its own process
+  double host_age_s = -1.0;    ///< time since the host's last cycle; below 0: none yet
+  ReleaseReason let_go = ReleaseReason::kNone;
+};
+
+/// State of the loop that its newest record does not hold.
+struct LoopStatus {
+  std::uint32_t session = 0;
+  /// Number of stops, emergency stops, faults and session ends, from 1. Loading an exercise while
+  /// rendering continues does not count.
+  std::uint32_t endings = 1;
+  RunState run_state = RunState::kDisarmed;
+  Steering steering = Steering::kVirtualPatient;
+  Fault latched = Fault::kNone;
+  SafetyState safety_state = SafetyState::kDisarmed;  ///< of the supervisor
+  int fault_axis = -1;       ///< axis of the limit violation that stopped the run; -1: none
+  double fault_value = 0.0;  ///< value that exceeded the limit, in the axis's unit (per second for
+                             ///< a speed)
+  double fault_limit = 0.0;  ///< limit that was exceeded; 0: unknown
+  std::array<std::uint64_t, kFaultBits> fault_ticks{};  ///< of this session, by fault bit
+  double rehearsal_p50_us = 0.0, rehearsal_p999_us = 0.0, rehearsal_max_us = 0.0;  ///< 0: none
+  std::uint64_t ticks = 0, missed_deadlines = 0, dropped_records = 0;
+  std::uint32_t rehearsed_ticks = 0;  ///< of a rehearsal under way; 0: none
+  double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
+  std::uint64_t recording_bytes = 0;
+  std::optional<DeviceStatus> device;  ///< none: simulated
+  bool arming = false;  ///< an order is about to start the device, and nothing has cancelled it
+  bool rested = false;  ///< the last ending is a rest that a player asked for
+  /// That rest came before anything was armed or being armed: it gives no right to arm that its
+  /// player did not have.
+  bool rest_before_start = false;
+  Help help = Help::kUnsaid;       ///< as set by the therapist; kUnsaid: the player chooses
+  std::vector<double> parameters;  ///< current values, in the order of SceneFacts::parameters
+  std::shared_ptr<const GameBodies> bodies;  ///< of a game; null: none. A change is a new object
+  std::shared_ptr<const RegisteredBodies> registered;  ///< likewise
+};
+
+/// A client, as its orders that wait see it. Any thread.
+struct Asker {
+  std::atomic<bool> connected{true};
+  std::atomic<std::uint32_t> claim{0};  ///< claim on the controls that it has now; 0: none
+};
+
+/// Orders, each with its own fields; names are those of the schema. Their form is verified (finite
+/// numbers, known enums); who carries them out checks ranges and names.
+namespace orders {
+
+struct Arm {
+  std::uint32_t endings_seen = 0;  ///< LoopStatus::endings as the client saw it; 0: unknown
+};
+struct Stop {};
+struct EmergencyStop {};
+struct LoadExercise {
+  std::string exercise, hand;  ///< empty: unchanged
+  int level = 0;               ///< 0: unchanged
+};
+struct SetParameter {
+  std::string name;
+  double value = 0.0;
+};
+struct Aim {
+  AxisPosition q;
+  Help by = Help::kUnsaid;
+};
+struct Steer {
+  Steering by = Steering::kVirtualPatient;
+};
+struct Action {
+  Act act = Act::kNext;
+};
+struct TakeControls {
+  std::string token;
+};
+struct ReleaseControls {};
+struct Heartbeat {};
+struct Rest {};  ///< a stop by the player, who may end it again; cancels an arming
+struct SaveProfile {
+  std::string name;
+};
+struct LoadProfile {
+  std::string name;
+};
+struct SetHelp {
+  Help help = Help::kUnsaid;
+};
+struct Answer {
+  std::uint32_t question = 0;
+  std::string text;
+};
+struct HoldToMove {
+  std::uint32_t press = 0;
+  bool held = false;
+};
+/// What one visit renders. Only the clinic's records give it.
+struct OpenVisit {
+  std::uint64_t visit = 0;
+  std::uint32_t item = 0;
+  std::string exercise, hand;
+  std::string hand_file;  ///< in StationConfig::visit_hands_folder, if `hand` is empty
+  int level = 1;
+  Help help = Help::kUnsaid;
+  std::map<std::string, double> parameters;  ///< by name, in their own units
+};
+struct CloseVisit {
+  std::uint64_t visit = 0;
+};
+/// Orders of a game to its bodies.
+struct OfBodies {
+  std::shared_ptr<const BodyOrders> bodies;  ///< never null in an order
+};
+struct PrepareShapes : OfBodies {};
+struct Spawn : OfBodies {};
+struct Remove : OfBodies {};
+struct Teleport : OfBodies {};
+struct SetOwner : OfBodies {};
+struct BodyTargets : OfBodies {};
+// Those that the program gives by itself.
+struct HolderAlive {
+  bool alive = false;  ///< the game that holds the controls; false: it went silent
+};
+/// Nobody has held the controls or ordered anything for long: a loop armed by a client is to stop,
+/// another one that somebody joined is to begin anew.
+struct Unattended {};
+struct Attended {};  ///< somebody has taken the controls
+
+using Any =
+    std::variant<Arm, Stop, EmergencyStop, LoadExercise, SetParameter, Aim, Steer, Action,
+                 TakeControls, ReleaseControls, Heartbeat, Rest, SaveProfile, LoadProfile, SetHelp,
+                 Answer, HoldToMove, PrepareShapes, Spawn, Remove, Teleport, SetOwner, BodyTargets,
+                 OpenVisit, CloseVisit, HolderAlive, Unattended, Attended>;
+
+/// Index of a kind in Any.
+template <class Kind, class... Kinds>
+constexpr std::size_t indexIn(std::type_identity<std::variant<Kinds...>>) {
+  std::size_t index = 0;
+  (void)((std::is_same_v<Kind, Kinds> || (++index, false)) || ...);
+  return index;
+}
+template <class Kind>
+inline constexpr std::size_t kIndexOf = indexIn<Kind>(std::type_identity<Any>{});
+
+/// Who may give an order; mayOrder() judges by it.
+enum class Giver : std::uint8_t {
+  kAnyone,
+  kNotWatchers,
+  kHolder,            ///< who holds the controls
+  kHolderOrLeader,    ///< the same, or a therapist; no player while a therapist pauses
+  kBeginner,          ///< the same; a player where it may begin
+  kTherapist,         ///< a therapist; who states no role, with the controls
+  kHoldingTherapist,  ///< a therapist who holds the controls
+  kProgram            ///< no client
+};
+
+/// Thread that carries an order out.
+enum class Thread : std::uint8_t {
+  kDesk,    ///< the server's: who holds the controls
+  kCaller,  ///< the caller's, at once
+  kMain,    ///< the station's main one, in turn: it takes time
+  kLoop,    ///< the loop's, as commands
+  kConsole  ///< the one of a commissioning
+};
+
+enum class Pace : std::uint8_t {
+  kAnswered,  ///< within the limit of rate, with numbers that rise
+  kStreams,   ///< the same, at a high rate: nobody waits for the reply
+  kStops      ///< without limit and in any order
+};
+
+/// Whether an order may come by datagram: the next one supersedes it, or a game repeats it until
+/// the state shows its effect.
+enum class Datagram : std::uint8_t { kNever, kStandalone, kAlways };
+
+/// What holds for all orders of a kind.
+struct Row {
+  std::size_t kind;   ///< index in Any
+  std::uint8_t wire;  ///< number in the schema's union Order; 0: the program gives it by itself
+  const char* name;   ///< in the schema
+  Giver giver;
+  Thread thread;
+  Pace pace = Pace::kAnswered;
+  Datagram datagram = Datagram::kNever;
+  const char* doing = "";  ///< of what a player is told that it is for the therapist only
+};
+
+inline constexpr auto kTable = [] {
+  using enum Giver;
+  using enum Thread;
+  using enum Pace;
+  using enum Datagram;
+  constexpr const char* kLeading = "leading a commissioning";
+  return std::array<Row, std::variant_size_v<Any>>{{
+      {kIndexOf<Arm>, 1, "Arm", kBeginner, kMain, kAnswered, kNever, "starting"},
+      {kIndexOf<Stop>, 2, "Stop", kNotWatchers, kCaller, kStops, kAlways},
+      {kIndexOf<EmergencyStop>, 3, "EmergencyStop", kAnyone, kCaller, kStops, kAlways},
+      {kIndexOf<LoadExercise>, 4, "LoadExercise", kBeginner, kMain, kAnswered, kNever, "loading"},
+      {kIndexOf<SetParameter>, 5, "SetParameter", kTherapist, kLoop, kAnswered, kNever,
+       "setting a value"},
+      {kIndexOf<Aim>, 6, "Aim", kHolder, kLoop, kStreams, kAlways},
+      {kIndexOf<Steer>, 7, "Steer", kHolder, kLoop, kAnswered, kStandalone},
+      {kIndexOf<Action>, 8, "Action", kHolderOrLeader, kLoop},
+      {kIndexOf<TakeControls>, 9, "TakeControls", kNotWatchers, kDesk, kAnswered, kStandalone},
+      {kIndexOf<ReleaseControls>, 10, "ReleaseControls", kNotWatchers, kDesk, kAnswered,
+       kStandalone},
+      {kIndexOf<Heartbeat>, 11, "Heartbeat", kAnyone, kDesk, kStreams, kAlways},
+      {kIndexOf<Rest>, 12, "Rest", kNotWatchers, kCaller, kStops, kAlways},
+      {kIndexOf<SaveProfile>, 13, "SaveProfile", kTherapist, kMain, kAnswered, kNever, "a profile"},
+      {kIndexOf<LoadProfile>, 14, "LoadProfile", kTherapist, kMain, kAnswered, kNever, "a profile"},
+      {kIndexOf<SetHelp>, 15, "SetHelp", kTherapist, kCaller, kAnswered, kNever, "setting a value"},
+      {kIndexOf<Answer>, 16, "Answer", kHoldingTherapist, kConsole, kAnswered, kNever, kLeading},
+      {kIndexOf<HoldToMove>, 17, "HoldToMove", kHoldingTherapist, kConsole, kStreams, kNever,
+       kLeading},
+      {kIndexOf<PrepareShapes>, 18, "PrepareShapes", kHolder, kLoop},
+      {kIndexOf<Spawn>, 19, "Spawn", kHolder, kLoop},
+      {kIndexOf<Remove>, 20, "Remove", kHolder, kLoop},
+      {kIndexOf<Teleport>, 21, "Teleport", kHolder, kLoop},
+      {kIndexOf<SetOwner>, 22, "SetOwner", kHolder, kLoop},
+      {kIndexOf<BodyTargets>, 23, "BodyTargets", kHolder, kLoop, kStreams},
+      {kIndexOf<OpenVisit>, 24, "OpenVisit", kTherapist, kMain, kAnswered, kNever, "a visit"},
+      {kIndexOf<CloseVisit>, 25, "CloseVisit", kTherapist, kMain, kAnswered, kNever, "a visit"},
+      {kIndexOf<HolderAlive>, 0, "HolderAlive", kProgram, kCaller},
+      {kIndexOf<Unattended>, 0, "Unattended", kProgram, kCaller},
+      {kIndexOf<Attended>, 0, "Attended", kProgram, kCaller},
+  }};
+}();
+static_assert(std::all_of(kTable.begin(), kTable.end(),
+                          [](const Row& row) { return &row == &kTable[row.kind]; }));
+
+}  // namespace orders
+
+struct Order {
+  orders::Any what = orders::Heartbeat{};
+  /// Command.id. A stop that a client repeats until it is answered keeps it. 0: not numbered; of a
+  /// client, a stop within a second of the last is a repetition.
+  std::uint32_t id = 0;
+  /// Claim on the controls that the order belongs to (ControlsArbiter::claim). Two servers send
+  /// orders independently, so an order or a loss of an earlier holder may arrive after an order of
+  /// a later one. 0: no claim.
+  std::uint32_t claim = 0;
+  std::uint32_t client = 0;  ///< who asks (ControlsArbiter::Client); 0: the program itself
+  /// Of an order that waits; null: the program itself.
+  std::shared_ptr<const Asker> asker = nullptr;
+  bool may_raise_limits = false;  ///< who asks may set values
+
+  template <class Kind>
+  [[nodiscard]] bool is() const noexcept {
+    return std::holds_alternative<Kind>(what);
+  }
+  /// Null: another kind.
+  template <class Kind>
+  [[nodiscard]] const Kind* as() const noexcept {
+    return std::get_if<Kind>(&what);
+  }
+  [[nodiscard]] const orders::Row& row() const noexcept { return orders::kTable[what.index()]; }
+  /// A stop of any kind is accepted from every client at any time.
+  [[nodiscard]] bool stops() const noexcept { return row().pace == orders::Pace::kStops; }
+  [[nodiscard]] bool streams() const noexcept { return row().pace == orders::Pace::kStreams; }
+};
+
+/// Refuses an order that reached a thread which does not carry out its kind.
+inline OrderReply notHere(const Order& order) {
+  return refused(Refusal::kNotHere, std::string(order.row().name) + " is not carried out here");
+}
+
+/// Overload set for std::visit.
+template <class... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+template <class... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
+
+/// Orders of a game to its bodies; null: another order.
+[[nodiscard]] inline const BodyOrders* bodiesOf(const Order& order) {
+  return std::visit(
+      [](const auto& kind) -> const BodyOrders* {
+        if constexpr (requires { kind.bodies; }) return kind.bodies.get();
+        return nullptr;
+      },
+      order.what);
+}
+
+/// One recording.
+struct RecordingEntry {
+  std::string name;  ///< file name without folder
+  std::string title;
+  std::string profile;  ///< code of the person whose profile was open; empty: none, or not known
+  std::string created_utc;
+  double duration_s = 0.0;
+  std::uint64_t bytes = 0;
+  std::uint64_t ticks_missing = 0;  ///< ticks lost because the disk was full
+  bool being_written = false;       ///< this program is still writing it; the part on disk can be
+                                    ///< replayed
+};
+
+/// What the server asks of the program. The server's thread may call every function, and none of
+/// them waits for the loop. Slow orders (arm, load) answer through `done`, exactly once, from any
+/// thread.
+class ServerBackend {
+ public:
+  virtual ~ServerBackend() = default;
+
+  virtual void order(const Order& order, std::function<void(OrderReply)> done) = 0;
+  [[nodiscard]] virtual std::shared_ptr<const SceneFacts> scene() const = 0;
+  [[nodiscard]] virtual LoopStatus status() const = 0;
+  /// Copies the newest record; false when there is none yet.
+  [[nodiscard]] virtual bool latest(TickRecord& record) const = 0;
+  [[nodiscard]] virtual std::vector<RecordingEntry> recordings() const = 0;
+  /// Full path of the recording; empty when there is none. A name with a slash or "..", or one that
+  /// is not in recordings(), has none.
+  [[nodiscard]] virtual std::string recordingPath(const std::string& name) const = 0;
+  /// Folder of the recording's report page, which is made if missing; this may take seconds. Empty
+  /// with a reason in `why` when it cannot be made.
+  [[nodiscard]] virtual std::string reportFolder(const std::string& name, std::string& why) = 0;
+};
+
+/// State of a device's commissioning as clients see it (protocol Commissioning).
+/// Immutable once published; every change publishes a new one.
+struct CommissioningFacts {
+  struct Finding {
+    std::string axis, quantity, unit;
+    double lower = 0.0, upper = 0.0;
+  };
+  struct Step {
+    std::string name;
+    StepState state = StepState::kWaiting;
+    std::vector<Finding> findings;
+    std::string problem, remedy;  ///< kFailed
+  };
+
+  std::string device, driver, serial, firmware, operator_name;
+  std::vector<Step> steps;
+
+  std::uint32_t question = 0;  ///< number of the question, from 1
+  Asked asked = Asked::kNothing;
+  std::string axis, unit;  ///< of the question or of the motion
+  double lower = 0.0, upper = 0.0;
+  std::string next;  ///< step that follows kNextStep
+  std::string note;  ///< why the last answer was refused
+
+  MotionKind motion = MotionKind::kHoming;
+  MotionState motion_state = MotionState::kOver;
+  double motion_s = 0.0;  ///< 0: unknown
+
+  std::string passport;   ///< file; empty: none yet
+  std::string recording;  ///< file; empty: none
+  bool daily = false;     ///< a daily check
+};
+
+/// Answer to a page that replays a recording.
+struct ReplayAnswer {
+  int status = 200;
+  std::string content_type = "application/json";
+  std::string body;
+};
+
+/// Answers a question ("about", "scene", "states?tick=0&count=1&step=1", "series?...") about the
+/// recording at a path. Waits for the disk. Called from several threads at a time; must not throw.
+using ReplayService =
+    std::function<ReplayAnswer(const std::string& path, const std::string& question)>;
+
+}  // namespace wholehand

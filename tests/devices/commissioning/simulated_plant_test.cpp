@@ -1,0 +1,136 @@
+// Commissioning as it is learned: a person who knows nothing but what is said, at a plant that is
+// not there.
+#include "devices/commissioning/simulated/simulated_plant.hpp"
+
+#include "devices/commissioning/commissioning.hpp"
+#include "files/device/device_file.hpp"
+#include "passport_file.hpp"
+#include "support/says.hpp"
+#include "support/seed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <optional>
+#include <regex>
+
+namespace wholehand::test {
+namespace {
+
+/// Types the numbers that were said last, and holds the key.
+class Newcomer final : public Operator {
+ public:
+  void tell(const std::string& line, const std::vector<FoundFigure>&) override {
+    said += line + "\n";
+    std::smatch number;
+    if (std::regex_search(line, number, std::regex(R"((?:reads|with) ([0-9.e+-]+) )"))) {
+      last_number_ = number[1];
+    }
+  }
+  void tellStep(const StepNews& news) override {
+    if (!news.why.empty()) said += format(news.why);
+  }
+  void tellMotion(const Motion&, MotionState) override {}
+  [[nodiscard]] std::optional<std::string> ask(const Question& question,
+                                               const std::function<void()>& meanwhile) override {
+    meanwhile();
+    switch (question.about) {
+      case Asked::kThisDevice:
+      case Asked::kNobodyAttached:
+        return "yes";
+      case Asked::kTravel:
+      case Asked::kKnownForce:
+        return last_number_;
+      default:
+        return "";
+    }
+  }
+  [[nodiscard]] bool holdsKey() override { return true; }
+  [[nodiscard]] bool gaveUp() override { return false; }
+
+  std::string said;
+
+ private:
+  std::string last_number_;
+};
+
+/// A device file of its own, the plant of it, and the newcomer.
+struct Lesson {
+  explicit Lesson(const std::string& file)
+      : path(folder.file("mine.toml")), model(load(file, path)), plant(model, 1e-3) {
+    CommissioningPlan plan;
+    plan.operator_name = "Test";
+    plan.now = [] {
+      return PlaceTime{std::chrono::sys_days(std::chrono::year(2026) / 11 / 28), {}};
+    };
+    plan.write = [](const std::string& to, const std::string& text) -> Expected<Done> {
+      writeFile(to, text);
+      return Done{};
+    };
+    plan.draw = [](const ChartPage&, const std::string&) -> Expected<Done> { return Done{}; };
+    bench.emplace(orThrow(Bench::make(plant, model, hands, plant, 1e-3)));
+    commissioning.emplace(*bench, plan);
+  }
+  static DeviceModel load(const std::string& file, const std::string& to) {
+    std::filesystem::copy_file(WHOLEHAND_SOURCE_DIR "/config/devices/" + file + ".toml", to);
+    return orThrow(loadDeviceFile(to));
+  }
+
+  Folder folder;
+  std::string path;
+  DeviceModel model;
+  SimulatedPlant plant;
+  Newcomer person;
+  SimulatedHands hands{person, plant, model};
+  std::optional<Bench> bench;
+  std::optional<Commissioning> commissioning;
+};
+
+TEST(SimulatedPlant, OfEachShippedDevice_IsCommissionedByWhatIsSaidAndFoundAsItsFileStates) {
+  for (const std::string& file :
+       aTenth<std::string>({"desktop-3axis", "lambda-pride", "wrist-9axis"})) {
+    Lesson lesson(file);
+    ASSERT_TRUE(leadCommissioning(*lesson.commissioning, lesson.hands)) << lesson.person.said;
+    EXPECT_TRUE(says(lesson.person.said, "no device is armed with it")) << file;
+    EXPECT_LE(lesson.bench->largestShare(), kCommissioningShare + 1e-12) << file;
+    const Passport passport = orThrow(readPassport(lesson.commissioning->path()));
+    for (std::size_t i = 0; i < lesson.model.axes.size(); ++i) {
+      const DeviceAxis& truth = lesson.model.axes[i];  // the plant is what its file says
+      EXPECT_TRUE(passport.axes[i].mass.contains(truth.mass)) << file << truth.name;
+      EXPECT_TRUE(passport.axes[i].damping.contains(truth.damping)) << file << truth.name;
+      EXPECT_TRUE(passport.axes[i].coulomb.contains(truth.coulomb)) << file << truth.name;
+    }
+  }
+}
+
+// A passport that was learned, with a check of the day, beside a device that says it is the same.
+TEST(SimulatedPlant, ItsPassportAndCheck_NeverArmADevice) {
+  Lesson lesson("desktop-3axis");
+  ASSERT_TRUE(leadCommissioning(*lesson.commissioning, lesson.hands)) << lesson.person.said;
+  ASSERT_TRUE(lesson.commissioning->checkToday().ok()) << "the daily check can be learned, too";
+  const Passport passport = orThrow(readPassport(lesson.commissioning->path()));
+  EXPECT_TRUE(passport.identity.simulated);
+  EXPECT_TRUE(
+      checkPassport(passport, lesson.plant.identity(), lesson.model, passport.measured_at).ok());
+
+  DriverIdentity device = lesson.plant.identity();
+  device.simulated = false;  // a real one, of the same serial number, firmware and SDK
+  const auto armed = clearToArm(device, lesson.model, passport.rate_hz, passport.measured_at);
+  ASSERT_FALSE(armed.ok());
+  EXPECT_TRUE(says(format(armed.errors()), "learned on a simulated plant"));
+  const auto plant =
+      clearToArm(lesson.plant.identity(), lesson.model, passport.rate_hz, passport.measured_at);
+  ASSERT_FALSE(plant.ok());
+  EXPECT_TRUE(says(format(plant.errors()), "simulated plant: it arms nothing"));
+
+  // Without its mark it is another text, which the seal tells.
+  std::string text = passportText(passport);
+  const std::string mark = "simulated = true";
+  writeFile(passport.path, text.replace(text.find(mark), mark.size(), ""));
+  const auto edited = clearToArm(device, lesson.model, passport.rate_hz, passport.measured_at);
+  ASSERT_FALSE(edited.ok());
+  EXPECT_TRUE(says(format(edited.errors()), "changed after it was written"));
+}
+
+}  // namespace
+}  // namespace wholehand::test

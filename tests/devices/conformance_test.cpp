@@ -1,0 +1,297 @@
+// Drivers that break one rule each, and drivers that break none.
+#include "devices/conformance/conformance.hpp"
+
+#include "drivers/firmware_process.hpp"
+#include "loop/realtime/allocation_counter.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
+#include "support/seed.hpp"
+#include "support/watched_main.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+namespace wholehand::test {
+namespace {
+
+DriverLocation builtAt(const std::string& name, const std::string& settings = {}) {
+  return {std::string(WHOLEHAND_BINARY_DIR) + "/drivers/" + name + ".so", "", settings};
+}
+
+ConformanceOptions with(DriverLocation driver, const std::string& only,
+                        double longest_check_s = 30.0) {
+  seesRealTime();
+  ConformanceOptions options;
+  options.driver = std::move(driver);
+  options.only = only;
+  options.allow_effort = options.allow_beyond_limit = true;
+  options.longest_check_s = longest_check_s;
+  return options;
+}
+
+std::string failures(const std::vector<CheckResult>& results) {
+  std::string out;
+  for (const CheckResult& r : results) {
+    if (r.finding.outcome == Outcome::kFailed) {
+      out += std::string(r.check->id) + ": " + r.finding.text + "\n";
+    }
+  }
+  return out;
+}
+
+// The finding of one check. Where this machine kept a check waiting, times excuse the driver: it is
+// asked again, up to `times`.
+CheckFinding judgedBy(const std::string& id, const ConformanceOptions& options, int times = 5) {
+  CheckFinding found;
+  for (int k = 0; k < times && found.outcome != Outcome::kFailed; ++k) {
+    for (const CheckResult& r : conform(options)) {
+      if (id == r.check->id) found = r.finding;
+    }
+  }
+  return found;
+}
+
+std::string groupOf(const std::string& id) {
+  return id.substr(0, id.find('.') + 1);
+}
+
+/// A driver that breaks the rule of one check: broken_driver.c by its settings, or an object of
+/// faulty_driver.c that is built so.
+struct Broken {
+  const char* name;
+  const char* check;
+  bool is_object = false;
+};
+
+class OneRuleBroken : public testing::TestWithParam<Broken> {};
+
+TEST_P(OneRuleBroken, IsFoundByTheCheckThatIsMeantForIt) {
+  const std::string id = GetParam().check;
+  const DriverLocation driver =
+      GetParam().is_object ? builtAt(GetParam().name) : builtAt("broken", GetParam().name);
+  const bool uncounted = id == "time.read_allocations" && !allocationCountingAvailable();
+  const CheckFinding found = judgedBy(id, with(driver, id, 1.5), uncounted ? 1 : 5);
+  if (uncounted) {
+    EXPECT_EQ(found.outcome, Outcome::kSkipped) << "a sanitizer owns malloc";
+    return;
+  }
+  EXPECT_EQ(found.outcome, Outcome::kFailed) << found.text;
+  EXPECT_FALSE(found.text.empty());
+}
+const std::vector<Broken> kBroken = {{"exits", "lifecycle.open"},
+                                     {"mute", "faults.open_says"},
+                                     {"shared", "lifecycle.open_twice"},
+                                     {"eager", "lifecycle.open_disabled"},
+                                     {"chatty", "faults.lines"},
+                                     {"leaks", "lifecycle.files"},
+                                     {"overfills", "boundary.capacity"},
+                                     {"oversized", "boundary.older_sample"},
+                                     {"twins", "description.names_unique"},
+                                     {"millimetres", "description.travel_plausible"},
+                                     {"inverted", "description.travel_ordered"},
+                                     {"limitless", "description.effort_finite"},
+                                     {"milliseconds", "description.delay_plausible"},
+                                     {"unwatched", "description.watchdog"},
+                                     {"strict", "lifecycle.disable_first"},
+                                     {"obliging", "lifecycle.unknown_verb"},
+                                     {"stuck", "lifecycle.disable"},
+                                     {"willing", "lifecycle.write_disabled"},
+                                     {"backwards", "samples.sequence"},
+                                     {"frozen", "samples.moves_on"},
+                                     {"clock", "samples.clock"},
+                                     {"walltime", "samples.clock_monotonic"},
+                                     {"stale", "samples.age"},
+                                     {"nan", "samples.position_finite"},
+                                     {"missing", "samples.valid"},
+                                     {"ghosts", "samples.valid_described"},
+                                     {"hollow", "samples.nothing_new"},
+                                     {"beyond", "samples.travel"},
+                                     {"coarse", "samples.resolution"},
+                                     {"hot", "samples.temperature"},
+                                     {"codeless", "faults.code"},
+                                     {"remembers", "commands.enabled_neutral"},
+                                     {"rigid", "commands.sequence_restarts"},
+                                     {"countless", "commands.more_axes"},
+                                     {"gullible", "commands.nan"},
+                                     {"reversed", "commands.sign"},
+                                     {"unclipped", "commands.beyond_limit"},
+                                     {"blocks", "time.read_wall"},
+                                     {"sleeps", "time.read_waits"},
+                                     {"computes", "time.read_cpu"},
+                                     {"allocates", "time.read_allocations"},
+                                     {"talks", "time.read_says"},
+                                     {"forks", "time.read_processes"},
+                                     {"ponders", "time.write_waits"},
+                                     {"sleepless", "watchdog.silenced"},
+                                     {"tardy", "watchdog.silenced"},
+                                     {"forgiving", "watchdog.latched"},
+                                     {"impatient", "watchdog.before_first"},
+                                     {"undroppable", "watchdog.dropped"},
+                                     {"none", "boundary.loads", true},
+                                     {"no_symbol", "boundary.symbol", true},
+                                     {"other_major", "boundary.major", true},
+                                     {"too_short", "boundary.size", true},
+                                     {"without_write", "boundary.functions", true}};
+INSTANTIATE_TEST_SUITE_P(Kinds, OneRuleBroken, testing::ValuesIn(kBroken),
+                         [](const auto& tested) { return tested.param.name; });
+
+/// One thing that is wrong with one axis of broken_rails.c, and the check that is meant for it.
+struct BrokenRail {
+  const char* defect;
+  const char* check;
+  const char* axis = "y";
+  bool of_all = false;  ///< of both axes
+};
+
+class OneAxisBroken : public testing::TestWithParam<BrokenRail> {};
+
+TEST_P(OneAxisBroken, IsFoundByTheCheckThatIsMeantForItAndNamed) {
+  const auto& [defect, id, axis, of_all] = GetParam();
+  ConformanceOptions options = with(builtAt("broken_rails", std::string(defect) + " " + axis), id);
+  options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}};
+  const CheckFinding found = judgedBy(id, options, 3);
+  EXPECT_EQ(found.outcome, Outcome::kFailed) << found.text;
+  if (!of_all) EXPECT_TRUE(says(found.text, axis)) << found.text;
+}
+// These passed a suite that looked at bits, at measured efforts and at the first axis.
+const std::vector<BrokenRail> kBrokenRails = {
+    {"late", "motion.delay"},           {"halved", "motion.measured"},
+    {"turned", "motion.sign"},          {"holds", "commands.neutral_again"},
+    {"watchdog_bit", "motion.silence"}, {"pushes", "motion.neutral"},
+    {"nan_taken", "commands.nan"},      {"unlimited", "commands.beyond_limit"},
+    {"repeats", "motion.jumps"},        {"old", "samples.age", "y", true},
+    {"disable_bit", "motion.disable"},
+};
+// The same on the first axis, and what is said otherwise than done.
+const std::vector<BrokenRail> kMoreBrokenRails = {{"turned", "motion.sign", "x"},
+                                                  {"watchdog_bit", "motion.silence", "x"},
+                                                  {"disable_bit", "motion.disable", "x"},
+                                                  {"holds", "motion.released"},
+                                                  {"holds", "watchdog.neutral"},
+                                                  {"holds", "commands.disabled_neutral"},
+                                                  {"keeps_saying", "commands.disabled_neutral"},
+                                                  {"ignores_neutral", "motion.released"},
+                                                  {"halved_unsaid", "motion.mass"},
+                                                  {"millinewton", "motion.moves"},
+                                                  {"millimetre", "motion.within"},
+                                                  {"old_unsaid", "motion.delay"},
+                                                  {"fast_clock", "samples.clock_rate", "y", true},
+                                                  {"unlimited_unsaid", "motion.limit"},
+                                                  {"unlimited_back", "commands.beyond_limit"},
+                                                  {"limits_sum", "commands.beyond_limit", "x"},
+                                                  {"clips_unsaid", "commands.beyond_limit"},
+                                                  {"encoder_turned", "motion.sign"},
+                                                  {"swapped", "motion.alone", "x"},
+                                                  {"positions_swapped", "motion.alone", "x"},
+                                                  {"coupled", "motion.alone"},
+                                                  {"dead", "motion.moves"},
+                                                  {"weak", "motion.proportional"},
+                                                  {"one_sided", "motion.proportional"},
+                                                  {"both_one_way", "motion.proportional"},
+                                                  {"lame_back", "motion.proportional"},
+                                                  {"dead_zone", "motion.proportional"},
+                                                  {"smoothed", "motion.delay"},
+                                                  {"slewed", "motion.delay"},
+                                                  // It answers as late as it likes; how much no
+                                                  // mass explains depends on the pushes before.
+                                                  {"integrated", "motion.delay"},
+                                                  {"forgets", "motion.enable"},
+                                                  {"remembers", "motion.enable"},
+                                                  {"rezeroes", "motion.enable"},
+                                                  {"outlives", "motion.close"},
+                                                  {"tardy_off", "motion.disable"},
+                                                  {"once", "motion.silence", "y", true},
+                                                  {"patient", "motion.silence", "y", true},
+                                                  {"sticky_bit", "watchdog.enable", "y", true},
+                                                  {"sulks", "commands.after_bad", "y", true},
+                                                  {"says_turned", "commands.sign"},
+                                                  {"says_other", "motion.measured"},
+                                                  {"says_gram", "motion.measured"},
+                                                  {"drifts", "motion.rests"},
+                                                  {"tenth", "motion.jumps"}};
+std::string nameOfRail(const testing::TestParamInfo<BrokenRail>& tested) {
+  const BrokenRail& rail = tested.param;
+  std::string name = std::string(rail.defect) + "_" + rail.axis + "_" + rail.check;
+  std::replace(name.begin(), name.end(), '.', '_');
+  return name;
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, OneAxisBroken, testing::ValuesIn(aTenth(kBrokenRails)), nameOfRail);
+INSTANTIATE_TEST_SUITE_P(More, OneAxisBroken, testing::ValuesIn(aTenth(kMoreBrokenRails)),
+                         nameOfRail);
+
+TEST(Conformance, DriverThatCrashes_FailsTheCheckUnderWayAndNoOtherGroup) {
+  const auto results = conform(with(builtAt("broken", "crashes"), "samples."));
+  EXPECT_TRUE(says(failures(results), "samples.succeed: the driver ended the process"));
+  EXPECT_EQ(results.back().finding.outcome, Outcome::kSkipped);
+  EXPECT_EQ(failures(conform(with(builtAt("broken", "crashes"), "description."))), "");
+}
+
+TEST(Conformance, DriverThatHangs_IsEndedAndReported) {
+  const auto results = conform(with(builtAt("broken", "hangs"), "samples.", 0.5));
+  EXPECT_TRUE(says(failures(results), "samples.succeed: the driver hangs"));
+}
+
+TEST(Conformance, GoodDrivers_FailNothing) {
+  EXPECT_EQ(failures(conform(with(builtAt("broken", "moving"), "samples."))), "");
+  EXPECT_EQ(failures(conform(with(builtAt("rails"), ""))), "");
+}
+
+// Sound, with a weight that the driver carries and a brake holds, with dry friction, and without a
+// measured effort.
+TEST(Conformance, GoodRails_FailNothing) {
+  for (const std::string& kind : aTenth<std::string>({"", "weighs", "rubs", "silent"})) {
+    ConformanceOptions options = with(builtAt("broken_rails", kind), "");
+    options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}};
+    EXPECT_EQ(failures(conform(options)), "") << kind;
+  }
+}
+
+// Its firmware is a process of its own: rails of 0.25 kg with 3 N·s/m.
+TEST(Conformance, FrameAndItsFirmware_FailNothingThatMoves) {
+  const std::vector<std::string> carriers = everyCarrier();
+  const FirmwareProcess firmware(carriers[seed() % carriers.size()]);
+  ConformanceOptions options = with(builtAt("frame"), "motion.");
+  options.driver.locator = firmware.locator();
+  options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}, {"z", 0.25, 0.0}};
+  EXPECT_EQ(failures(conform(options)), "") << firmware.locator();
+}
+
+// It may wait, has no watchdog of its own and moves by itself: what it does without effort.
+TEST(Conformance, DriverForHosts_FailsNothingThatLooks) {
+  const Folder folder;
+  ConformanceOptions options = with(builtAt("pushed", folder.file("kept")), "");
+  options.allow_effort = false;
+  EXPECT_EQ(failures(conform(options)), "");
+}
+
+TEST(Conformance, WithoutLeave_EnablesNothing) {
+  ConformanceOptions options = with(builtAt("broken"), "");
+  options.allow_effort = false;
+  for (const CheckResult& r : conform(options)) {
+    if (r.check->effect == Effect::kLooks) continue;
+    EXPECT_EQ(r.finding.outcome, Outcome::kSkipped) << r.check->id;
+    EXPECT_TRUE(says(r.finding.text, "--allow-effort")) << r.check->id;
+  }
+}
+
+// What a check sends moves a person's hand: only checks that say so may enable.
+TEST(Conformance, Checks_HaveNamesOfTheirOwnAndSayWhatTheyDo) {
+  std::set<std::string> ids;
+  for (const CheckGroup& group : checkGroups()) {
+    for (const Check& check : group.checks) {
+      EXPECT_TRUE(ids.insert(check.id).second) << check.id;
+      EXPECT_EQ(groupOf(check.id), std::string(group.name) + ".");
+      EXPECT_TRUE(check.before != DriverStage::kEnabled || check.effect != Effect::kLooks)
+          << check.id;
+      EXPECT_GT(std::string(check.asks).size(), 10U) << check.id;
+      EXPECT_GT(std::string(check.remedy).size(), 3U) << check.id;
+    }
+  }
+  EXPECT_GE(ids.size(), 60U);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,441 @@
+// Drivers that are loaded from shared objects built by a C compiler against the public header.
+#include "devices/plugin/plugin_device.hpp"
+
+#include "devices/plain_driver.hpp"
+#include "devices/plugin/device_driver.hpp"
+#include "devices/plugin/plugin_driver.hpp"
+#include "faulty_places.hpp"
+#include "loop/realtime/allocation_counter.hpp"
+#include "support/folder.hpp"
+#include "support/rig_tools.hpp"
+#include "support/says.hpp"
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <fstream>
+#include <set>
+
+namespace wholehand::test {
+namespace {
+
+std::string driverFile(const std::string& name) {
+  return std::string(WHOLEHAND_BINARY_DIR) + "/drivers/" + name + ".so";
+}
+
+DeviceModel desktopInARig() {
+  return load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm")).device;
+}
+
+Expected<std::shared_ptr<PluginDriver>> loadFaulty(const std::string& settings,
+                                                   const std::string& locator = "") {
+  return PluginDriver::load({driverFile("faulty"), locator, settings});
+}
+
+std::unique_ptr<HapticDevice> deviceThat(const std::string& settings) {
+  return orThrow(PluginDevice::make(orThrow(loadFaulty(settings)), desktopInARig(), 1e-3));
+}
+
+TEST(PluginDriver, BrokenOne_IsRefusedByName) {
+  for (const auto& [driver, why] : {std::pair{"no_symbol", "has no wh_plugin_v1()"},
+                                    {"other_major", "is built for version 2"},
+                                    {"too_short", "too short"},
+                                    {"without_write", "leaves out one of its six"},
+                                    {"may_wait", "WH_NEVER_WAITS"},
+                                    {"not_there", "cannot open shared object file"}}) {
+    const auto loaded = PluginDriver::load({driverFile(driver), "", ""});
+    EXPECT_TRUE(refusedWith(loaded, driver));  // the file
+    EXPECT_TRUE(refusedWith(loaded, why));
+  }
+}
+
+TEST(PluginDriver, DeviceThatIsNotFound_SaysWhereAndWhatTheDriverSaid) {
+  const auto driver = loadFaulty("", "nowhere");
+  EXPECT_TRUE(refusedWith(driver, "no device was found at nowhere: nothing answers"));
+}
+
+TEST(PluginDriver, ThatKnowsItsDevice_SaysSerialFirmwareAndSdk) {
+  const auto driver = orThrow(loadFaulty(""));
+  EXPECT_EQ(driver->identity().serial, "S-1");
+  EXPECT_EQ(driver->identity().firmware, "1.0");
+  EXPECT_EQ(driver->identity().sdk, "7");
+  EXPECT_EQ(orThrow(loadFaulty("anonymous"))->identity().serial, "");
+}
+
+// A passport is of everything of this machine between an effort and the motor.
+TEST(PluginDriver, AnotherFileSettingOrFileThatTheSettingsName_HasAnotherDigest) {
+  const Folder folder;
+  const auto digest = [](const std::string& driver, const std::string& settings) {
+    return orThrow(PluginDriver::load({driverFile(driver), "", settings}))
+        ->identity()
+        .driver_sha256;
+  };
+  const std::string map = folder.file("map.toml");
+  std::ofstream(map) << "gear = 1";
+  const std::string first = digest("faulty", map);
+  EXPECT_EQ(digest("faulty", map), first);
+  std::set<std::string> all = {first, digest("faulty", "gear=1"), digest("faulty", "gear=-3"),
+                               digest("older", "gear=1")};
+  std::ofstream(map) << "gear = -3";
+  all.insert(digest("faulty", map));
+  EXPECT_EQ(all.size(), 5U);
+  for (const char* name : {"a b", "a=b"}) {
+    std::filesystem::create_directory(folder.file(name));
+    const std::string file = folder.file(std::string(name) + "/map.toml");
+    for (const std::string& settings : {file, "map=" + file}) {
+      if (settings != file && file.find(' ') != std::string::npos) continue;  // not one word
+      std::ofstream(file) << "max_torque_nm = 0.8";
+      const std::string safe = digest("faulty", settings);
+      EXPECT_EQ(digest("faulty", settings), safe);
+      std::ofstream(file) << "max_torque_nm = 8.0";
+      EXPECT_NE(digest("faulty", settings), safe) << settings;
+    }
+  }
+}
+
+TEST(PluginDevice, WithoutAClearance_IsNotArmedWhereItMayMoveAPerson) {
+  const auto refusalOf = [](std::optional<Clearance> clearance) {
+    Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
+    auto device = orThrow(
+        PluginDevice::make(orThrow(loadFaulty("")), models.device, 1e-3, std::move(clearance)));
+    const auto rig = orThrow(buildRig(std::move(models), std::move(device), {}));
+    return rig->renderer->arm();
+  };
+  EXPECT_TRUE(refusedWith(refusalOf(std::nullopt), "passport"));
+  EXPECT_TRUE(refusedWith(refusalOf(Clearance::withoutPassport()), "nothing was rehearsed"))
+      << "the next gate";
+}
+
+TEST(PluginDriver, BuiltWithTheHeaderOf1_0_WorksAndIsNotAskedWhoItIs) {
+  const auto driver = orThrow(PluginDriver::load({driverFile("older"), "", ""}));
+  EXPECT_EQ(driver->identity().serial, "");
+  EXPECT_TRUE(PluginDevice::make(driver, desktopInARig(), 1e-3).ok());
+}
+
+TEST(PluginDevice, OtherThanTheFileStates_IsRefusedWithTheAxis) {
+  for (const auto& [settings, why] : {std::pair{"nameless", "has no such axis"},
+                                      {"turning", "has a rotation"},
+                                      {"brake", "takes no effort there"},
+                                      {"short", "travel down to"},
+                                      {"weak", "has an effort limit of 1, the file states 8"},
+                                      {"coarse", "has steps of position of 0.001"},
+                                      {"slow", "has a delay of 0.005, the file states 0.001"},
+                                      {"deaf", "has no watchdog"}}) {
+    const auto device = PluginDevice::make(orThrow(loadFaulty(settings)), desktopInARig(), 1e-3);
+    EXPECT_TRUE(refusedWith(device, why));
+    ASSERT_EQ(device.errors().size(), 1U) << format(device.errors());
+    EXPECT_EQ(device.errors().front().value, "x");
+  }
+  EXPECT_TRUE(refusedWith(loadFaulty("many"), "has 17 axes"));
+  EXPECT_TRUE(refusedWith(loadFaulty("axisless"), "has 0 axes"));
+}
+
+TEST(PluginDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
+  const auto driver = orThrow(loadFaulty(""));
+  const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
+  ASSERT_NO_FATAL_FAILURE(expectPlacesOfFaultyDriver(*device));
+  ASSERT_TRUE(device->enable());
+  AxisEffort effort(3);
+  effort[0] = 0.5, effort[1] = -0.25, effort[2] = 2.0;
+  ASSERT_EQ(device->write(effort), Fault::kNone);
+  wh_sample sample{};
+  ASSERT_GE(driver->read(sample), 0);
+  EXPECT_EQ(sample.effort[3], 0.5);
+  EXPECT_EQ(sample.effort[2], -0.25);
+  EXPECT_EQ(sample.effort[0], 2.0);
+  EXPECT_EQ(sample.effort[1], 0.0) << "an axis that the file does not name";
+  device->close();
+  ASSERT_GE(driver->read(sample), 0);
+  EXPECT_EQ(sample.effort[3], 0.0);
+  DeviceReading reading;
+  EXPECT_EQ(device->read(reading, 1), Fault::kDeviceRead) << "closed";
+}
+
+TEST(PluginDevice, ReadsAndWrites_AllocateNothing) {
+  const auto device = deviceThat("");
+  ASSERT_TRUE(device->open());
+  DeviceReading reading;
+  AxisEffort effort(3);
+  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
+  const std::uint64_t before = threadAllocations();
+  for (int i = 0; i < 1000; ++i) {
+    (void)device->read(reading, 1);
+    (void)device->write(effort);
+  }
+  EXPECT_EQ(threadAllocations(), before);
+}
+
+TEST(PluginDevice, EnablingThatFails_IsUndone) {
+  for (const char* settings : {"locked", "enable"}) {
+    const auto driver = orThrow(loadFaulty(settings));
+    const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
+    ASSERT_TRUE(device->open());
+    EXPECT_FALSE(device->enable());
+    EXPECT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kDeviceWrite);
+    wh_command command{};
+    command.size = sizeof(command);
+    command.axes = 4;
+    command.sequence = 1;
+    EXPECT_LT(driver->write(command), 0) << settings << ": it is disabled again";
+  }
+}
+
+TEST(PluginDevice, NotHomedOrLocked_IsNotArmed) {
+  for (const char* settings : {"unhomed", "drive", "enable", "unplug", "locked"}) {
+    const auto device = deviceThat(settings);
+    const bool may = device->open() && device->ready() && device->enable();
+    EXPECT_FALSE(may) << settings;
+  }
+}
+
+TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
+  const auto observed = std::make_shared<ObservedDriver>(orThrow(loadFaulty("silenced@4")));
+  const auto device = orThrow(PluginDevice::make(observed, desktopInARig(), 1e-3));
+  EXPECT_EQ(observed->facts().sampled_ns, 0) << "nothing was read yet";
+  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(device->enable());
+  DeviceReading reading;
+  const std::int64_t before_ns = monotonicNow_ns();
+  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
+  EXPECT_TRUE(observed->facts().enabled);
+  EXPECT_TRUE(observed->facts().homed);
+  EXPECT_FALSE(observed->facts().silenced);
+  EXPECT_TRUE(std::isnan(observed->facts().temperature_c)) << "the driver does not say";
+  EXPECT_GE(observed->facts().sampled_ns, before_ns);
+  EXPECT_LE(observed->facts().sampled_ns, monotonicNow_ns());
+  (void)device->read(reading, 1), (void)device->read(reading, 1);
+  EXPECT_TRUE(observed->facts().silenced);
+  device->close();
+  EXPECT_FALSE(observed->facts().enabled) << "nobody reads any more";
+}
+
+struct FailingInATick {
+  const char* name;
+  Fault reported;
+  int within = 0;  ///< ticks after the sample that says so
+};
+
+class FailingDevice : public testing::TestWithParam<FailingInATick> {};
+
+// A whole rig: the ramp begins in the tick whose sample says so, and ends at neutral.
+TEST_P(FailingDevice, InATick_IsReportedAndRampsToNeutral) {
+  constexpr int kAt = 60;  // samples: by ready(), prepare() and enable(), then one a tick
+  Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
+  auto device = deviceThat(std::string(GetParam().name) + "@" + std::to_string(kAt));
+  auto rig = orThrow(buildRigWithoutPerson(std::move(models), std::move(device), {}));
+  ASSERT_TRUE(rig->renderer->arm());
+  TickRecord record;
+  int first = -1, neutral = -1;
+  for (int tick = 0; tick < 300 && neutral < 0; ++tick) {
+    record.tick = static_cast<std::uint64_t>(tick);
+    record.command_count = 0;
+    rig->renderer->tick(1, record);
+    if (first < 0 && any(record.faults & GetParam().reported)) first = tick;
+    if (first < 0) {
+      ASSERT_FALSE(any(record.faults & kStoppingFaults)) << "tick " << tick;
+    }
+    if (rig->renderer->finished()) neutral = tick;
+  }
+  ASSERT_GE(first, 0) << "never reported";
+  EXPECT_EQ(first, kAt - 4 + GetParam().within);
+  if (any(GetParam().reported & kStoppingFaults)) {
+    EXPECT_EQ(record.safety_state, SafetyState::kFaulted);
+    if (GetParam().reported != Fault::kDeviceWrite) {
+      EXPECT_LE(neutral - first, 100);
+    }
+  } else {
+    EXPECT_EQ(neutral, -1) << "goes on";
+  }
+}
+// The sample after the first frozen one is 1 period old, and 20 ms are allowed.
+const std::vector<FailingInATick> kFailing = {
+    {"unplug", Fault::kDeviceRead},      {"missing", Fault::kDeviceRead},
+    {"nan", Fault::kNonFinitePosition},  {"drive", Fault::kDriveFault},
+    {"enable", Fault::kEnableLost},      {"unhomed", Fault::kEnableLost},
+    {"silenced", Fault::kEnableLost},    {"hot", Fault::kDriveHot},
+    {"backwards", Fault::kStaleSample},  {"clock", Fault::kStaleSample},
+    {"frozen", Fault::kStaleSample, 21}, {"refuse", Fault::kDeviceWrite}};
+INSTANTIATE_TEST_SUITE_P(Kinds, FailingDevice, testing::ValuesIn(aTenth(kFailing)),
+                         [](const auto& tested) { return tested.param.name; });
+
+/// Samples whose age and efforts the test says, on a clock of the test; their numbers always rise.
+std::int64_t g_now_ns = 0;
+class AgedDriver final : public PlainDriver {
+ public:
+  AgedDriver() : PlainDriver({"x", "y", "z"}, plainAxis()) {}
+  [[nodiscard]] int read(wh_sample& sample) noexcept override {
+    sample.size = sizeof(sample);
+    sample.sequence = ++samples_;
+    taken_ns_ = std::max(taken_ns_, g_now_ns - age_ns);
+    sample.monotonic_ns = taken_ns_;
+    sample.status = WH_HOMED | (enabled ? static_cast<std::uint32_t>(WH_ENABLED) : 0U);
+    sample.valid = 7;
+    sample.status |= status;
+    for (std::size_t a = 0; a < 3; ++a)
+      sample.effort[a] = commanded[commanded.size() - 1 - late].effort[a];
+    sample.effort[odd] = gain * sample.effort[odd] + bias;
+    return WH_OK;
+  }
+  [[nodiscard]] int write(const wh_command& command) noexcept override {
+    commanded.push_back(command);
+    commanded.pop_front();
+    return WH_OK;
+  }
+  std::int64_t age_ns = 0;
+  std::uint32_t status = 0;
+  std::size_t late = 0, odd = 0;  ///< ticks until an effort is given; the axis that gives another
+  double gain = 1.0, bias = 0.0;
+  std::deque<wh_command> commanded = std::deque<wh_command>(8);
+
+ private:
+  std::uint64_t samples_ = 0;
+  std::int64_t taken_ns_ = 0;
+};
+
+/// An enabled device of 1 kHz, with one tick of certified delay and 20 ms of longest_gap_s.
+struct AgedDevice {
+  AgedDevice() {
+    g_now_ns = 1'000'000'000;
+    DeviceModel model = desktopInARig();
+    model.output_delay_ticks = 1;
+    model.watch.longest_gap_s = 0.02;
+    device = orThrow(
+        PluginDevice::make(driver, model, 1e-3, std::nullopt, []() noexcept { return g_now_ns; }));
+    orThrow(device->open());
+    orThrow(device->enable());
+  }
+  Fault tick(std::int64_t age_ns) {
+    g_now_ns += 1'000'000;
+    driver->age_ns = age_ns;
+    return device->read(reading, 1);
+  }
+  Fault tickWith(const AxisEffort& effort) {
+    const Fault faults = tick(0);
+    (void)device->write(effort);
+    return faults;
+  }
+  std::shared_ptr<AgedDriver> driver = std::make_shared<AgedDriver>();
+  std::unique_ptr<HapticDevice> device;
+  DeviceReading reading;
+};
+
+// docs/safety.md: older than longest_gap_s at once; a mean of more than the certified delay and a
+// tick, here 2 ms, within 0.1 s of it.
+TEST(SampleAge, FromNothingTo100Milliseconds_StopsAsTheLawSays) {
+  auto random = seededRandom(3404);
+  for (int i = 0; i < cases(2000); ++i) {
+    const double age_ms = uniform(random, 0.0, i % 2 == 0 ? 5.0 : 100.0);
+    SCOPED_TRACE(age_ms);
+    AgedDevice at;
+    for (int k = 0; k < 200; ++k) (void)at.tick(0);
+    Fault all = Fault::kNone;
+    int stopped_after = -1;
+    for (int k = 0; k < 1000; ++k) {
+      all |= at.tick(static_cast<std::int64_t>(age_ms * 1e6));
+      if (stopped_after < 0 && any(all & kStoppingFaults)) stopped_after = k;
+    }
+    EXPECT_EQ(any(all & Fault::kStaleSample), age_ms > 20.0);
+    if (age_ms < 1.999) {
+      EXPECT_EQ(all, Fault::kNone);
+    } else if (age_ms > 2.5) {
+      // An exponential mean of 0.1 s passes 2 ms after −0.1 ln(1 − 2 / age) s.
+      const double within_ms = -100.0 * std::log(1.0 - 2.0 / age_ms);
+      ASSERT_GE(stopped_after, 0);
+      EXPECT_LE(stopped_after, within_ms + age_ms + 2.0);
+    }
+  }
+}
+
+TEST(SampleAge, TimeThatStandsStillWhileNumbersRise_StopsWithinLongestGap) {
+  AgedDevice at;
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(at.tick(0), Fault::kNone);
+  int good = 0;
+  while (good < 100 && !any(at.tick(1'000'000 * (good + 1)) & kStoppingFaults)) ++good;
+  EXPECT_LE(good, 20);
+}
+
+TEST(SampleAge, OfTheFuture_Stops) {
+  AgedDevice at;
+  EXPECT_EQ(at.tick(0), Fault::kNone);
+  EXPECT_TRUE(any(at.tick(-5'000'000) & Fault::kStaleSample));
+}
+
+// A good device: up to a period old, now and then late by up to 15 ms.
+TEST(SampleAge, OfAGoodDeviceWithJitter_NeverStops) {
+  auto random = seededRandom(3405);
+  AgedDevice at;
+  for (int k = 0; k < cases(1'000'000); ++k) {
+    const double age_ms =
+        random() % 500 == 0 ? uniform(random, 0.0, 15.0) : uniform(random, 0.0, 1.0);
+    ASSERT_EQ(at.tick(static_cast<std::int64_t>(age_ms * 1e6)), Fault::kNone) << k;
+  }
+}
+
+// docs/safety.md: means over 0.1 s that differ by more than a tenth of the limit and a quarter of
+// what is sent.
+TEST(EffortAstray, OfADriveThatGivesAnother_StopsAsTheLawSays) {
+  const double limit = desktopInARig().axes[0].effort_limit;
+  auto random = seededRandom(3406);
+  for (int i = 0; i < cases(500); ++i) {
+    AgedDevice at;
+    at.driver->odd = static_cast<std::size_t>(i % 3);
+    const double sent = uniform(random, -limit, limit);
+    AxisEffort efforts(3);
+    efforts[i % 3] = sent;
+    for (int k = 0; k < 800; ++k) ASSERT_EQ(at.tickWith(efforts), Fault::kNone);
+    at.driver->gain = i % 2 == 0 ? 1.0 : uniform(random, -1.0, 2.0);
+    at.driver->bias = i % 2 == 0 ? uniform(random, -limit, limit) : 0.0;
+    const bool derates = i % 5 == 0;
+    at.driver->status = derates ? WH_DERATING : 0;
+    const double given = at.driver->gain * sent + at.driver->bias;
+    const bool less = derates && given * sent >= 0.0 && std::abs(given) <= std::abs(sent);
+    const double apart = less ? 0.0 : std::abs(given - sent);
+    const double allowed = 0.1 * limit + 0.25 * std::abs(sent);
+    SCOPED_TRACE(std::to_string(sent) + " sent, " + std::to_string(given) + " given");
+    int stopped_after = -1;
+    for (int k = 0; k < 1000 && stopped_after < 0; ++k) {
+      if (any(at.tickWith(efforts) & Fault::kEffortAstray)) stopped_after = k;
+    }
+    if (apart < 0.99 * allowed) {
+      EXPECT_EQ(stopped_after, -1);
+    } else if (apart > 1.1 * allowed && !derates) {
+      const double within_ms = -100.0 * std::log(1.0 - allowed / apart);
+      // A mean of periods of 1 ms takes 0.5 % longer than one of continuous time.
+      EXPECT_NEAR(stopped_after, within_ms, 2.0 + 0.01 * within_ms);
+    }
+  }
+}
+
+TEST(EffortAstray, OfADriveThatMeasuresNone_NeverStops) {
+  AgedDevice at;
+  at.driver->bias = std::nan("");
+  AxisEffort efforts(3);
+  efforts[0] = desktopInARig().axes[0].effort_limit;
+  for (int k = 0; k < 1000; ++k) ASSERT_EQ(at.tickWith(efforts), Fault::kNone);
+}
+
+// As fast as the slew limit allows, given up to 5 ticks late, within 5 % and with noise.
+TEST(EffortAstray, OfAGoodDevice_NeverStops) {
+  const double limit = desktopInARig().axes[0].effort_limit;
+  auto random = seededRandom(3407);
+  AgedDevice at;
+  AxisEffort efforts(3), aims(3);
+  for (int k = 0; k < cases(200'000); ++k) {
+    for (int a = 0; a < 3; ++a) {
+      if (random() % 20 == 0) aims[a] = uniform(random, -limit, limit);
+      efforts[a] += std::clamp(aims[a] - efforts[a], -0.25 * limit, 0.25 * limit);
+    }
+    if (random() % 1000 == 0) at.driver->late = random() % 6;
+    at.driver->gain = uniform(random, 0.95, 1.05);
+    at.driver->bias = uniform(random, -0.1, 0.1) * limit;
+    at.driver->odd = random() % 3;
+    ASSERT_EQ(at.tickWith(efforts), Fault::kNone) << k;
+  }
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,249 @@
+// Meshes are read in a process of their own (docs/adr/0027-untrusted-files-in-children.md).
+#include "files/mesh/convex_mesh.hpp"
+#include "files/mesh/mesh_file.hpp"
+#include "files/mesh_samples.hpp"
+#include "files/scene/scene_file.hpp"
+#include "files/urdf/urdf.hpp"
+#include "loop/model/scene_model.hpp"
+#include "support/folder.hpp"
+#include "support/mutation.hpp"
+#include "support/says.hpp"
+#include "support/seed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace wholehand::test {
+namespace {
+
+/// A reader of meshes, played by a shell script.
+std::string shellReader(const Folder& folder, const std::string& text) {
+  const std::string path = folder.write("reader", "#!/bin/sh\n" + text + "\n");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return path;
+}
+
+std::string problemOf(const std::string& reader, const std::string& path) {
+  const Expected<MeshFile> mesh = readMeshInChild(reader, path);
+  return mesh ? "" : mesh.errors().front().problem;
+}
+
+TEST(MeshReader, EveryKind_GivesTheSurfaceThatIsReadInThisProcess) {
+  const Folder folder;
+  const std::string reader = meshReaderProgram();
+  ASSERT_FALSE(reader.empty()) << "wholehand-read-mesh is not beside this test";
+  for (const auto& [ending, bytes] : meshSamples()) {
+    const std::string path = folder.write("mesh." + ending, bytes);
+    const Expected<MeshFile> mesh = readMeshInChild(reader, path), here = readMeshHere(path);
+    ASSERT_TRUE(mesh && here) << ending << format(mesh.errors());
+    EXPECT_FALSE(mesh->surface.triangles.empty());
+    EXPECT_EQ(mesh->surface.points, here->surface.points) << ending;
+    EXPECT_EQ(mesh->surface.triangles, here->surface.triangles) << ending;
+    EXPECT_EQ(mesh->part, here->part) << ending;
+    EXPECT_EQ(mesh->notices, here->notices) << ending;
+  }
+}
+
+TEST(MeshReader, FileThatHoldsNone_IsRefusedInTheWordsOfThisProcess) {
+  const Folder folder;
+  const std::string path = folder.write("broken.stl", "solid nothing\n");
+  const Expected<MeshFile> mesh = readMeshInChild(meshReaderProgram(), path);
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(format(mesh.errors()), format(readMeshHere(path).errors()));
+}
+
+TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
+  const Folder folder;
+  EXPECT_EQ(problemOf(shellReader(folder, "kill -SEGV $$"), "a/mug.dae"),
+            "the mesh file a/mug.dae crashed its reader: Segmentation fault");
+  EXPECT_EQ(problemOf(shellReader(folder, "kill -ABRT $$"), "a/mug.dae"),
+            "the mesh file a/mug.dae crashed its reader: Aborted");
+  EXPECT_EQ(problemOf(shellReader(folder, "exit 1"), "a/mug.dae"),
+            "the mesh file a/mug.dae made its reader fail, which may use 1 GB of memory");
+  EXPECT_EQ(problemOf("/nowhere/reader", "a/mug.dae"),
+            "the mesh file a/mug.dae was not read: its reader could not be started: "
+            "No such file or directory");
+}
+
+TEST(MeshReader, ThatHandsOverNonsense_IsRefused) {
+  const Folder folder;
+  EXPECT_EQ(problemOf(shellReader(folder, "echo nonsense"), "a.stl"),
+            "the result of the mesh reader is damaged");
+}
+
+TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
+  MeshFile mesh;
+  mesh.surface.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.part = {0};
+  for (const int corner : {-1, 3}) {
+    mesh.surface.triangles = {{0, 1, corner}};
+    EXPECT_FALSE(decodeMesh(encodeMesh(mesh))) << corner;
+  }
+  mesh.surface.triangles = {{0, 1, 2}};
+  EXPECT_TRUE(decodeMesh(encodeMesh(mesh)));
+}
+
+// Found by damage under UBSan: no triangles, no place to copy their parts to.
+TEST(MeshHandOver, WithoutTriangles_IsHandedOver) {
+  const auto handed_over = decodeMesh(encodeMesh(MeshFile{}));
+  ASSERT_TRUE(handed_over);
+  EXPECT_TRUE(handed_over->surface.triangles.empty());
+  EXPECT_TRUE(handed_over->part.empty());
+}
+
+/// Damages each sample `times` times: it is read or refused, and its reader never dies.
+void expectDamageIsReadOrRefused(int times) {
+  auto random = seededRandom(272);
+  const Folder folder;
+  int read = 0, died = 0;
+  for (const auto& [ending, bytes] : meshSamples()) {
+    for (int i = 0; i < times; ++i) {
+      const std::string path = folder.write("mesh." + ending, mutated(bytes, random));
+      const Expected<MeshCollider> mesh = loadMeshCollider(path, Eigen::Vector3d::Ones());
+      if (mesh) {
+        ++read;
+        for (const Shape& shape : mesh->shapes) EXPECT_GT(moments(shape).volume_m3, 0.0);
+        continue;
+      }
+      const Diagnostic& why = mesh.errors().front();
+      EXPECT_TRUE(says(why.problem, path));
+      EXPECT_FALSE(why.remedy.empty());
+      if (why.problem.find(" its reader") != std::string::npos) {
+        ++died;
+        std::printf("%s: %s\n", ending.c_str(), why.problem.c_str());
+      }
+    }
+  }
+  EXPECT_EQ(died, 0);
+  std::printf("figure: %d read, readers that died: %d\n", read, died);
+}
+
+TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
+  expectDamageIsReadOrRefused(kFew ? 10 : 100);
+}
+
+TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing_slow) {
+  expectDamageIsReadOrRefused(1000);
+}
+
+TEST(ConvexMesh, CornersOfNoFace_AreBounded) {
+  // All at one x: welding would compare each with each.
+  const std::vector<Eigen::Vector3d> points(1'000'000, Eigen::Vector3d::Zero());
+  const Expected<Shape> mesh = convexMesh(points, {{0, 1, 2}});
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.errors().front().problem, "has 1000000 corners");
+}
+
+// The meshes of one scene or URDF have a limit of time together. A clock of the test's own advances
+// by 4 s at every second look, so that every mesh takes 4 s.
+
+using namespace std::chrono_literals;
+
+/// Begins at 0 s; a measurement takes 4 s.
+MeshLoadTime::Clock slowClock() {
+  return [looks = 0]() mutable {
+    const auto now = std::chrono::steady_clock::time_point(4s * ((looks + 1) / 2));
+    ++looks;
+    return now;
+  };
+}
+
+void writeMesh(const Folder& folder, const std::string& name) {
+  for (const auto& [ending, bytes] : meshSamples()) {
+    if (ending == "obj") folder.write(name + ".obj", bytes);
+  }
+}
+
+/// A scene of `count` meshes "mesh0.obj" .., which do not touch each other.
+std::string sceneOf(const Folder& folder, int count) {
+  std::string text =
+      "kind = \"scene\"\nversion = 1\nname = \"t\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n";
+  for (int i = 0; i < count; ++i) {
+    const std::string name = "mesh" + std::to_string(i);
+    writeMesh(folder, name);
+    text += "[[bodies]]\nname = \"" + name + "\"\nshape = \"mesh\"\nfile = \"" + name +
+            ".obj\"\nmass_kg = 0.1\nposition_m = [" + std::to_string(i) + ".0, 0.0, 0.0]\n";
+  }
+  return folder.write("scene.toml", text);
+}
+
+TEST(MeshLoadTime, SceneBeyondIt_NamesTheFirstMeshTooMuchAndTheSlowest) {
+  const Folder folder;
+  const std::string path = sceneOf(folder, 6);
+  MeshLoadTime time(15s, slowClock());  // three meshes fit, the fourth ends at 16 s
+  const Expected<SceneModel> scene = loadSceneFile(path, time);
+  ASSERT_FALSE(scene);
+  ASSERT_EQ(scene.errors().size(), 1U) << format(scene.errors());  // later meshes are not read
+  const Diagnostic& fault = scene.errors().front();
+  EXPECT_EQ(fault.file, path);
+  EXPECT_EQ(fault.key, "bodies[mesh3].file");
+  EXPECT_EQ(fault.problem,
+            "the meshes up to this one took longer than 15 s to load "
+            "(mesh0.obj 4.0 s, mesh1.obj 4.0 s, mesh2.obj 4.0 s, 1 more 4.0 s)");
+  EXPECT_EQ(fault.remedy, "simplify the meshes that took longest, or name fewer meshes");
+}
+
+TEST(MeshLoadTime, SceneWithinIt_Loads) {
+  const Folder folder;
+  MeshLoadTime time(25s, slowClock());
+  const Expected<SceneModel> scene = loadSceneFile(sceneOf(folder, 6), time);
+  ASSERT_TRUE(scene) << format(scene.errors());
+  EXPECT_EQ(time.left(), 1s);
+}
+
+TEST(MeshLoadTime, UrdfBeyondIt_NamesTheElement) {
+  const Folder folder;
+  std::string links = "<robot name=\"r\"><link name=\"a\">";
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = "mesh" + std::to_string(i);
+    writeMesh(folder, name);
+    links += "<collision><geometry><mesh filename=\"" + name + ".obj\"/></geometry></collision>";
+  }
+  const std::string path = folder.write("r.urdf", links + "</link></robot>");
+  MeshLoadTime time(6s, slowClock());
+  const Expected<UrdfBody> body = loadUrdf(path, time);
+  ASSERT_FALSE(body);
+  ASSERT_EQ(body.errors().size(), 1U) << format(body.errors());
+  EXPECT_EQ(body.errors().front().file, path);
+  EXPECT_EQ(body.errors().front().key, "link[a].collision[1].mesh.filename");
+  EXPECT_EQ(body.errors().front().problem,
+            "the meshes up to this one took longer than 6 s to load "
+            "(mesh0.obj 4.0 s, mesh1.obj 4.0 s)");
+}
+
+TEST(MeshLoadTime, UrdfsOfAScene_ShareIt) {
+  const Folder folder;
+  std::string text =
+      "kind = \"scene\"\nversion = 1\nname = \"t\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n";
+  writeMesh(folder, "mesh");
+  folder.write(
+      "r.urdf",
+      "<robot name=\"r\"><link name=\"a\"><collision><geometry><mesh filename=\"mesh.obj\"/>"
+      "</geometry></collision></link></robot>");
+  for (int i = 0; i < 3; ++i) {
+    const std::string n = std::to_string(i);
+    text += "[[bodies]]\nname = \"u" + n +
+            "\"\nshape = \"urdf\"\nfile = \"r.urdf\"\nmass_kg = 0.1\nposition_m = [" + n +
+            ".0, 0.0, 0.0]\n";
+  }
+  const std::string path = folder.write("scene.toml", text);
+  MeshLoadTime enough(13s, slowClock()), scarce(10s, slowClock());
+  EXPECT_TRUE(loadSceneFile(path, enough));
+  const Expected<SceneModel> scene = loadSceneFile(path, scarce);
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.errors().size(), 1U) << format(scene.errors());
+}
+
+TEST(MeshLoadTime, ReaderThatDoesNotEnd_IsEndedAtItsLimit) {
+  const Folder folder;
+  const std::string reader = folder.write("reader", "#!/bin/sh\nexec sleep 60\n");
+  std::filesystem::permissions(reader, std::filesystem::perms::owner_all);
+  const Expected<MeshFile> mesh = readMeshInChild(reader, "a/mug.dae", 50ms);
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.errors().front().problem,
+            "the mesh file a/mug.dae takes longer than 0.05 s to read");
+}
+
+}  // namespace
+}  // namespace wholehand::test

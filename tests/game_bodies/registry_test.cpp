@@ -1,0 +1,368 @@
+// The registry of a game's bodies against records that the test writes: who gets a slot, and when.
+#include "game_bodies/game_tools.hpp"
+#include "loop/dynamics/synergy.hpp"
+#include "rig/registry/body_registry.hpp"
+#include "support/seed.hpp"
+
+#include <set>
+
+namespace wholehand::test {
+namespace {
+
+constexpr int kRefusedType = 5;  // of the event "refused" in a game scene
+const Vec3 kParked{0.0, 0.0, -10.0};
+
+/// A loop that obeys at once, and that moves no body by itself.
+struct Loop {
+  explicit Loop(int awake = 0) : models(gameModels()) {
+    budget = models.scene.game;
+    if (awake > 0) budget.awake = awake;
+    registry.begin(models.hand, models.device, budget, 0, kRefusedType);
+    record.q_s = AxisPosition(models.hand.axis_count);
+    record.body_count = budget.slots;
+    for (int slot = 0; slot < budget.slots; ++slot) record.bodies[slot].position_m = kParked;
+    moveHandTo(record.q_s);
+  }
+  void moveHandTo(const AxisPosition& q_s) {
+    record.q_s = q_s;
+    Synergy(models.hand).expand(q_s, record.theta);
+  }
+  void tick(int count = 1) {
+    for (int k = 0; k < count; ++k) {
+      record.command_count = 0;
+      record.exercise.event_count = 0;
+      auto& waiting = registry.forLoop();
+      while (record.command_count < kMaxCommands && !waiting.empty()) {
+        obey(waiting.front());
+        record.commands[record.command_count++] = waiting.front();
+        waiting.pop_front();
+      }
+      ++record.tick;
+      record.time_s = 1e-3 * static_cast<double>(record.tick);
+      registry.see(record);
+    }
+  }
+  void obey(const Command& command) {
+    BodyState& body = record.bodies[command.index];
+    if (command.type == CommandType::kRemove) {
+      ++removals;
+      body = BodyState{};
+      body.position_m = kParked;
+      return;
+    }
+    if (command.type == CommandType::kSpawn) {
+      ++spawns;
+      last_spawn = spawnOrderOf(command);
+    }
+    body.position_m = poseOf(command).position_m;
+    body.orientation_xyzw = poseOf(command).orientation_xyzw;
+  }
+  BodyRefusal add(int number, const Eigen::Vector3d& at, BodyOwner owner = BodyOwner::kFixed) {
+    return registry.add(spawnOf(number, 0, owner, poseAt(at)), 0.03);
+  }
+  [[nodiscard]] RegisteredBody body(int number) const {
+    for (const RegisteredBody& b : registry.bodies()) {
+      if (b.number == number) return b;
+    }
+    return {};
+  }
+  /// Distance of the hand's surface from a ball of 3 cm, by points along every capsule: fewer where
+  /// a sanitizer looks on.
+  [[nodiscard]] double distanceOf(const Eigen::Vector3d& at) const {
+    constexpr int kPoints = WHOLEHAND_SANITIZED ? 50 : 1000;
+    const ArticulatedBody hand = handAt(models.hand, record.q_s);
+    double nearest_m = 1e9;
+    for (const Capsule& c : models.hand.capsules) {
+      const Eigen::Vector3d a = hand.linkPose(c.link) * c.a_m, b = hand.linkPose(c.link) * c.b_m;
+      for (int i = 0; i <= kPoints; ++i) {
+        const Eigen::Vector3d p = a + i * (1.0 / kPoints) * (b - a);
+        nearest_m = std::min(nearest_m, (p - at).norm() - c.radius_m - 0.03);
+      }
+    }
+    return nearest_m;
+  }
+
+  Models models;
+  GameBudget budget;
+  BodyRegistry registry;
+  TickRecord record;
+  SpawnOrder last_spawn;
+  int spawns = 0, removals = 0;
+};
+
+Eigen::Vector3d somewhere(std::mt19937_64& random, double within_m) {
+  std::uniform_real_distribution<double> unit(-within_m, within_m);
+  const double x = unit(random), y = unit(random), z = unit(random);
+  return {x, y, z};
+}
+
+TEST(BodyRegistry, AThousandBodies_TheNearestHaveTheSlotsAndTheRestIsNamed) {
+  auto random = seededRandom(5401);
+  Loop loop;
+  std::vector<Eigen::Vector3d> at;
+  for (int i = 0; i < kMostRegistered; ++i) {
+    at.push_back(somewhere(random, 0.7));
+    ASSERT_EQ(loop.add(kFirstNumber + i, at.back()), BodyRefusal::kNone);
+  }
+  loop.tick(200);
+  double farthest_in_m = 0.0, nearest_out_m = 1e9;
+  int in_slots = 0, left_out = 0, beyond = 0;
+  std::set<int> slots;
+  for (const RegisteredBody& body : loop.registry.bodies()) {
+    const double away_m = loop.distanceOf(at[static_cast<std::size_t>(body.number - kFirstNumber)]);
+    if (body.whereabouts == Whereabouts::kInSlot) {
+      ++in_slots;
+      slots.insert(body.slot);
+      farthest_in_m = std::max(farthest_in_m, away_m);
+    }
+    if (body.whereabouts == Whereabouts::kLeftOut) {
+      nearest_out_m = std::min(nearest_out_m, away_m);
+    }
+    left_out += body.whereabouts == Whereabouts::kLeftOut ? 1 : 0;
+    beyond += body.whereabouts == Whereabouts::kOutOfReach ? 1 : 0;
+  }
+  EXPECT_EQ(in_slots, kMaxSlots);
+  EXPECT_EQ(slots.size(), static_cast<std::size_t>(kMaxSlots)) << "a slot each";
+  EXPECT_GE(nearest_out_m, farthest_in_m - 1e-4) << "the test's own distances";
+  EXPECT_GT(left_out, 0);
+  EXPECT_GT(beyond, 0);
+  EXPECT_EQ(loop.spawns, kMaxSlots);
+}
+
+/// Anything that the axes can do in 0.25 s, each at its speed limit and within its range.
+AxisPosition movedFrom(const AxisPosition& q_s, const DeviceModel& device,
+                       std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  AxisPosition q = q_s;
+  for (int a = 0; a < q.size(); ++a) {
+    const DeviceAxis& axis = device.axes[a];
+    const double step = (random() % 2 == 0 ? 1.0 : unit(random)) * (random() % 2 == 0 ? 1 : -1);
+    q[a] = std::clamp(q[a] + 0.25 * axis.speed_limit * step, axis.lower, axis.upper);
+  }
+  return q;
+}
+
+TEST(BodyRegistry, WhatIsOutOfReach_TheHandDoesNotMeetWithinAQuarterSecond) {
+  auto random = seededRandom(5404);
+  double closest_m = 1e9;
+  std::size_t met = 0;
+  for (int n = cases(10); n > 0; --n) {
+    Loop loop;
+    loop.moveHandTo(movedFrom(loop.record.q_s, loop.models.device, random));
+    std::vector<Eigen::Vector3d> beyond;
+    for (int i = 0; i < kMostRegistered; ++i) {
+      (void)loop.add(kFirstNumber + i, somewhere(random, 0.7));
+    }
+    loop.tick(25);
+    for (const RegisteredBody& body : loop.registry.bodies()) {
+      if (body.whereabouts == Whereabouts::kOutOfReach) {
+        beyond.push_back(body.pose.position_m.eigen());
+      } else {
+        ++met;
+      }
+    }
+    for (int k = 0; k < (WHOLEHAND_SANITIZED ? 10 : 100); ++k) {
+      const ArticulatedBody hand =
+          handAt(loop.models.hand, movedFrom(loop.record.q_s, loop.models.device, random));
+      for (const Capsule& c : loop.models.hand.capsules) {
+        const Eigen::Vector3d a = hand.linkPose(c.link) * c.a_m, b = hand.linkPose(c.link) * c.b_m;
+        for (const Eigen::Vector3d& p : beyond) {
+          const double share = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+          closest_m = std::min(closest_m, (p - a - share * (b - a)).norm() - c.radius_m - 0.03);
+        }
+      }
+    }
+  }
+  figure("closest that the hand comes to what is out of reach", closest_m, "m");
+  figure("bodies in reach", static_cast<double>(met), "1");
+  EXPECT_GT(closest_m, 0.0);
+  EXPECT_GT(met, 0U);
+}
+
+TEST(BodyRegistry, MoreThatMoveThanTheBudgetAllows_AreLeftOut) {
+  Loop loop(3);
+  for (int i = 0; i < 10; ++i) {
+    (void)loop.add(kFirstNumber + i, {0.1, 0.01 * i, 0.2}, BodyOwner::kLoop);
+    (void)loop.add(kFirstNumber + 100 + i, {0.1, 0.01 * i, 0.3}, BodyOwner::kFixed);
+  }
+  loop.tick(100);
+  int moving = 0, standing = 0, left_out = 0;
+  for (const RegisteredBody& body : loop.registry.bodies()) {
+    const bool in_slot = body.whereabouts == Whereabouts::kInSlot;
+    moving += in_slot && body.number < kFirstNumber + 100 ? 1 : 0;
+    standing += in_slot && body.number >= kFirstNumber + 100 ? 1 : 0;
+    left_out += body.whereabouts == Whereabouts::kLeftOut ? 1 : 0;
+  }
+  EXPECT_EQ(moving, 3);
+  EXPECT_EQ(standing, 10);
+  EXPECT_EQ(left_out, 7);
+}
+
+TEST(BodyRegistry, BodiesOfOthersInSlots_CountAndKeepTheirSlot) {
+  Loop loop(3);
+  loop.record.bodies[0].position_m = {0.2, 0.2, 0.2};  // nobody has said that it is fixed
+  for (int i = 0; i < 10; ++i) {
+    (void)loop.add(kFirstNumber + i, {0.1, 0.01 * i, 0.2}, BodyOwner::kLoop);
+  }
+  loop.registry.leaveToOthers(1);
+  loop.tick(100);
+  EXPECT_EQ(loop.spawns, 2);
+  EXPECT_FALSE(loop.registry.holds(0));
+  EXPECT_FALSE(loop.registry.holds(1));
+  EXPECT_TRUE(loop.registry.holds(2));
+}
+
+TEST(BodyRegistry, HandedOverAndBack_APoseAndAVelocityAreTheSame) {
+  Loop loop;
+  SpawnOrder order = spawnOf(kFirstNumber, 0, BodyOwner::kLoop, poseAt({0.1, 0.3, 0.1}));
+  order.generation = 7;
+  ASSERT_EQ(loop.registry.add(order, 0.03), BodyRefusal::kNone);
+  loop.tick(50);
+  ASSERT_EQ(loop.body(kFirstNumber).whereabouts, Whereabouts::kInSlot);
+  // The loop moves it away, where the hand does not come to.
+  const int slot = loop.body(kFirstNumber).slot;
+  BodyState& state = loop.record.bodies[slot];
+  state.position_m = {3.1, 0.25, -0.125};
+  state.orientation_xyzw = {0.5, -0.5, 0.5, 0.5};
+  state.velocity_m_s = {1.5, -0.25, 0.5};
+  state.angular_velocity_rad_s = {-30.0, 0.5, 100.0};
+  loop.tick(500);
+  const RegisteredBody away = loop.body(kFirstNumber);
+  ASSERT_EQ(away.whereabouts, Whereabouts::kOutOfReach);
+  EXPECT_EQ(away.generation, 7);
+  EXPECT_EQ(away.pose.position_m.x, 3.1);
+  EXPECT_EQ(away.pose.orientation_xyzw.y, -0.5);
+  loop.tick(500);
+  EXPECT_EQ(loop.spawns, 1);
+  // A device whose range reaches there: the hand comes after it.
+  for (DeviceAxis& axis : loop.models.device.axes) axis.lower = -5.0, axis.upper = 5.0;
+  AxisPosition there(6);
+  there[0] = 3.0;
+  loop.moveHandTo(there);
+  loop.tick(50);
+  ASSERT_EQ(loop.spawns, 2);
+  EXPECT_EQ(loop.last_spawn.pose.position_m.x, 3.1);
+  EXPECT_EQ(loop.last_spawn.pose.orientation_xyzw.w, 0.5);
+  EXPECT_EQ(loop.last_spawn.velocity_m_s.x, 1.5);
+  EXPECT_EQ(loop.last_spawn.velocity_m_s.y, -0.25);
+  EXPECT_EQ(loop.last_spawn.spin_rad_s.x, -30.0);
+  EXPECT_EQ(loop.last_spawn.spin_rad_s.y, 0.5);
+  EXPECT_EQ(loop.last_spawn.spin_rad_s.z, 100.0);
+}
+
+TEST(BodyRegistry, AHandThatTremblesAtTheEdge_MovesNothingInAndOut) {
+  auto random = seededRandom(5402);
+  Loop loop;
+  for (int i = 0; i < kMostRegistered; ++i) {
+    (void)loop.add(kFirstNumber + i, somewhere(random, 0.7));
+  }
+  loop.tick(500);
+  const int before = loop.spawns;
+  for (int k = 0; k < 200; ++k) {  // 2 cm to and fro
+    AxisPosition q(6);
+    q[1] = k % 2 == 0 ? 0.01 : -0.01;
+    loop.moveHandTo(q);
+    loop.tick(50);
+  }
+  EXPECT_LE(loop.spawns - before, 3);
+  EXPECT_EQ(loop.removals, loop.spawns - before);
+}
+
+TEST(BodyRegistry, ABodyThatTheHandTouches_KeepsItsSlot) {
+  Loop loop(1);
+  (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
+  loop.tick(50);
+  const int slot = loop.body(kFirstNumber).slot;
+  ASSERT_GE(slot, 0);
+  loop.record.contact_count = 1;
+  loop.record.contacts[0].body = slot;
+  (void)loop.add(kFirstNumber + 1, {0.1, 0.1, 0.1}, BodyOwner::kLoop);  // nearer
+  loop.tick(2000);
+  EXPECT_EQ(loop.body(kFirstNumber).slot, slot);
+  EXPECT_EQ(loop.body(kFirstNumber + 1).whereabouts, Whereabouts::kLeftOut);
+  loop.record.contact_count = 0;
+  loop.tick(500);
+  EXPECT_EQ(loop.body(kFirstNumber).whereabouts, Whereabouts::kLeftOut);
+  EXPECT_EQ(loop.body(kFirstNumber + 1).whereabouts, Whereabouts::kInSlot);
+}
+
+TEST(BodyRegistry, BadOrders_AreRefusedByName) {
+  Loop loop;
+  for (int i = 0; i < kMostRegistered; ++i) (void)loop.add(kFirstNumber + i, {0.0, 0.0, 4.0});
+  EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), BodyRefusal::kBudget);
+  EXPECT_EQ(loop.add(kFirstNumber, {0, 0, 4}), BodyRefusal::kSlotTaken);
+  EXPECT_EQ(loop.add(kFirstNumber - 1, {0, 0, 4}), BodyRefusal::kNoSuchSlot);
+  EXPECT_EQ(loop.add(kLastNumber + 1, {0, 0, 4}), BodyRefusal::kNoSuchSlot);
+  BodyRegistry& registry = loop.registry;
+  const BodyPose there = poseAt({0, 1, 4});
+  EXPECT_EQ(registry.obey(removeCommand(9000, 1)), BodyRefusal::kWrongGeneration);
+  EXPECT_EQ(registry.obey(removeCommand(kFirstNumber, 2)), BodyRefusal::kWrongGeneration);
+  EXPECT_EQ(registry.obey(bodyTargetCommand(kFirstNumber, 1, there)), BodyRefusal::kNotTheGames);
+  EXPECT_EQ(registry.obey(teleportCommand(kFirstNumber, 1, there)), BodyRefusal::kNone);
+  EXPECT_EQ(loop.body(kFirstNumber).pose.position_m.y, 1.0);
+  EXPECT_EQ(registry.obey(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
+  EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), BodyRefusal::kNone);
+  EXPECT_EQ(registry.count(), static_cast<std::size_t>(kMostRegistered));
+}
+
+TEST(BodyRegistry, WhatTheLoopRefusesOrTakesOut_IsTriedAgainOrForgotten) {
+  Loop loop;
+  (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
+  loop.tick(25);
+  ASSERT_EQ(loop.registry.forLoop().size() + static_cast<std::size_t>(loop.spawns), 1U);
+  loop.tick(2);
+  const int slot = loop.body(kFirstNumber).slot;
+  // The loop takes it out: too fast.
+  loop.record.bodies[slot].position_m = kParked;
+  loop.tick(2);
+  EXPECT_EQ(loop.registry.count(), 0U);
+  EXPECT_FALSE(loop.registry.holds(slot));
+
+  (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
+  while (loop.registry.forLoop().empty()) loop.tick();
+  const Command spawn = loop.registry.forLoop().front();
+  loop.registry.forLoop().clear();  // it is refused: as many move as may
+  loop.record.exercise.event_count = 1;
+  loop.record.exercise.events[0] = {kRefusedType, spawn.index,
+                                    static_cast<double>(BodyRefusal::kBudget)};
+  loop.registry.see(loop.record);
+  EXPECT_FALSE(loop.registry.holds(spawn.index));
+  loop.tick(400);
+  EXPECT_EQ(loop.body(kFirstNumber).whereabouts, Whereabouts::kInSlot);
+}
+
+TEST(BodyRegistry, ASilentGame_LosesItsBodiesAfterFiveSeconds) {
+  Loop loop;
+  (void)loop.add(kFirstNumber, {0.0, 0.0, 4.0});
+  loop.record.faults = Fault::kHolderSilent;
+  loop.tick(4900);
+  EXPECT_EQ(loop.registry.count(), 1U);
+  EXPECT_EQ(loop.add(kFirstNumber + 1, {0, 0, 4}), BodyRefusal::kSilent);
+  loop.tick(200);
+  EXPECT_EQ(loop.registry.count(), 0U);
+}
+
+TEST(BodyRegistry, OrdersToABodyInASlot_ReachTheLoop) {
+  Loop loop;
+  (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kGame);
+  loop.tick(50);
+  const int slot = loop.body(kFirstNumber).slot;
+  ASSERT_GE(slot, 0);
+  ASSERT_EQ(loop.registry.obey(bodyTargetCommand(kFirstNumber, 1, poseAt({0.1, 0.3, 0.1}))),
+            BodyRefusal::kNone);
+  ASSERT_EQ(loop.registry.forLoop().size(), 1U);
+  const Command order = loop.registry.forLoop().front();
+  EXPECT_EQ(order.type, CommandType::kBodyTarget);
+  EXPECT_EQ(order.index, slot);
+  EXPECT_EQ(order.value, loop.last_spawn.generation);
+  EXPECT_EQ(poseOf(order).position_m.y, 0.3);
+  ASSERT_EQ(loop.registry.obey(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
+  EXPECT_EQ(loop.registry.count(), 0U);
+  EXPECT_TRUE(loop.registry.holds(slot)) << "until the loop has let it go";
+  loop.tick(3);
+  EXPECT_FALSE(loop.registry.holds(slot));
+  EXPECT_EQ(loop.removals, 1);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,329 @@
+// Patients who link their axes: what a file comes to, and what is said of one that is wrong.
+#include "files/patient/patient_file.hpp"
+#include "files/shipped_models.hpp"
+#include "loop/model/patient_config.hpp"
+#include "loop/patient/active_patient.hpp"
+#include "support/file_bytes.hpp"
+#include "support/folder.hpp"
+#include "support/says.hpp"
+#include "support/tolerance.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <iterator>
+#include <sstream>
+
+namespace wholehand::test {
+namespace {
+
+std::string textOf(const std::string& patient) {
+  return bytesOfFile(patientPath(patient));
+}
+
+Expected<PatientConfig> load(const std::string& text, const DeviceModel& model) {
+  const Folder folder;
+  return loadPatientFile(folder.write("p.toml", text), model);
+}
+
+/// A relaxed adult with one table of links.
+PatientConfig linkedBy(const std::string& table, const std::string& on = "lambda-pride") {
+  return orThrow(load(textOf("relaxed-adult") + "\n[[links]]\n" + table, deviceNamed(on)));
+}
+
+/// Links and what the axes have of their own.
+AxisMatrix total(const PatientConfig& p, AxisMatrix PatientLinks::*link, double PatientAxis::*own) {
+  const auto n = static_cast<Eigen::Index>(p.axes.size());
+  AxisMatrix out = AxisMatrix::Zero(n, n);
+  if ((p.links.*link).size() > 0) out = p.links.*link;
+  for (Eigen::Index i = 0; i < n; ++i) out(i, i) += p.axes[i].*own;
+  return out;
+}
+AxisMatrix stiffnessOf(const PatientConfig& p) {
+  return total(p, &PatientLinks::stiffness, &PatientAxis::stiffness);
+}
+
+TEST(PatientLinks, FilesWithoutThem_LinkNothing) {
+  for (const char* name : {"relaxed-adult", "spastic", "tremor", "fights", "no-arm"}) {
+    const PatientConfig patient = patientNamed(name);
+    EXPECT_EQ(patient.links.stiffness.size(), 0) << name;
+    EXPECT_EQ(patient.tremor.along.size(), 0) << name;
+    EXPECT_FALSE(patient.reflex.largest_triggers_all) << name;
+  }
+}
+
+// Units: a force at the tip times a lever arm is a torque, a way over it an angle.
+TEST(PatientLinks, ValuesAtTheTip_AreTurnedByBothLeverArms) {
+  const std::string on = "wrist-9axis";
+  const DeviceModel model = deviceNamed(on);
+  const int y = model.axisIndex("y"), roll = model.axisIndex("roll"),
+            fingers = model.axisIndex("finger_flexion");
+  const PatientConfig p = linkedBy(R"(axes = ["finger_flexion", "y", "roll"]
+lever_m = { roll = -0.05 }
+stiffness_tip_n_m = [[3.0, 1.0, 2.0], [1.0, 4.0, 0.5], [2.0, 0.5, 5.0]]
+)",
+                                   on);
+  EXPECT_NEAR(p.links.stiffness(fingers, y), 1.0 * 0.08, tolerance(1e-15));
+  EXPECT_NEAR(p.links.stiffness(y, fingers), 1.0 * 0.08, tolerance(1e-15));
+  EXPECT_NEAR(p.links.stiffness(fingers, roll), -2.0 * 0.08 * 0.05, tolerance(1e-15));
+  EXPECT_NEAR(p.links.stiffness(y, roll), -0.5 * 0.05, tolerance(1e-15));
+  EXPECT_EQ(p.links.stiffness(y, y), 0.0);  // the diagonal is with the axes
+  EXPECT_EQ(p.axes[y].stiffness, 300.0 + 4.0);
+  EXPECT_NEAR(p.axes[roll].stiffness, 2.0 + 5.0 * 0.0025, tolerance(1e-15));
+  EXPECT_TRUE(p.links.mass.isZero(0.0));
+}
+
+TEST(PatientLinks, DiagonalMatrix_IsTheDiagonalKey) {
+  const PatientConfig linked = linkedBy(R"(axes = ["x", "z"]
+mass_kg = [[0.5, 0.0], [0.0, 0.25]]
+damping_n_s_m = [[2, 0], [0, 3]]
+stiffness_n_m = [[100.0, 0.0], [0.0, 50.0]]
+)");
+  std::string text = textOf("relaxed-adult");
+  text = replaced(text, "mass_kg = 1.0\ndamping_n_s_m = 15.0\nstiffness_n_m = 300.0",
+                  "mass_kg = 1.5\ndamping_n_s_m = 17.0\nstiffness_n_m = 400.0");
+  const std::size_t z = text.find("name = \"z\"");
+  text = text.substr(0, z) +
+         replaced(text.substr(z), "mass_kg = 1.0\ndamping_n_s_m = 15.0\nstiffness_n_m = 300.0",
+                  "mass_kg = 1.25\ndamping_n_s_m = 18.0\nstiffness_n_m = 350.0");
+  const PatientConfig own = load(text, deviceNamed()).value();
+  EXPECT_EQ(linked.links.stiffness.size(), 0);  // nothing is linked: the path of single axes
+  for (std::size_t i = 0; i < own.axes.size(); ++i) {
+    EXPECT_EQ(linked.axes[i].mass, own.axes[i].mass);
+    EXPECT_EQ(linked.axes[i].damping, own.axes[i].damping);
+    EXPECT_EQ(linked.axes[i].stiffness, own.axes[i].stiffness);
+  }
+}
+
+TEST(PatientLinks, AxesInAnotherOrder_AreTheSamePatient) {
+  const AxisMatrix one = stiffnessOf(linkedBy(R"(axes = ["x", "y", "z"]
+stiffness_n_m = [[10, 2, 3], [2, 20, 5], [3, 5, 30]]
+)"));
+  const AxisMatrix other = stiffnessOf(linkedBy(R"(axes = ["z", "x", "y"]
+stiffness_n_m = [[30, 3, 5], [3, 10, 2], [5, 2, 20]]
+)"));
+  EXPECT_EQ(one, other);
+}
+
+TEST(PatientLinks, SeveralTables_AddUp) {
+  const auto two = load(textOf("relaxed-adult") + R"(
+[[links]]
+axes = ["x", "y"]
+stiffness_n_m = [[10, 4], [4, 10]]
+[[links]]
+axes = ["y", "x", "z"]
+stiffness_n_m = [[1, 2, 0], [2, 1, 3], [0, 3, 9]]
+)",
+                        deviceNamed())
+                       .value();
+  EXPECT_EQ(two.links.stiffness(0, 1), 6.0);
+  EXPECT_EQ(two.links.stiffness(2, 0), 3.0);
+  EXPECT_EQ(two.axes[0].stiffness, 300.0 + 10.0 + 1.0);
+}
+
+TEST(PatientLinks, AxesThatTheDeviceDoesNotHave_AreLeftOut) {
+  for (const char* name : {"enslaved-fingers", "spastic-fist", "holds-a-ball"}) {
+    EXPECT_EQ(patientNamed(name, "desktop-3axis").links.stiffness.size(), 0) << name;
+    EXPECT_GT(patientNamed(name, "lambda-pride").links.stiffness.size(), 0) << name;
+  }
+  const PatientConfig pills = patientNamed("pill-rolling", "desktop-3axis");
+  ASSERT_EQ(pills.tremor.along.size(), 3);
+  EXPECT_EQ(pills.tremor.along[1], 1.0);
+}
+
+// Work done on the person along any way and back is not negative: vᵀ K v >= 0.
+TEST(PatientLinks, ShippedMatrices_ArePositiveSemidefinite) {
+  for (const char* name : {"enslaved-fingers", "spastic-fist", "holds-a-ball", "pill-rolling"}) {
+    for (const char* on : {"lambda-pride", "wrist-9axis", "desktop-3axis"}) {
+      const PatientConfig p = patientNamed(name, on);
+      for (const AxisMatrix& m : {stiffnessOf(p), total(p, &PatientLinks::mass, &PatientAxis::mass),
+                                  total(p, &PatientLinks::damping, &PatientAxis::damping)}) {
+        EXPECT_EQ(m, AxisMatrix(m.transpose())) << name;
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(m, Eigen::EigenvaluesOnly);
+        EXPECT_GT(solver.eigenvalues()[0], 0.0) << name << " on " << on;
+      }
+    }
+  }
+}
+
+/// Where one digit is moved by 1 and the others are free, they follow by -K_oo⁻¹ K_od.
+TEST(ShippedPatients, EnslavedFingers_FollowByWhatPeopleDo) {
+  const PatientConfig p = patientNamed("enslaved-fingers");
+  const DeviceModel model = deviceNamed();
+  const int fingers = model.axisIndex("finger_flexion"),
+            swing = model.axisIndex("thumb_circumduction"),
+            thumb = model.axisIndex("thumb_flexion");
+  const AxisMatrix k = stiffnessOf(p);
+  const auto follows = [&](int moved, int a, int b) {
+    Eigen::Matrix2d own;
+    own << k(a, a), k(a, b), k(b, a), k(b, b);
+    return Eigen::Vector2d(-own.inverse() * Eigen::Vector2d(k(a, moved), k(b, moved)));
+  };
+  // The levers are equal: shares of angles are shares of ways. Numbers stand in the file.
+  EXPECT_NEAR(follows(fingers, swing, thumb)[0], 0.06, 0.005);
+  EXPECT_NEAR(follows(fingers, swing, thumb)[1], 0.19, 0.005);
+  EXPECT_NEAR(follows(thumb, fingers, swing)[0], 0.17, 0.005);
+  for (const double share : {follows(fingers, swing, thumb)[0], follows(fingers, swing, thumb)[1],
+                             follows(thumb, fingers, swing)[0]}) {
+    EXPECT_GE(share, 0.05);
+    EXPECT_LE(share, 0.30);
+  }
+}
+
+/// What a ball takes: closing both by 1 cm at the tips stretches it by 2 cm; rolling it, nothing.
+TEST(ShippedPatients, HeldBall_IsPressedByBothAndRolledFreely) {
+  const DeviceModel model = deviceNamed();
+  const int fingers = model.axisIndex("finger_flexion"), thumb = model.axisIndex("thumb_flexion");
+  const AxisMatrix ball =
+      stiffnessOf(patientNamed("holds-a-ball")) - stiffnessOf(patientNamed("relaxed-adult"));
+  const double angle = 0.01 / 0.08;
+  Eigen::VectorXd press = Eigen::VectorXd::Zero(6), roll = press;
+  press[fingers] = press[thumb] = roll[fingers] = angle;
+  roll[thumb] = -angle;
+  EXPECT_NEAR(0.5 * press.dot(ball * press), 0.5 * 500.0 * 0.02 * 0.02, tolerance(1e-12));
+  EXPECT_NEAR(0.5 * roll.dot(ball * roll), 0.0, tolerance(1e-12));
+  // Its weight under the wrist, as a point mass at 0.08 m: ½ m (v + ω r)².
+  const PatientConfig wrist = patientNamed("holds-a-ball", "wrist-9axis");
+  EXPECT_NEAR(wrist.links.mass(1, 4), 0.05 * 0.08, tolerance(1e-15));
+  EXPECT_NEAR(wrist.axes[4].mass, 3e-3 + 0.05 * 0.08 * 0.08, tolerance(1e-15));
+}
+
+TEST(PatientEffort, LinkedAxes_PullEachOther) {
+  PatientConfig p = linkedBy(R"(axes = ["x", "y"]
+damping_n_s_m = [[1, -1], [-1, 1]]
+stiffness_n_m = [[50, -50], [-50, 50]]
+)");
+  AxisPosition q(6), meant(6);
+  AxisVelocity qd(6), meant_speed(6);
+  q[0] = 0.01;
+  qd[1] = 0.2;
+  const AxisEffort f = patientEffort(p, q, qd, meant, meant_speed);
+  EXPECT_NEAR(f[0], -(300.0 + 50.0) * 0.01 + 1.0 * 0.2, tolerance(1e-12));
+  EXPECT_NEAR(f[1], 50.0 * 0.01 - (15.0 + 1.0) * 0.2, tolerance(1e-12));
+  EXPECT_EQ(f[2], 0.0);
+}
+
+// ---- mistakes
+
+struct Mistake {
+  std::string patient, find, replace;  ///< the shipped file with this for that
+  std::string key, value, says;
+};
+
+class WrongLinks : public testing::TestWithParam<Mistake> {};
+
+TEST_P(WrongLinks, OneMistake_IsOneMessageWithFileLineKeyValueAndRemedy) {
+  const Mistake& c = GetParam();
+  const std::string text = replaced(textOf(c.patient), c.find, c.replace);
+  const auto loaded = load(text, deviceNamed("wrist-9axis"));
+  ASSERT_FALSE(loaded.ok());
+  ASSERT_EQ(loaded.errors().size(), 1U) << format(loaded.errors());
+  const Diagnostic& fault = loaded.errors().front();
+  EXPECT_EQ(fault.key, c.key) << format(fault);
+  EXPECT_TRUE(says(fault.file, "p.toml"));
+  EXPECT_TRUE(says(fault.value, c.value)) << format(fault);
+  EXPECT_TRUE(says((fault.problem + "; " + fault.remedy), c.says)) << format(fault);
+  EXPECT_FALSE(fault.remedy.empty());
+  // The line that holds the key, or the table where the key is not there.
+  std::istringstream lines(text);
+  std::string line;
+  for (int i = 0; i < fault.line; ++i) std::getline(lines, line);
+  const std::string word = fault.key.substr(fault.key.rfind('.') + 1);
+  const bool of_table = c.says == "missing" || word == "links[1]";
+  EXPECT_TRUE(says(line, of_table ? "[[links]]" : word));
+}
+
+const std::string kRow = "[-0.15,  0.45, -0.30],\n                     [-0.75, -0.30,  1.05]]";
+const std::string kKey = "links[0].damping_tip_n_s_m";
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, WrongLinks,
+    testing::ValuesIn(std::vector<Mistake>{
+        {"enslaved-fingers", kRow,
+         "[-0.15,  0.45, -0.30],\n                     [-0.75, -0.31,  1.05]]", kKey, "[[",
+         "not symmetric: thumb_circumduction to thumb_flexion is -0.3, thumb_flexion to "
+         "thumb_circumduction is -0.31"},
+        {"enslaved-fingers", kRow, "[-0.15,  0.45, -0.30]]", kKey, "[[",
+         "has 2 rows; must be 3 rows of 3 numbers"},
+        {"enslaved-fingers", kRow, "[-0.15,  0.45],\n                     [-0.75, -0.30,  1.05]]",
+         kKey, "[[", "row 1 has 2 elements; must be 3 rows of 3 numbers"},
+        {"enslaved-fingers", kRow,
+         "[-0.15,  nan, -0.30],\n                     [-0.75, -0.30,  1.05]]", kKey, "nan",
+         "row 1 element 1 is not finite"},
+        {"enslaved-fingers", kRow,
+         "[-0.15,  inf, -0.30],\n                     [-0.75, -0.30,  1.05]]", kKey, "inf",
+         "N·s/m at the tip"},
+        {"enslaved-fingers", kRow,
+         "[-0.15,  2e4, -0.30],\n                     [-0.75, -0.30,  1.05]]", kKey, "20000",
+         "row 1 element 1 is out of range; each must be in [-10000, 10000]"},
+        {"enslaved-fingers", kRow,
+         "[-0.15,  \"a\", -0.30],\n                     [-0.75, -0.30,  1.05]]", kKey, "a",
+         "row 1 element 1 is a text"},
+        {"enslaved-fingers", kRow, "3, [-0.75, -0.30,  1.05]]", kKey, "[[", "row 1 is a number"},
+        {"enslaved-fingers",
+         "stiffness_tip_n_m = [[ 30.0,  -5.0, -25.0],\n                     [ -5.0,  15.0, "
+         "-10.0],\n"
+         "                     [-25.0, -10.0,  35.0]]",
+         "stiffness_tip_n_m = 3", "links[0].stiffness_tip_n_m", "3", "is a number; must be 3 rows"},
+        {"holds-a-ball", "[[500.0, 500.0],\n                     [500.0, 500.0]]",
+         "[[500.0, 900.0], [900.0, 500.0]]", "links[0].stiffness_tip_n_m", "[[500, 900]",
+         "moved together, finger_flexion and thumb_flexion would generate energy"},
+        {"holds-a-ball", "[[0.05, 0.05],\n               [0.05, 0.05]]",
+         "[[-9, 0.05], [0.05, 0.05]]", "links[1].mass_tip_kg", "-9", "y has -8 on the diagonal"},
+        {"enslaved-fingers", "axes = [\"finger_flexion\"", "axes = [\"finger_flexoin\"",
+         "links[0].axes", "finger_flexoin", "did you mean finger_flexion?"},
+        {"enslaved-fingers", "axes = [\"finger_flexion\"", "axes = [\"elbow\"", "links[0].axes",
+         "elbow", "elbow is neither an axis of the device"},
+        {"enslaved-fingers", "axes = [\"finger_flexion\"", "axes = [\"thumb_flexion\"",
+         "links[0].axes", "thumb_flexion", "thumb_flexion is listed twice"},
+        {"holds-a-ball", "axes = [\"y\", \"pitch\"]", "axes = [\"y\"]", "links[1].axes", "y",
+         "name two axes or more"},
+        {"holds-a-ball", "axes = [\"y\", \"pitch\"]", "axes = [\"y\", 3]", "links[1].axes", "y",
+         "texts"},
+        {"holds-a-ball", "axes = [\"y\", \"pitch\"]\n", "", "links[1].axes", "", "missing"},
+        {"holds-a-ball", "lever_m = { pitch = 0.08 }\n", "", "links[1].mass_tip_kg", "0.05",
+         "needs a lever arm, which pitch does not have; add lever_m = { pitch"},
+        {"holds-a-ball", "lever_m = { pitch = 0.08 }", "lever_m = { pitch = 0.08, y = 1.0 }",
+         "links[1].lever_m.y", "1", "not a rotation among these axes"},
+        {"holds-a-ball", "lever_m = { pitch = 0.08 }", "lever_m = { pitch = 80.0 }",
+         "links[1].lever_m.pitch", "80", "[-1, 1] m"},
+        {"holds-a-ball", "mass_tip_kg = [[0.05, 0.05]", "mass_kg = [[0.05, 0.05]",
+         "links[1].mass_kg", "0.05", "translations and rotations; write mass_tip_kg"},
+        {"enslaved-fingers", "damping_tip_n_s_m = [[ 0.90", "damping_n_s_m = [[ 0.90",
+         "links[0].damping_n_s_m", "0.9", "these axes are rotations; write damping_nm_s_rad"},
+        {"holds-a-ball", "lever_m = { pitch = 0.08 }\nmass_tip_kg",
+         "lever_m = { pitch = 0.08 }\nmas_tip_kg", "links[1].mas_tip_kg", "0.05", "mass_tip_kg"},
+        {"holds-a-ball", "mass_tip_kg = [[0.05, 0.05],\n               [0.05, 0.05]]", "",
+         "links[1]", "", "links nothing: it gives no mass, damping or stiffness"},
+        {"enslaved-fingers", "axes = [", "lever_m = { x = 0.1 }\naxes = [", "links[0].lever_m.x",
+         "0.1", "not a rotation among these axes"},
+        {"pill-rolling", "lever_m = { roll = 0.08 }", "", "tremor.along_tip_n", "[0.4",
+         "needs a lever arm, which roll does not have"},
+        {"pill-rolling",
+         "along_tip_n = [0.4, 1.0, -0.6, 0.6,   1.0,              -0.5,                  "
+         "-0.8]\n",
+         "", "tremor.axes", "x", "have no amplitude of tremor"},
+        {"pill-rolling", "along_tip_n = [0.4, 1.0,", "along_tip_n = [1.0,", "tremor.along_tip_n",
+         "[1, ", "7 numbers"},
+        {"pill-rolling", "along_tip_n = [0.4,", "along_tip_n = [40,", "tremor.along_tip_n", "40",
+         "[-10, 10] N at the tip"},
+        {"pill-rolling", "axes        = [\"x\",", "axes        = [\"w\",", "tremor.axes", "w",
+         "w is neither an axis of the device"},
+        {"spastic-fist", "together = true", "together = \"yes\"", "reflex.together", "yes",
+         "true or false"}}));
+
+/// The remedy is true: what is off the diagonal times the share that is named passes.
+TEST(WrongLinks, ShareThatIsNamed_Passes) {
+  const std::string find = "[[500.0, 500.0],\n                     [500.0, 500.0]]";
+  // 620 and 600 N/m on the diagonal with 900 off it: sqrt(620 600) / 900 = 0.677.
+  const auto wrong =
+      load(replaced(textOf("holds-a-ball"), find, "[[500, 900], [900, 500]]"), deviceNamed());
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_TRUE(says(wrong.errors().front().remedy, "by 0.677 or less")) << format(wrong.errors());
+  EXPECT_TRUE(
+      load(replaced(textOf("holds-a-ball"), find, "[[500, 609.3], [609.3, 500]]"), deviceNamed())
+          .ok());
+}
+
+}  // namespace
+}  // namespace wholehand::test

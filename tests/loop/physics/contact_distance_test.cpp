@@ -1,0 +1,143 @@
+#include "loop/physics/segment_distance.hpp"
+#include "support/constants.hpp"
+#include "support/seed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+using Eigen::Vector3d;
+
+std::vector<Shape> shapes() {
+  Shape box, sphere, cylinder, capsule;
+  box.type = ShapeType::kBox;
+  box.half_extents_m = {0.025, 0.04, 0.01};
+  sphere.type = ShapeType::kSphere;
+  sphere.radius_m = 0.03;
+  cylinder.type = ShapeType::kCylinder;
+  cylinder.radius_m = 0.025;
+  cylinder.length_m = 0.12;
+  capsule.type = ShapeType::kCapsule;
+  capsule.radius_m = 0.01;
+  capsule.length_m = 0.05;
+  return {box, sphere, cylinder, capsule};
+}
+
+/// The least of signedDistance() along a segment: it is convex there, so that thirds close in on
+/// it.
+double leastDistance_m(const Shape& shape, const Vector3d& a_m, const Vector3d& b_m) {
+  const auto at = [&](double along) { return signedDistance(shape, a_m + along * (b_m - a_m)); };
+  double low = 0.0, high = 1.0;
+  for (int i = 0; i < 120; ++i) {
+    const double left = low + (high - low) / 3.0, right = high - (high - low) / 3.0;
+    (at(left) < at(right) ? high : low) = at(left) < at(right) ? right : left;
+  }
+  return std::min({at(0.0), at(1.0), at(0.5 * (low + high))});
+}
+
+TEST(ContactDistance, OfRandomCapsules_IsTheLeastAlongTheirAxis) {
+  auto random = seededRandom(371);
+  std::uniform_real_distribution<double> where(-0.09, 0.09);
+  for (const Shape& shape : shapes()) {
+    for (int i = 0; i < 500; ++i) {
+      const Vector3d a(where(random), where(random), where(random));
+      const Vector3d b = a + 0.5 * Vector3d(where(random), where(random), where(random));
+      const SegmentDistance is = contactDistance(shape, a, b, 0.008, kInfinity);
+      ASSERT_NEAR(is.distance_m, leastDistance_m(shape, a, b) - 0.008, 1e-11)
+          << "shape " << static_cast<int>(shape.type) << ", a " << a.transpose() << ", b "
+          << b.transpose();
+      if (is.distance_m < 0.0) continue;
+      // A step along the normal leads away by its length.
+      const Vector3d nearest = a + is.along * (b - a);
+      EXPECT_NEAR(signedDistance(shape, nearest + 1e-3 * is.normal) - 0.008 - is.distance_m, 1e-3,
+                  1e-9);
+    }
+  }
+}
+
+// What is given up early must be farther than was asked, and what is near never is given up.
+TEST(ContactDistance, WithALimit_GivesUpOnlyWhatIsBeyond) {
+  auto random = seededRandom(372);
+  std::uniform_real_distribution<double> where(-0.09, 0.09);
+  int beyond = 0;
+  for (const Shape& shape : shapes()) {
+    for (int i = 0; i < 500; ++i) {
+      const Vector3d a(where(random), where(random), where(random));
+      const Vector3d b = a + 0.5 * Vector3d(where(random), where(random), where(random));
+      const double exact_m = leastDistance_m(shape, a, b) - 0.008;
+      const SegmentDistance is = contactDistance(shape, a, b, 0.008, 5e-4);
+      EXPECT_LE(is.least_m, exact_m + 1e-11);
+      if (exact_m > 5e-4) {
+        EXPECT_GT(is.distance_m, 5e-4);
+        ++beyond;
+      } else {
+        EXPECT_NEAR(is.distance_m, exact_m, 1e-11);
+      }
+    }
+  }
+  EXPECT_GT(beyond, 500);
+}
+
+// To 0.1 µm, where the nearest point lies at an edge, too: 12 steps of the search left 2 µm there.
+TEST(SegmentDistance, OfRandomCapsules_IsExactToATenthOfAMicrometre) {
+  auto random = seededRandom(374);
+  std::uniform_real_distribution<double> where(-0.09, 0.09);
+  for (const Shape& shape : shapes()) {
+    for (int i = 0; i < (kFew ? 500 : 8000); ++i) {
+      const Vector3d a(where(random), where(random), where(random));
+      const Vector3d b = a + 0.5 * Vector3d(where(random), where(random), where(random));
+      const double exact_m = leastDistance_m(shape, a, b);
+      if (exact_m < 0.0) continue;  // no nearest point
+      ASSERT_NEAR(segmentDistance(shape, a, b, 0.0, 0.0).distance_m, exact_m, 1.01e-7)
+          << "shape " << static_cast<int>(shape.type) << ", a " << a.transpose() << ", b "
+          << b.transpose();
+    }
+  }
+}
+
+// The search for a first touch goes by this bound: it may nowhere exceed the distance, and along
+// the capsule it never falls below its least. The distance itself is signedDistance()'s.
+TEST(SegmentDistance, OfAnyPoint_IsNotBelowItsBound) {
+  auto random = seededRandom(373);
+  std::uniform_real_distribution<double> where(-0.09, 0.09);
+  for (Shape shape : shapes()) {
+    shape.in_body.rotation =
+        Eigen::AngleAxisd(0.7, Vector3d(1.0, 2.0, -1.0).normalized()).toRotationMatrix();
+    shape.in_body.translation_m = {0.01, -0.02, 0.03};
+    for (int i = 0; i < 500; ++i) {
+      const Vector3d a(where(random), where(random), where(random));
+      const Vector3d b = a + 0.5 * Vector3d(where(random), where(random), where(random));
+      for (const double share : {0.0, 0.2}) {
+        const SegmentDistance is = segmentDistance(shape, a, b, 0.008, share);
+        const Vector3d nearest = a + is.along * (b - a);
+        const auto bound = [&](const Vector3d& x) {
+          return is.least_m + is.bound_normal.dot(x - nearest);
+        };
+        EXPECT_LE(is.bound_normal.norm(), 1.0 + 1e-12);
+        EXPECT_GE(std::min(bound(a), bound(b)), is.least_m - 1e-12);
+        for (int k = 0; k < 10; ++k) {
+          const Vector3d x(where(random), where(random), where(random));
+          ASSERT_GE(signedDistance(shape, x) - 0.008, bound(x) - 1e-12)
+              << "shape " << static_cast<int>(shape.type) << ", a " << a.transpose() << ", b "
+              << b.transpose() << ", at " << x.transpose();
+        }
+      }
+    }
+  }
+}
+
+// A finger that lies on a face along it: the end that is nearer touches.
+TEST(ContactDistance, AlongAFace_IsAtTheNearerEnd) {
+  const Shape box = shapes().front();
+  const Vector3d a(-0.01, 0.0, 0.02), b(0.01, 0.0, 0.02);
+  const Vector3d tilt(0.0, 0.0, 1e-9);
+  EXPECT_EQ(contactDistance(box, a, b + tilt, 0.008, kInfinity).along, 0.0);
+  EXPECT_EQ(contactDistance(box, a + tilt, b, 0.008, kInfinity).along, 1.0);
+  EXPECT_NEAR(contactDistance(box, a, b, 0.008, kInfinity).distance_m, 0.002, 1e-15);
+}
+
+}  // namespace
+}  // namespace wholehand::test

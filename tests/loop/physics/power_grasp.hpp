@@ -1,0 +1,48 @@
+#pragma once
+
+#include "loop/physics/engine_bench.hpp"
+#include "loop/physics/still_hand.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+namespace wholehand::test {
+
+inline constexpr double kLever_m = 0.08;  ///< of a fingertip
+
+/// A person who moves the hand to a thing, opposes the thumb, and then holds fingers and thumb at
+/// an effort at the tips.
+struct PowerGrasp {
+  double tip_n;
+  AxisPosition q_m{6};
+  AxisEffort coupling{6};  ///< of the last tick
+  std::unique_ptr<Rig> rig;
+
+  PowerGrasp(double effort_tip_n, const SceneBody& thing,
+             const std::function<AxisPosition(int)>& script)
+      : tip_n(effort_tip_n) {
+    Models m = load(shippedFiles());
+    m.scene.bodies = {thing};
+    q_m[1] = -0.1;
+    q_m[kFingers] = 65.0 * kDeg, q_m[kCircumduction] = 5.0 * kDeg;
+    rig = buildScripted(std::move(m), script);
+  }
+  /// Leads the hand on, at a reading.
+  void grasp(int read) {
+    if (read < 1000) {
+      q_m[1] = -0.1 * (1.0 - 1e-3 * read);
+    } else if (read < 1500) {
+      q_m[kCircumduction] += 0.03 * kDeg;
+    } else {
+      for (const int axis : {kFingers, kThumb}) {
+        const double missing_n = tip_n + coupling[axis] / kLever_m;
+        q_m[axis] += std::clamp(1e-3 * missing_n, -2e-3, 2e-3);
+        const DeviceAxis& range = rig->models.device.axes[axis];
+        q_m[axis] = std::clamp(q_m[axis], range.lower, range.upper);
+      }
+    }
+  }
+};
+
+}  // namespace wholehand::test

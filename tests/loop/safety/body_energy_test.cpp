@@ -1,0 +1,251 @@
+// What bodies hold, receive and gain, against closed forms of mechanics.
+#include "loop/safety/body_energy.hpp"
+
+#include "support/constants.hpp"
+#include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kMass_kg = 0.4, kRadius_m = 0.05;
+
+/// A ball that moves, a wall that does not, and the states that an engine would report.
+class Watched {
+ public:
+  Watched() {
+    scene_.bodies = {ball({0.0, 0.0, 1.0}, kRadius_m, kMass_kg), wall({1.0, 0.0, 0.0}, 0.5)};
+    bodies_ = std::make_unique<BodyEnergy>(scene_, kPeriod_s);
+    record_.body_count = 2;
+  }
+  BodyState& state(int body) { return record_.bodies[body]; }
+  Contact& touch(int body) {
+    Contact& contact = contacts_[count_++];
+    contact.body = body;
+    return contact;
+  }
+  /// After a step.
+  void see(const PoolEnergy& pool = {}) {
+    bodies_->advance(record_, contacts_.data(), count_, pool);
+    count_ = 0;
+  }
+  void place(int body, const Vec3& at_m, const Vec3& velocity_m_s) {
+    BodyPlacements placed;
+    placed.count = 1;
+    placed.items[0].body = body;
+    placed.items[0].position_m = at_m;
+    placed.items[0].velocity_m_s = velocity_m_s;
+    bodies_->notePlaced(placed, record_);
+    record_.bodies[body].position_m = at_m;
+    record_.bodies[body].velocity_m_s = velocity_m_s;
+  }
+  [[nodiscard]] double held() const { return bodies_->energy().held_j; }
+  [[nodiscard]] double received() const { return bodies_->energy().received_j; }
+  [[nodiscard]] double gained() const { return bodies_->gained_j(); }
+
+ private:
+  SceneModel scene_;
+  std::unique_ptr<BodyEnergy> bodies_;
+  TickRecord record_;
+  std::array<Contact, 4> contacts_{};
+  int count_ = 0;
+};
+
+TEST(BodyEnergy, OfABallThatFalls_IsWhatGravityGave) {
+  Watched w;
+  w.see();
+  double received_j = 0.0;
+  for (int k = 1; k <= 1000; ++k) {  // symplectic Euler, as every engine steps
+    w.state(0).velocity_m_s.z -= 9.81 * kPeriod_s;
+    w.see();
+    received_j += w.received();
+    ASSERT_NEAR(w.gained(), 0.0, 1e-12);
+  }
+  EXPECT_NEAR(w.held(), 0.5 * kMass_kg * 9.81 * 9.81, 1e-9);
+  EXPECT_NEAR(received_j, w.held(), 1e-9);
+}
+
+/// A ball of kMass_kg on a joint, at its start.
+SceneModel onJoint(const SceneJoint& joint) {
+  SceneModel scene;
+  scene.gravity_m_s2.setZero();
+  scene.bodies = {ball({0.3, 0.0, 0.1}, kRadius_m, kMass_kg)};
+  scene.bodies[0].joint = joint;
+  return scene;
+}
+
+// A mass on a spring, let go at A: ½ m v² + ½ k x² stays ½ k A², and nobody gave anything.
+TEST(BodyEnergy, OfAMassOnASpring_StaysWhatWasStored) {
+  SceneJoint joint;
+  joint.type = SceneJoint::Type::kSlide;
+  joint.axis = Eigen::Vector3d::UnitY();
+  joint.spring_stiffness = 300.0;
+  const SceneModel scene = onJoint(joint);
+  BodyEnergy energy(scene, kPeriod_s);
+  TickRecord record;
+  record.body_count = 1;
+  const double rate = std::sqrt(300.0 / kMass_kg), far_m = 0.015;
+  for (int k = 0; k < 1000; ++k) {
+    const double phase = rate * kPeriod_s * k;
+    record.bodies[0].position_m = {0.3, far_m * std::cos(phase), 0.1};
+    record.bodies[0].velocity_m_s = {0.0, -far_m * rate * std::sin(phase), 0.0};
+    energy.advance(record, nullptr, 0, {});
+    ASSERT_NEAR(energy.energy().held_j, 33.75e-3, 1e-12) << k;  // 300 N/m, 15 mm
+    ASSERT_NEAR(energy.gained_j(), 0.0, 1e-12) << k;
+    ASSERT_EQ(energy.energy().received_j, 0.0) << k;
+  }
+}
+
+// Turned from detent to detent a latch stores U₀ sin²(n q/2), through whole turns; an
+// exercise that puts it on top gave U₀.
+TEST(BodyEnergy, OfALatch_IsWhatIsStoredAndWhatAPlacementGave) {
+  SceneJoint joint;
+  joint.axis = Eigen::Vector3d::UnitZ();
+  joint.latch_energy_j = 0.02;
+  joint.latch_wave = 5.0;
+  const SceneModel scene = onJoint(joint);
+  BodyEnergy energy(scene, kPeriod_s);
+  TickRecord record;
+  record.body_count = 1;
+  record.bodies[0].position_m = {0.3, 0.0, 0.1};
+  const auto turned = [](double q) {
+    return QuatXyzw::from(Eigen::Quaterniond(Eigen::AngleAxisd(q, Eigen::Vector3d::UnitZ())));
+  };
+  for (int k = 0; k < 500; ++k) {
+    const double q = 0.02 * k;  // more than a turn
+    record.bodies[0].orientation_xyzw = turned(q);
+    energy.advance(record, nullptr, 0, {});
+    ASSERT_NEAR(energy.energy().held_j, 0.02 * std::pow(std::sin(2.5 * q), 2), 1e-13) << k;
+  }
+  record.bodies[0].orientation_xyzw = turned(0.0);
+  energy.advance(record, nullptr, 0, {});
+  BodyPlacements placed;
+  placed.count = 1;
+  placed.items[0] = {0, 0, record.bodies[0].position_m, turned(kPi / 5.0), {}};
+  energy.notePlaced(placed, record);
+  record.bodies[0].orientation_xyzw = turned(kPi / 5.0);
+  energy.advance(record, nullptr, 0, {});
+  EXPECT_NEAR(energy.energy().received_j, 0.02, 1e-13);
+  EXPECT_NEAR(energy.energy().held_j, 0.02, 1e-13);
+  EXPECT_NEAR(energy.gained_j(), 0.0, 1e-13);
+}
+
+TEST(BodyEnergy, OfASpinningBall_IsThatOfAnyTurn) {
+  Watched w;
+  w.state(0).angular_velocity_rad_s = {3.0, -4.0, 12.0};
+  w.state(0).orientation_xyzw = QuatXyzw{0.5, 0.5, 0.5, 0.5};
+  w.see();
+  EXPECT_NEAR(w.held(), 0.5 * 0.4 * kMass_kg * kRadius_m * kRadius_m * 169.0, 1e-12);
+}
+
+TEST(BodyEnergy, PushedByTheHand_GainsNothingByItself) {
+  // 3 N for a millisecond beside the centre: v = f T / m, ω = r × f T / I.
+  Watched w;
+  w.see();
+  const Vec3 push_n{3.0, 0.0, 0.0};
+  w.state(0).velocity_m_s.x = 3.0 * kPeriod_s / kMass_kg;
+  w.state(0).velocity_m_s.z = -9.81 * kPeriod_s;
+  w.state(0).angular_velocity_rad_s.z =
+      -0.03 * 3.0 * kPeriod_s / (0.4 * kMass_kg * kRadius_m * kRadius_m);
+  Contact& touch = w.touch(0);
+  touch.point_m = {0.0, 0.03, 0.0};
+  touch.force_n = {-push_n.x, 0.0, 0.0};  // on the hand
+  w.see();
+  EXPECT_NEAR(w.gained(), 0.0, 1e-12);
+  EXPECT_GT(w.held(), 1e-5);
+}
+
+TEST(BodyEnergy, GivenByAMotor_IsGained) {
+  Watched w;
+  w.see();
+  w.state(0).velocity_m_s = {0.0, 2.0, -9.81 * kPeriod_s};
+  w.see();
+  EXPECT_NEAR(w.gained(), 0.5 * kMass_kg * 4.0, 1e-12);
+  EXPECT_NEAR(w.received(), 0.5 * kMass_kg * 9.81 * 9.81 * kPeriod_s * kPeriod_s, 1e-12);
+}
+
+TEST(BodyEnergy, ThrownByAnExercise_IsReceived) {
+  Watched w;
+  w.see();
+  w.place(0, {0.2, 0.0, 1.0}, {0.0, 0.0, 3.0});
+  w.state(0).velocity_m_s.z -= 9.81 * kPeriod_s;
+  w.see();
+  EXPECT_NEAR(w.gained(), 0.0, 1e-12);
+  EXPECT_NEAR(w.received(), w.held(), 1e-12);
+  // Caught and put down: that gives nothing.
+  w.place(0, {0.2, 0.0, 1.0}, {});
+  w.state(0).velocity_m_s.z -= 9.81 * kPeriod_s;
+  w.see();
+  EXPECT_LE(w.received(), 1e-4);
+  EXPECT_NEAR(w.gained(), 0.0, 1e-12);
+}
+
+TEST(BodyEnergy, OfAWallThatAnExerciseMoves_GoesToTheHand) {
+  Watched w;
+  w.see();
+  w.place(1, {0.5, 0.0, 0.0}, {-0.2, 0.0, 0.0});
+  w.state(0).velocity_m_s = {-0.1, 0.0, -9.81 * kPeriod_s};  // it pushes the ball, too
+  w.touch(1).force_n = {-5.0, 1.0, 0.0};
+  w.see();
+  const double gravity_j = 0.5 * kMass_kg * 9.81 * 9.81 * kPeriod_s * kPeriod_s;
+  EXPECT_NEAR(w.received(), gravity_j + 5.0 * 0.2 * kPeriod_s + 0.5 * kMass_kg * 0.01, 1e-12);
+  EXPECT_EQ(w.gained(), 0.0);
+}
+
+TEST(BodyEnergy, OfABodyLaidToRest_IsLostAndNotOwed) {
+  Watched w;
+  w.state(0).velocity_m_s.x = 1e-3;
+  w.see();
+  w.state(0).velocity_m_s = {};
+  w.see();
+  EXPECT_EQ(w.held(), 0.0);
+  EXPECT_LE(w.gained(), 0.0);
+}
+
+TEST(BodyEnergy, OfAGame_IsWhatItsPoolReports) {
+  Watched w;
+  w.see({1.0, 5.0});
+  EXPECT_EQ(w.received(), 0.0);  // before the first step
+  w.state(0).velocity_m_s.z = -9.81 * kPeriod_s;
+  w.see({3.0, 2.0});
+  EXPECT_GE(w.received(), 2.0);
+  EXPECT_NEAR(w.gained(), 0.0, 1e-12);
+  w.see({3.5, 0.0});
+  EXPECT_NEAR(w.gained(), 0.5, 1e-3);
+}
+
+TEST(BodyEnergy, OfNoNumber_IsNoNumber) {
+  Watched w;
+  w.see();
+  w.state(0).velocity_m_s.x = std::nan("");
+  w.see();
+  EXPECT_FALSE(w.gained() <= 1.0);
+}
+
+// Two balls collide, of any masses: contacts between bodies make no energy, whatever the direction.
+TEST(BodyEnergy, OfImpacts_NeverRises) {
+  auto random = seededRandom(81);
+  for (int i = 0; i < cases(200); ++i) {
+    SceneModel scene;
+    scene.gravity_m_s2.setZero();
+    const double a_kg = uniform(random, 1e-3, 5.0), b_kg = uniform(random, 1e-3, 5.0);
+    scene.bodies = {ball({}, 0.02, a_kg), ball({}, 0.02, b_kg)};
+    BodyEnergy bodies(scene, kPeriod_s);
+    TickRecord record;
+    record.body_count = 2;
+    const double v_a = uniform(random, 0.0, 15.0), v_b = uniform(random, -15.0, 0.0);
+    record.bodies[0].velocity_m_s.x = v_a;
+    record.bodies[1].velocity_m_s.x = v_b;
+    bodies.advance(record, nullptr, 0, {});
+    const double together = (a_kg * v_a + b_kg * v_b) / (a_kg + b_kg);
+    record.bodies[0].velocity_m_s.x = record.bodies[1].velocity_m_s.x = together;
+    bodies.advance(record, nullptr, 0, {});
+    const double lost_j = 0.5 * a_kg * b_kg / (a_kg + b_kg) * (v_a - v_b) * (v_a - v_b);
+    EXPECT_NEAR(bodies.gained_j(), -lost_j, 1e-9 * (1.0 + lost_j));
+  }
+}
+
+}  // namespace
+}  // namespace wholehand::test

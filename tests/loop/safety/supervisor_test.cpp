@@ -1,0 +1,409 @@
+// What the supervisor takes for a fault, from both sides of every limit. Expected values are the
+// limits themselves: a motion a hair below passes, a hair above does not.
+#include "loop/safety/supervisor.hpp"
+
+#include "loop/safety/safety_chain.hpp"
+#include "support/axes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kT_s = 1e-3;
+constexpr double kCount = 1e-5;  // encoder step of the translations
+
+/// x, y and a finger: 1.5 m/s and 10 rad/s, ranges of 0.2 m and 3 rad, margins of 5 mm and 0.03
+/// rad.
+DeviceModel threeAxes() {
+  DeviceModel device;
+  for (int i = 0; i < 3; ++i) {
+    const bool hand = i == 2;
+    DeviceAxis axis;
+    axis.name = i == 0 ? "x" : i == 1 ? "y" : "finger_flexion";
+    axis.kind = hand ? AxisKind::kRotation : AxisKind::kTranslation;
+    axis.group = hand ? AxisGroup::kHand : AxisGroup::kBase;
+    axis.lower = hand ? 0.0 : -0.1;
+    axis.upper = hand ? 3.0 : 0.1;
+    axis.effort_limit = hand ? 0.8 : 20.0;
+    axis.effort_slew_limit = 250.0 * axis.effort_limit;
+    axis.speed_limit = hand ? 10.0 : 1.5;
+    axis.workspace_margin = hand ? 0.03 : 0.005;
+    axis.encoder_step = hand ? 1e-4 : kCount;
+    device.axes.push_back(axis);
+  }
+  device.watch = {5, 0.02, 1.0};
+  return device;
+}
+
+AxisPosition at(double x, double y = 0.0, double finger = 1.0) {
+  return of<AxisPosition>(x, y, finger);
+}
+
+AxisEffort effortOnX(double effort_n) {
+  return of<AxisEffort>(effort_n, 0.0, 0.0);
+}
+
+class DeviceWatch : public ::testing::Test {
+ protected:
+  Finding see(const AxisPosition& q, int elapsed = 1, const AxisEffort& sent = AxisEffort(3)) {
+    return watchDevice(state_, q, sent, elapsed, config_);
+  }
+  SupervisorConfig config_ = makeSupervisor(threeAxes(), kT_s, false);
+  DeviceWatchState state_;
+};
+
+TEST_F(DeviceWatch, AtRest_FindsNothingForEver) {
+  for (int k = 0; k < 5000; ++k) ASSERT_EQ(see(at(0.05)).faults, Fault::kNone) << k;
+}
+
+TEST_F(DeviceWatch, AtRestAtAHundredHertz_FindsNothingForEver) {
+  DeviceModel device = threeAxes();
+  config_ = makeSupervisor(device, 0.01, false);
+  ASSERT_GT(config_.watch.late_in_a_row, 0);
+  for (int k = 0; k < 1000; ++k) ASSERT_EQ(see(at(0.05)).faults, Fault::kNone) << k;
+}
+
+// |Δq| = v T + 2 δ is allowed: 1.5 mm and two counts.
+TEST_F(DeviceWatch, JustBelowTheSpeedLimit_FindsNothing) {
+  see(at(0.0));
+  EXPECT_EQ(see(at(1.5e-3 + 2.0 * kCount - 1e-9)).faults, Fault::kNone);
+  EXPECT_EQ(see(at(0.0)).faults, Fault::kNone);  // backwards too
+}
+
+TEST_F(DeviceWatch, JustAboveTheSpeedLimit_IsASpeedFaultOfThatAxis) {
+  for (const double sign : {1.0, -1.0}) {
+    state_ = DeviceWatchState{};
+    const double way = 1.5e-3 + 2.0 * kCount + 1e-9;
+    see(at(0.0));
+    EXPECT_EQ(see(at(sign * way)).faults, Fault::kNone);  // one reading may be late
+    const Finding finding = see(at(sign * 2.0 * way));
+    EXPECT_EQ(finding.faults, Fault::kSpeedLimit);
+    EXPECT_EQ(finding.axis, 0);
+  }
+}
+
+TEST_F(DeviceWatch, FingerTooFast_NamesTheFinger) {
+  const double way = 1e-2 + 2e-4 + 1e-7;
+  see(at(0.0));
+  see(at(0.0, 0.0, 1.0 + way));
+  const Finding finding = see(at(0.0, 0.0, 1.0 + 2.0 * way));
+  EXPECT_EQ(finding.faults, Fault::kSpeedLimit);
+  EXPECT_EQ(finding.axis, 2);
+}
+
+// Three times that way is no motion any more: 3 v T + 2 δ, and is reported in the first tick.
+TEST_F(DeviceWatch, ThreeTimesTheSpeedLimit_IsAJumpJustAboveAndSpeedJustBelow) {
+  const double jump = 4.5e-3 + 2.0 * kCount;
+  see(at(0.0));
+  see(at(jump - 1e-9));
+  EXPECT_EQ(see(at(2.0 * (jump - 1e-9))).faults, Fault::kSpeedLimit);
+  state_ = DeviceWatchState{};
+  see(at(0.0));
+  const Finding finding = see(at(jump + 1e-9));
+  EXPECT_EQ(finding.faults, Fault::kEncoderJump);
+  EXPECT_EQ(finding.axis, 0);
+}
+
+TEST_F(DeviceWatch, AfterSkippedPeriods_AllowsTheirWayToo) {
+  see(at(0.0));
+  EXPECT_EQ(see(at(4.0 * 1.5e-3), 4).faults, Fault::kNone);
+  EXPECT_EQ(see(at(8.0 * 1.5e-3 + 1e-4), 4).faults, Fault::kNone);
+  EXPECT_EQ(see(at(12.0 * 1.5e-3 + 2e-4), 4).faults, Fault::kSpeedLimit);  // the second
+}
+
+TEST_F(DeviceWatch, FirstReading_KnowsNoSpeed) {
+  EXPECT_EQ(see(at(0.09)).faults, Fault::kNone);
+}
+
+// A twentieth of the range, 0.2 m, and two counts.
+TEST_F(DeviceWatch, FirstReadingSinceArming_MayBeATwentiethOfTheRangeAway) {
+  const double way = 0.01 + 2.0 * kCount;
+  for (const double sign : {1.0, -1.0}) {
+    state_ = DeviceWatchState{};
+    state_.q = at(0.02);
+    EXPECT_EQ(see(at(0.02 + sign * (way - 1e-9))).faults, Fault::kNone);
+    state_ = DeviceWatchState{};
+    state_.q = at(0.02);
+    const Finding moved = see(at(0.02 + sign * (way + 1e-9)));
+    EXPECT_EQ(moved.faults, Fault::kSpeedLimit);
+    EXPECT_EQ(moved.axis, 0);
+    EXPECT_EQ(see(at(0.02 + sign * (way + 1e-9))).faults, Fault::kNone);  // said once
+  }
+}
+
+TEST_F(DeviceWatch, Workspace_EndsAtTheMarginBeyondTheRange) {
+  EXPECT_EQ(see(at(0.105 - 1e-9)).faults, Fault::kNone);
+  state_ = DeviceWatchState{};
+  const Finding beyond = see(at(0.0, -0.105 - 1e-9));
+  EXPECT_EQ(beyond.faults, Fault::kWorkspace);  // at once: arm() asks so
+  EXPECT_EQ(beyond.axis, 1);
+}
+
+TEST_F(DeviceWatch, LateTicks_FiveInARowPassTheSixthStops) {
+  see(at(0.0));
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(see(at(0.0), 2).faults, Fault::kNone) << k;
+  EXPECT_EQ(see(at(0.0), 2).faults, Fault::kLateInARow);
+}
+
+TEST_F(DeviceWatch, LateTicksWithOneOnTime_CountAnew) {
+  see(at(0.0));
+  for (int k = 0; k < 60; ++k) EXPECT_EQ(see(at(0.0), k % 6 == 5 ? 1 : 2).faults, Fault::kNone);
+}
+
+TEST_F(DeviceWatch, Gap_OfTwentyPeriodsPassesTwentyOneStop) {
+  see(at(0.0));
+  EXPECT_EQ(see(at(0.0), 20).faults, Fault::kNone);
+  EXPECT_EQ(see(at(0.0), 21).faults, Fault::kLongGap);
+}
+
+/// Gaps of so many periods every so many ticks: which one is reported, counted from 1; 0: none.
+int reportedGap(const SupervisorConfig& config, int periods, int every, int gaps) {
+  DeviceWatchState state;
+  for (int k = 0; k <= gaps * every; ++k) {
+    const bool gap = k > 0 && k % every == 0;
+    const Finding f = watchDevice(state, at(0.0), AxisEffort(3), gap ? periods : 1, config);
+    if (f.faults != Fault::kNone) return f.faults == Fault::kLateInARow ? k / every : -1;
+  }
+  return 0;
+}
+
+// Each takes some of the device's own loop away: three in a second pass, the fourth stops.
+TEST_F(DeviceWatch, GapsOfMoreThanFiveMilliseconds_FourWithinASecondStop) {
+  EXPECT_EQ(reportedGap(config_, 6, 50, 100), 4);
+  EXPECT_EQ(reportedGap(config_, 6, 100, 100), 4);
+  EXPECT_EQ(reportedGap(config_, 6, 328, 100),
+            4);  // 333 ms apart: the fourth 999 ms after the first
+  EXPECT_EQ(reportedGap(config_, 6, 329, 100), 0);  // 334 ms apart, for ever
+  EXPECT_EQ(reportedGap(config_, 5, 50, 100), 0);   // five milliseconds are none
+  EXPECT_EQ(reportedGap(makeSupervisor(threeAxes(), kT_s, true), 6, 50, 100), 0);
+}
+
+TEST_F(DeviceWatch, SimulatedDevice_IsAskedForNeitherTimeNorEncoders) {
+  config_ = makeSupervisor(threeAxes(), kT_s, true);
+  see(at(0.0));
+  for (int k = 0; k < 3000; ++k) {
+    ASSERT_EQ(see(at(0.0), 30, effortOnX(k % 2 == 0 ? 20.0 : -20.0)).faults, Fault::kNone);
+  }
+}
+
+/// Ticks until kEncoderStuck, at most `most`; `motion` gives reading and effort of tick k.
+template <class Motion>
+int stuckAfter(SupervisorConfig config, int most, Motion motion, int* axis = nullptr) {
+  DeviceWatchState state;
+  for (int k = 0; k < most; ++k) {
+    const auto [q, sent] = motion(k);
+    const Finding finding = watchDevice(state, q, sent, 1, config);
+    if (any(finding.faults & Fault::kEncoderStuck)) {
+      if (axis != nullptr) *axis = finding.axis;
+      return k;
+    }
+  }
+  return -1;
+}
+
+// A fifth of 20 N is 4 N.
+TEST_F(DeviceWatch, StandingStillWhileItsEffortChanges_IsStuckAfterASecond) {
+  int axis = -1;
+  const auto sways = [](double amplitude) {
+    return [amplitude](int k) {
+      return std::pair{at(0.02), effortOnX(amplitude * std::sin(0.02 * k))};
+    };
+  };
+  EXPECT_EQ(stuckAfter(config_, 5000, sways(2.01), &axis), 1000);
+  EXPECT_EQ(axis, 0);
+  EXPECT_EQ(stuckAfter(config_, 5000, sways(1.99)), -1);  // too little to be sure
+}
+
+TEST_F(DeviceWatch, BrokenEncoderThatFlickersOneCount_IsStuckTwoCountsAreMotion) {
+  const auto flickers = [](double counts) {
+    return [counts](int k) {
+      return std::pair{at(0.02 + (k % 2) * counts * kCount), effortOnX(5.0 * std::sin(0.02 * k))};
+    };
+  };
+  EXPECT_EQ(stuckAfter(config_, 5000, flickers(1.0)), 1000);
+  EXPECT_EQ(stuckAfter(config_, 5000, flickers(2.0)), -1);
+}
+
+// A late reading makes one step long and the next short: no speed.
+TEST_F(DeviceWatch, EverySecondReadingLate_IsNoSpeedFault) {
+  for (int k = 0; k < 100; ++k) {
+    const double q = 1.0e-3 * (k % 2 == 0 ? k : k + 0.8) - 0.05;
+    ASSERT_EQ(see(at(q)).faults, Fault::kNone) << k;
+  }
+}
+
+// A second is any second: two gaps close together are no worse than two at its ends.
+TEST_F(DeviceWatch, GapsSpreadUnevenly_FourWithinAnySecondStop) {
+  const auto reported = [this](std::initializer_list<int> on_time_before) {
+    state_ = DeviceWatchState{};
+    see(at(0.0));
+    int gap = 0;
+    for (const int ticks : on_time_before) {
+      for (int k = 0; k < ticks; ++k) EXPECT_EQ(see(at(0.0)).faults, Fault::kNone);
+      ++gap;
+      if (see(at(0.0), 6).faults == Fault::kLateInARow) return gap;
+    }
+    return 0;
+  };
+  // From the first to the fourth 999 and 1,001 periods.
+  EXPECT_EQ(reported({100, 0, 0, 981}), 4);
+  EXPECT_EQ(reported({100, 0, 0, 983}), 0);
+  EXPECT_EQ(reported({100, 981, 0, 0}), 4);
+  EXPECT_EQ(reported({100, 983, 0, 0}), 0);
+  EXPECT_EQ(reported({100, 0, 981, 0}), 4);
+  EXPECT_EQ(reported({100, 0, 983, 0}), 0);
+}
+
+// y's range is 0.2 m: five of them.
+TEST_F(DeviceWatch, BaseAxisThatStandsStillWhileTheArmTravels_IsStuck) {
+  int axis = -1;
+  const auto y_moves = [](int k) {
+    return std::pair{at(0.02, 0.05 * std::sin(0.01 * k)), AxisEffort(3)};
+  };
+  EXPECT_NEAR(stuckAfter(config_, 5000, y_moves, &axis), 3143, 2);
+  EXPECT_EQ(axis, 0);
+}
+
+TEST_F(DeviceWatch, AxisThatRestsForAReason_IsNotStuck) {
+  const auto arm_moves = [](int k) {
+    return std::pair{at(0.05 * std::cos(0.01 * k), 0.05 * std::sin(0.01 * k)), AxisEffort(3)};
+  };
+  const auto fingers_move = [](int k) {
+    return std::pair{at(0.02, 0.03, 1.5 + std::sin(0.005 * k)), AxisEffort(3)};
+  };
+  const auto pressed_at_its_stop = [](int k) {
+    return std::pair{at(0.097), effortOnX(10.0 + 10.0 * std::sin(0.02 * k))};
+  };
+  EXPECT_EQ(stuckAfter(config_, 20000, arm_moves), -1);
+  EXPECT_EQ(stuckAfter(config_, 20000, fingers_move), -1);
+  EXPECT_EQ(stuckAfter(config_, 20000, pressed_at_its_stop), -1);
+}
+
+// ---- the world
+
+TickRecord worldWith(int bodies) {
+  TickRecord r;
+  r.body_count = bodies;
+  r.qd_s = AxisVelocity(3);
+  return r;
+}
+
+class AvatarWatch : public ::testing::Test {
+ protected:
+  Fault see(const TickRecord& r) { return watchAvatar(state_, r, config_); }
+  SupervisorConfig config_ = makeSupervisor(threeAxes(), kT_s, false);
+  AvatarWatchState state_;
+};
+
+TEST_F(AvatarWatch, NoNumber_IsAnExplosion) {
+  TickRecord r = worldWith(0);
+  r.qd_s[1] = std::nan("");
+  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+}
+
+TEST_F(AvatarWatch, HandTenTimesTooFast_IsAnExplosion) {
+  TickRecord r = worldWith(0);
+  r.qd_s[0] = 14.99;
+  EXPECT_EQ(see(r), Fault::kNone);
+  r.qd_s[0] = -15.01;
+  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+}
+
+TEST_F(AvatarWatch, HandThatCatchesUpAfterAStall_IsNoExplosionWhereGapsAreOnlyCounted) {
+  config_ = makeSupervisor(threeAxes(), kT_s, true);
+  TickRecord r = worldWith(0);
+  r.elapsed_periods = 6;
+  EXPECT_EQ(see(r), Fault::kNone);
+  r.elapsed_periods = 1;
+  r.qd_s[2] = 200.0;
+  for (int k = 1; k < 200; ++k) ASSERT_EQ(see(r), Fault::kNone) << k;
+  see(r);
+  EXPECT_EQ(see(r), Fault::kBodiesExploded);  // 0.2 s are over
+}
+
+TEST_F(AvatarWatch, HandTooFastAfterAGapThatIsWatched_IsAnExplosion) {
+  TickRecord r = worldWith(0);
+  r.elapsed_periods = 6;
+  r.qd_s[2] = 200.0;
+  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+}
+
+// ---- the state
+
+TEST(SafetyState, EveryTransition_IsTheOneOfTheTable) {
+  using S = SafetyState;
+  const Fault none = Fault::kNone, fault = Fault::kSpeedLimit;
+  EXPECT_EQ(nextSafetyState(S::kArmed, none, false, 0.5), S::kArmed);
+  EXPECT_EQ(nextSafetyState(S::kArmed, none, false, 1.0), S::kRendering);
+  EXPECT_EQ(nextSafetyState(S::kRendering, none, false, 1.0), S::kRendering);
+  EXPECT_EQ(nextSafetyState(S::kRendering, none, false, 0.3), S::kRendering);  // on its way
+  EXPECT_EQ(nextSafetyState(S::kRendering, none, true, 0.0), S::kDisarmed);
+  EXPECT_EQ(nextSafetyState(S::kArmed, none, true, 0.0), S::kDisarmed);
+  for (const S state : {S::kArmed, S::kRendering, S::kFaulted}) {
+    for (const bool at_neutral : {false, true}) {
+      EXPECT_EQ(nextSafetyState(state, fault, at_neutral, 0.0), S::kFaulted);
+    }
+  }
+}
+
+// Every order in which a stop, an arming and a tick may come.
+
+TEST(StopRequests, NobodyAsked_NothingIsSaid) {
+  StopRequests stops;
+  EXPECT_FALSE(stops.consumeUnseen());
+  EXPECT_TRUE(stops.arm());
+  EXPECT_EQ(stops.pending(), Fault::kNone);
+}
+
+TEST(StopRequests, AskedBeforeArming_IsSeenOnce) {
+  StopRequests stops;
+  stops.request();
+  EXPECT_TRUE(stops.consumeUnseen());
+  EXPECT_FALSE(stops.consumeUnseen());
+  ASSERT_TRUE(stops.arm());
+  EXPECT_EQ(stops.pending(), Fault::kNone) << "an old stop ended a new session";
+}
+
+TEST(StopRequests, AskedWhileArming_RefusesThatArmingOnly) {
+  StopRequests stops;
+  EXPECT_FALSE(stops.consumeUnseen());
+  stops.requestEmergency();
+  EXPECT_FALSE(stops.arm());
+  EXPECT_FALSE(stops.consumeUnseen()) << "it was reported already";
+  EXPECT_TRUE(stops.arm());
+  EXPECT_EQ(stops.pending(), Fault::kNone);
+}
+
+TEST(StopRequests, AskedOnceArmed_IsSaidInEveryTickFromThenOn) {
+  StopRequests stops;
+  ASSERT_TRUE(stops.arm());
+  stops.request();
+  EXPECT_EQ(stops.pending(), Fault::kStopRequested);
+  EXPECT_EQ(stops.pending(), Fault::kStopRequested);
+  stops.requestEmergency();
+  EXPECT_EQ(stops.pending(), Fault::kStopRequested | Fault::kEmergencyStop);
+}
+
+TEST(StopRequests, SeenByATick_DoesNotRefuseTheNextArming) {
+  StopRequests stops;
+  ASSERT_TRUE(stops.arm());
+  stops.requestEmergency();
+  EXPECT_TRUE(any(stops.pending()));
+  EXPECT_FALSE(stops.consumeUnseen());
+  ASSERT_TRUE(stops.arm());
+  EXPECT_EQ(stops.pending(), Fault::kNone);
+}
+
+TEST(StopRequests, AskedAfterTheLastTick_RefusesTheNextArming) {
+  StopRequests stops;
+  ASSERT_TRUE(stops.arm());
+  EXPECT_EQ(stops.pending(), Fault::kNone);
+  stops.request();
+  EXPECT_TRUE(stops.consumeUnseen());
+}
+
+}  // namespace
+}  // namespace wholehand::test
